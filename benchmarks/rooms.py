@@ -48,9 +48,10 @@ def sizes(sources: Iterable[tuple[str, str]]) -> dict[str, Size]:
     for path, source in sources:
         parts = path.split("/")
         room = "/".join(parts[:2]) if parts[0] in SPLIT and len(parts) > 2 else parts[0] if len(parts) > 1 else "."
+        lines, code = len(source.splitlines()), code_lines(source)
         for name in (room, "all"):
-            files, lines, code = found.get(name, Size())
-            found[name] = Size(files + 1, lines + len(source.splitlines()), code + code_lines(source))
+            before = found.get(name, Size())
+            found[name] = Size(before.files + 1, before.lines + lines, before.code + code)
     return dict(sorted(found.items(), key=lambda item: (item[0] == "all", item[0])))
 
 

@@ -81,11 +81,18 @@ FIRST = (
     "viewer/test_page.py",  # waits for a browser
     "benchmarks/paper/test_experiments.py",  # takes long
     "benchmarks/clutter/test_clutter.py",
+    "test_arguments.py",  # checks types, which takes long where that was not done before
+    "benchmarks/motion/places/test_known.py",
+    "benchmarks/places/test_places.py",
+    "batch/test_deaths.py",
+    "test_cookbook.py",
+    "derivatives/test_derivative.py",
 )
-"""Files that come first: they compile most, and two processes that began alike would compile the same."""
+"""Files that come first: they compile most, and two processes that began alike would compile the same; then those that
+take longest, so that none of these is left for one process at the end."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files that compile most in front."""
+    """Put the files that compile most, and those that take longest, in front."""
     places = {(HERE / name).resolve(strict=True): place for place, name in enumerate(FIRST)}
     items.sort(key=lambda item: places.get(item.path, len(FIRST)))

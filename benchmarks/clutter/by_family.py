@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterable
 from time import thread_time
-from typing import Annotated, TypeVar
+from typing import Annotated, NoReturn, TypeVar
 
+import numpy as np
 import typer
 
 from benchmarks.harness.experiment import chosen
@@ -45,6 +46,23 @@ def of_places(
     places = [(family, 1000 * seed + i) for family in families_of(pieces) for i in range(count)]
     ignore_suspicions()
     return [row for rows in in_processes(examined, places, alone=alone) for row in rows]
+
+
+def of_families(examined: Callable[[str], Row], pieces: list[str] | None, alone: bool) -> list[Row]:
+    """Examine every family that is chosen, by its name, and return what came of it."""
+    ignore_suspicions()
+    return list(in_processes(examined, families_of(pieces), alone=alone))
+
+
+def tell(lines: Iterable[str], wrong: bool) -> NoReturn:
+    """Print lines, and end with 1 where something is wrong."""
+    typer.echo("\n".join(lines))
+    raise typer.Exit(int(wrong))
+
+
+def quantiles(seconds: list[float]) -> tuple[float, ...]:
+    """Return median, 95th percentile and worst of times, in ms; NaN of none."""
+    return tuple((1e3 * np.quantile(seconds, [0.5, 0.95, 1.0])).tolist()) if seconds else (np.nan,) * 3
 
 
 def families_of(pieces: list[str] | None) -> list[str]:

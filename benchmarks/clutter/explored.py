@@ -16,15 +16,13 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import typer
 
-from benchmarks.clutter.by_family import Alone, Pieces, families_of
+from benchmarks.clutter.by_family import Alone, Pieces, of_families, quantiles, tell
 from benchmarks.clutter.remembered import targets_about
 from benchmarks.harness.command import command
-from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.motion.judged import collides
 from benchmarks.motion.places.into import elsewhere
 from benchmarks.motion.places.motions import straight
 from benchmarks.places import make
-from benchmarks.solvers.parallel import in_processes
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.exploring.explore import explore
@@ -102,8 +100,8 @@ def measured(family: str, seed: int, count: int, rounds: int) -> Row | None:
         len(planned),
         len(solved),
         sum(bool(collides(place.robot, place.scene, motion.q)) for motion, _ in solved),
-        _times([spent for _, spent in solved]),
-        _times(also),
+        quantiles([spent for _, spent in solved]),
+        quantiles(also),
         f"{len(also)} of {len(without)}",
     )
 
@@ -112,10 +110,6 @@ def _planned(planner: Planner, start: Floats, goal: Goal) -> tuple[Motion, float
     began = thread_time()
     motion = planner.plan(start, goal)
     return motion, thread_time() - began
-
-
-def _times(seconds: list[float]) -> tuple[float, ...]:
-    return tuple((1e3 * np.quantile(seconds, [0.5, 0.95, 1.0])).tolist()) if seconds else (np.nan,) * 3
 
 
 def table(rows: Sequence[Row]) -> Iterator[str]:
@@ -141,11 +135,9 @@ def run(
     checks.integer("--seed", seed, 0, 2**31 - 1)
     checks.integer("--count", count, 2, 10_000)
     checks.integer("--rounds", rounds, 1, 100_000)
-    ignore_suspicions()
     work = partial(measured, seed=seed, count=count, rounds=rounds)
-    rows = [row for row in in_processes(work, families_of(piece), alone=alone) if row is not None]
-    typer.echo("\n".join(table(rows)))
-    raise typer.Exit(int(any(row.wrong for row in rows)))
+    rows = [row for row in of_families(work, piece, alone) if row is not None]
+    tell(table(rows), any(row.wrong for row in rows))
 
 
 main = command(run, "benchmarks.clutter.explored")

@@ -16,13 +16,11 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import typer
 
-from benchmarks.clutter.by_family import Alone, Pieces, families_of
+from benchmarks.clutter.by_family import Alone, Pieces, of_families, quantiles, tell
 from benchmarks.harness.command import command
-from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places import Place, make
 from benchmarks.places.place import feasible, right
-from benchmarks.solvers.parallel import in_processes
 from sinuous import checks
 from sinuous.problem.target import Target
 from sinuous.solution.solution import Solution
@@ -111,12 +109,8 @@ def measured(family: str, seed: int, count: int) -> Row:
         sum(not fine for _, fine, _ in solved + without),
         Counter(solution.start for solution, _, _ in solved)["remembered"],
         len(memory),
-        *(_times([spent for _, _, spent in answers]) for answers in found),
+        *(quantiles([spent for _, _, spent in answers]) for answers in found),
     )
-
-
-def _times(seconds: list[float]) -> tuple[float, ...]:
-    return tuple((1e3 * np.quantile(seconds, [0.5, 0.95, 1.0])).tolist()) if seconds else (np.nan,) * 3
 
 
 def table(rows: Sequence[Row]) -> Iterator[str]:
@@ -140,10 +134,8 @@ def run(
     """Print what remembered starts bring, by family of places."""
     checks.integer("--seed", seed, 0, 2**31 - 1)
     checks.integer("--count", count, 1, 10_000)
-    ignore_suspicions()
-    rows = list(in_processes(partial(measured, seed=seed, count=count), families_of(piece), alone=alone))
-    typer.echo("\n".join(table(rows)))
-    raise typer.Exit(int(any(row.wrong for row in rows)))
+    rows = of_families(partial(measured, seed=seed, count=count), piece, alone)
+    tell(table(rows), any(row.wrong for row in rows))
 
 
 main = command(run, "benchmarks.clutter.remembered")

@@ -14,7 +14,7 @@ from benchmarks.derivatives.differences import (
     Tangent,
     agreement,
     agreement_of_minima,
-    least_gap,
+    least_gaps,
     question,
     random_tangent,
 )
@@ -107,7 +107,7 @@ def _clearances(rng: Generator) -> Iterator[Compared]:
 
 def _gap_at(found: Solution, way: Tangent, h: float, motion: Floats) -> float:
     asked = question(found, way, h)
-    return least_gap(Problem(asked.robot, asked.targets, asked.scene), found.q + h * motion)
+    return float(least_gaps(Problem(asked.robot, asked.targets, asked.scene), (found.q + h * motion)[None])[0])
 
 
 def _preferred(rng: Generator) -> Iterator[Compared]:

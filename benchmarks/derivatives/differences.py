@@ -202,19 +202,24 @@ def minimum_again(found: Solution, way: Tangent, h: float) -> Floats | None:
     return moved.configuration if moved.regular else None
 
 
-def least_gap(problem: Problem, q: Floats) -> float:
-    """Least distance between the surface of the body and the obstacles, densely sampled and then refined."""
-    robot, least = problem.robot, np.inf
-    for k in range(len(robot)):  # each by itself: the nearest place may be just before the end of one
-        shares = np.linspace(0.0, 1.0, 401)
-        for _ in range(4):
-            parts = np.repeat(q[None], len(shares), axis=0)
-            parts[:, k] *= shares[:, None]
-            gaps = problem.scene.distance(robot.forward(parts)[:, k, :3, 3]) - robot.radii[k]
-            least = min(least, float(gaps.min()))
-            width, place = np.ptp(shares) / (len(shares) - 1), shares[int(gaps.argmin())]
-            shares = np.linspace(max(place - width, 0.0), min(place + width, 1.0), 41)
-    return least
+def least_gaps(problem: Problem, q: Floats) -> Floats:
+    """Least distances (m,) of bodies (m, n, 3) from the obstacles, densely sampled and then refined.
+
+    Each segment is refined by itself: the nearest place may be just before the end of one.
+    """
+    robot, scene = problem.robot, problem.scene
+    m, n = q.shape[:2]
+    width, shares = 1.0 / 400.0, np.tile(np.linspace(0.0, 1.0, 401), (m, n, 1))
+    for _ in range(4):
+        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[2], axis=2)
+        for k in range(n):
+            parts[:, k, :, k] *= shares[:, k, :, None]
+        poses = robot.forward(parts.reshape(-1, n, 3)).reshape(*parts.shape[:3], n, 4, 4)
+        places = np.stack([poses[:, k, :, k, :3, 3] for k in range(n)], axis=1)
+        table = scene.distance(places.reshape(-1, 3)).reshape(places.shape[:3]) - np.array(robot.radii)[:, None]
+        middle = np.take_along_axis(shares, table.argmin(axis=2)[..., None], axis=2)
+        shares, width = np.clip(middle + width * np.linspace(-1.0, 1.0, 41), 0.0, 1.0), width / 20.0
+    return np.asarray(table.min(axis=(1, 2)))
 
 
 class Agreement(NamedTuple):

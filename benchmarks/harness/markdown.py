@@ -20,6 +20,11 @@ def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
     return "\n".join(lines)
 
 
+def figure(value: float, form: str = "g") -> str:
+    """Text of a number; a median of nothing is none."""
+    return f"{value:{form}}" if math.isfinite(value) else "none"
+
+
 def span(seconds: float) -> str:
     """Text of a time in the unit that suits it, to three digits."""
     if not math.isfinite(seconds):

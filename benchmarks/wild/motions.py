@@ -67,6 +67,8 @@ def timed(seed: int, number: int) -> Judged:
     if len(shapes) < 2:
         return Judged(False, "")
     knots = np.concatenate([_way(one, other, int(rng.integers(*KNOTS)), rng) for one, other in pairwise(shapes)])
+    if not within_limits(world.robot, knots).all():
+        return Judged(False, "")
     motion = Motion(world.robot, knots, world.scene)
     unit, (bend, length) = world.robot.mean_length, rng.uniform(0.1, 3.0, 2)
     rates = Rates(bend, unit * length)

@@ -131,6 +131,8 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
     from sinuous.scene.prepared import sampling
 
     sampling.THREADS = 1  # threads write into one array, and each call is compared by itself
+    sampling.LEAST = sampling.MOST = 2**12  # more say the same, and take most of the time
+    sampling.CELLS = 500
     for step in steps():
         yield f"what is warmed for {step.what}", step.use
 

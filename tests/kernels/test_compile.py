@@ -1,6 +1,7 @@
 """Python calls entries alone: other kernels would run as Python, a thousand times as slowly."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import sinuous
@@ -9,12 +10,16 @@ from sinuous.kernels import compile as compiling
 PACKAGE = Path(sinuous.__file__).parent
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
 def decorated(file: Path, name: str) -> set[str]:
     """Functions of a file that stand under the decorator `name`."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
     return {
         node.name
-        for node in ast.walk(tree)
+        for node in parsed(file).body
         if isinstance(node, ast.FunctionDef)
         and any(isinstance(mark, ast.Name) and mark.id == name for mark in node.decorator_list)
     }
@@ -27,10 +32,9 @@ def module_of(file: Path) -> str:
 
 def imported(file: Path) -> set[tuple[str, str]]:
     """Module and name of what a file imports from the kernels."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
     return {
         (node.module or "", alias.name)
-        for node in ast.walk(tree)
+        for node in ast.walk(parsed(file))
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sinuous.kernels")
         for alias in node.names
     }
@@ -44,8 +48,8 @@ def test_only_entries_are_called_from_python() -> None:
     assert {"search", "search_many", "prefer"} <= {name for _, name in entries}
     assert not inner & entries
     for file in PACKAGE.rglob("*.py"):
-        if file not in kernels and imported(file) & inner:
-            assert ("sinuous.kernels.compile", "entry") in imported(file), (
+        if file not in kernels and (names := imported(file)) & inner:
+            assert ("sinuous.kernels.compile", "entry") in names, (
                 f"{file} imports an inner kernel without an entry to call it from"
             )
     assert not decorated(PACKAGE / "kernels" / "chain" / "batch.py", "kernel")

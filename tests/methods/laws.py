@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
+from sinuous.arguments import MethodName
 from sinuous.checks import Floats
 from sinuous.methods import registry as methods
+from sinuous.methods.learned.search import Learned
 
 ARM = sn.Robot.uniform(5, (45, 70), base=sn.pose(direction=(0, 0, -1)))
 
@@ -17,6 +19,11 @@ PAPER = (
     sn.Target((40, -60, -180), direction=(0, 0, 1)),
 )
 """The four poses of Sun & Wang's paper."""
+
+
+def quick(method: MethodName, robot: sn.Robot) -> MethodName | Learned:
+    """A method by its name; of `learned` with a network that has learned little: training takes seconds."""
+    return Learned(sn.train(robot, samples=300, width=8, rounds=1)) if method == "learned" else method
 
 
 def shapes(robot: sn.Robot, count: int, max_bend: float, seed: int) -> Floats:

@@ -15,6 +15,7 @@ from sinuous.methods.options import Options
 from sinuous.methods.registry import METHODS
 from sinuous.solving.solver import Solver
 from tests.helpers import refused
+from tests.methods.laws import quick
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.4)
 EASY = sn.Target((60.0, 20.0, 240.0))
@@ -47,7 +48,7 @@ def test_a_solved_answer_is_one(name: MethodName) -> None:
 
 @pytest.mark.parametrize("name", METHODS)
 def test_many_are_solved_like_one(name: MethodName) -> None:
-    solver = Solver(ARM, method=name, tolerance=sn.Tolerance(0.5, 0.02))
+    solver = Solver(ARM, method=quick(name, ARM), tolerance=sn.Tolerance(0.5, 0.02))
     targets = [EASY, sn.Target((10.0, -90.0, 220.0)), sn.Target((0.0, 0.0, 1000.0))]
     for one, each in zip(map(solver.solve, targets), solver.solve_many(targets), strict=True):
         assert one.status is each.status
@@ -67,7 +68,7 @@ def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
         (can.elbows, "target.segment", sn.Target((10, 0, 100), segment=2)),
         (can.elbows, "targets", [EASY, sn.Target((10, 0, 100), segment=2)]),
     )
-    solver = Solver(ARM, method=name, time=0.2)
+    solver = Solver(ARM, method=quick(name, ARM), time=0.2)
     for handled, key, target in cases:
         if handled:
             solver.solve(target)

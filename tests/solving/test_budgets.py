@@ -15,6 +15,7 @@ from sinuous.kernels.tables import SOLVED
 from sinuous.methods.registry import METHODS, capabilities
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
+from tests.methods.laws import quick
 
 ROBOT = sn.Robot.uniform(5, (0.8, 1.2), 2.0, radius=0.05)
 STRAIGHT = np.tile([0.0, 0.0, 1.0], (5, 1))
@@ -31,7 +32,7 @@ def test_every_method_ends_when_there_is_no_time(method: MethodName) -> None:
     """After so many looks, with what it has then; most of them are not even through with one start."""
     scenes: list[list[Obstacle]] = [[], FAR] if capabilities(method).obstacles else [[]]
     for scene in scenes:
-        solver = sn.Solver(ROBOT, scene, method=method, routes=False)
+        solver = sn.Solver(ROBOT, scene, method=quick(method, ROBOT), routes=False)
         found = solver.solve(sn.Target((1.0, 2.0, 2.0), direction=(0, 1, 0)), time=0.0)
         assert found.starts <= 1
         assert found.iterations * len(ROBOT) * SEGMENT_LOOKS <= 2 * STRIDE

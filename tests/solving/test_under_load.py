@@ -1,6 +1,7 @@
 """Drives of robots under load: the loaded body meets the targets, judged by other code."""
 
 import copy
+import json
 from typing import Any
 
 import numpy as np
@@ -156,3 +157,44 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     if other.solved:
         assert other.tensions is not None
         assert max(other.tensions.values()) <= 0.9 * most * (1.0 + 1e-9)
+
+
+def test_tensions_under_load_are_rows_of_each_correction() -> None:
+    """Of two shapes that meet a target one may need less tension: limits lead to it, from where they are violated."""
+
+    def pulled(most: float) -> sn.Robot:
+        tendons = sn.Tendons(3, 0.004, stiffness=400.0, tension=(0.0, most))
+        segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons)
+        return sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+
+    free = pulled(1e3)
+    target = sn.Target(free.shape(Q).tip[:3, 3])
+    found = sn.solve(free, target, initial=Q)
+    assert found.tensions is not None
+    most = 0.9 * max(found.tensions.values())
+    held = sn.solve(pulled(most), target, initial=Q, time=20.0, max_starts=1)
+    assert held.solved, held
+    assert held.verify().ok
+    assert held.tensions is not None
+    assert 0.9 * most < max(held.tensions.values()) <= most * (1.0 + 1e-9)
+
+
+def test_where_no_body_is_at_rest_that_is_said() -> None:
+    with pytest.warns(sn.SuspiciousInput, match="hangs like a thread"):
+        found = sn.solve(arm(payload=sn.Payload(1e4)), sn.Target((0.1, 0.05, 0.2)), time=0.05)
+    assert not found.solved
+    assert found.position_error is None
+    assert found.worst is None
+    assert found.sentence.endswith("no stable equilibrium under its loads was found")
+    missed = sn.solve(arm(), sn.Target((0.0, 0.0, 0.5)), time=0.2)
+    assert missed.worst is not None
+    said = f"{missed.position_error:.4g}"
+    assert said in str(missed.explain(time=0.05)), "the loaded body is what misses the target"
+    json.dumps(found.to_dict(), allow_nan=False)
+
+
+def test_a_length_of_zero_beside_a_largest_curvature_warns_of_nothing() -> None:
+    segments = [sn.Segment((0.0, 0.1), max_bend=2.0), sn.Segment((0.05, 0.1), max_bend=2.0, max_curvature=15.0)]
+    robot = sn.Robot(segments, stiffness=ROD, mass=0.05, arcs=2, gravity=GRAVITY)
+    q = np.array([[0.0, 0.0, 0.0], [0.3, 0.1, 0.08]])
+    assert sn.solve(robot, sn.Target(robot.shape(q).tip[:3, 3]), initial=q).solved

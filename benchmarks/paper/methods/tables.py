@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from benchmarks.harness.markdown import span, table
+from benchmarks.harness.markdown import figure, span, table
 from benchmarks.paper.contest import Record, Tally
 
 
@@ -43,9 +43,9 @@ def family_table(found: dict[str, list[Record]], unable: dict[str, str], labels:
                 f"{tally.percent:.1f} %",
                 str(tally.first),
                 *(span(seconds) for seconds in (tally.times.median, tally.times.p95, tally.times.worst)),
-                f"{tally.iterations:g}",
-                f"{tally.position:.2g}",
-                f"{tally.angle:.2g}",
+                figure(tally.iterations),
+                figure(tally.position, ".2g"),
+                figure(tally.angle, ".2g"),
                 *(str(count or "") for count in missed.values()),
             ]
         )

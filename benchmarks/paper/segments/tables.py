@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from benchmarks.harness.markdown import span, table
+from benchmarks.harness.markdown import figure, span, table
 from benchmarks.paper.segments.curves import Curve
 
 HEADINGS = ("method", "segments", "solved", "an iteration", "median solve", "worst solve", "iterations")
@@ -15,7 +15,7 @@ def curve_table(curves: Sequence[Curve]) -> str:
         for i, count in enumerate(curve.sizes):
             right, runs = curve.solved[i]
             times = (span(values[i]) for values in (curve.iteration, curve.solve, curve.worst))
-            rows.append([curve.label, str(count), f"{right}/{runs}", *times, f"{curve.iterations[i]:g}"])
+            rows.append([curve.label, str(count), f"{right}/{runs}", *times, figure(curve.iterations[i])])
         exponents = (f"n^{curve.slope(values):.2f}" for values in (curve.iteration, curve.solve))
         rows.append([curve.label, "exponent", "", *exponents, "", ""])
     return table(rows)

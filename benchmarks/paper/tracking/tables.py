@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from benchmarks.harness.markdown import span, table
+from benchmarks.harness.markdown import figure, span, table
 from benchmarks.paper.contest import Tally
 from benchmarks.paper.tracking.tracks import Tracks, flat, plain
 
@@ -25,8 +25,8 @@ def density_table(tracks: Tracks) -> str:
                 f"{summary['paths']}/{len(scenes)}",
                 str(summary["warm"]),
                 *(span(seconds) for seconds in (tally.times.median, tally.times.p95, tally.times.worst)),
-                f"{tally.iterations:g}",
-                f"{summary['least_clearance']:.2g}",
+                figure(tally.iterations),
+                figure(summary["least_clearance"], ".2g"),
                 str(summary["jumps"]),
                 span(summary["prepared"]),
             ]

@@ -10,7 +10,7 @@ from sinuous.batch.tables.layout import INVALID, Block, Layout
 from sinuous.batch.tables.source import Raw
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.target import GoalArrays, Goals
+from sinuous.problem.target import Goals
 from sinuous.solving.solver import Solver
 
 Whole = NDArray[np.int64]
@@ -69,10 +69,10 @@ class Work:
         if not len(rows):
             return block
         early, late, near = halves(goals) if self._warm else (np.arange(len(rows)), rows[:0], rows[:0])
-        found = self._solver.solve_many(initial=self._initial, workers=1, **_arrays(goals, early))
+        found = self._solver._solve_sets(goals[early], self._initial)
         self.layout.fill(block, rows[early], found, self._solver.robot)
         if len(late):
-            found = self._solver.solve_many(initial=found.q[near], workers=1, **_arrays(goals, late))
+            found = self._solver._solve_sets(goals[late], found.q[near])
             self.layout.fill(block, rows[late], found, self._solver.robot)
         return block
 
@@ -89,11 +89,6 @@ def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
             if bad is None:
                 raise
             good[rows[int(bad[1])]] = False
-
-
-def _arrays(goals: Goals, some: Whole) -> GoalArrays:
-    chosen = goals[some]
-    return {"positions": chosen.positions, "directions": chosen.directions, "rotations": chosen.rotations}
 
 
 def halves(goals: Goals) -> tuple[Whole, Whole, Whole]:

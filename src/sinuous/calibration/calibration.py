@@ -1,5 +1,6 @@
 """What a calibration found: the robot as it stands on the table, what is known of it, and what is left of errors."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -152,14 +153,16 @@ class Calibration(ShortRepr):
         ----------
         level : float
         of : str
-            `patterns`: it holds for that share of the rows of every pattern that was held back, so for motions unlike
-            those that were measured, too (group-conditional conformal prediction). `rows`: for that share of all rows.
+            `patterns`: it holds for at least that share of the rows of every pattern that was held back, so for more of
+            most, and about for motions unlike those that were measured (group-conditional conformal prediction).
+            `rows`: for that share of the rows of further patterns like those that were measured (hierarchical conformal
+            prediction); for that at least `1 / (1 - level) - 1` patterns are needed, with fewer it is the other.
         """
         share = checks.number("level", level, low=0.0, high=1.0)
         off, labels = self._off(self.held_back), np.array(self.labels)
-        if checks.choice("of", of, ("patterns", "rows")) == "rows":
-            return bound_of(off, share)
-        return max(bound_of(off[labels == label], share) for label in set(self.labels))
+        parts = [off[labels == label] for label in set(self.labels)]
+        like = bound_of_further(parts, share) if checks.choice("of", of, ("patterns", "rows")) == "rows" else np.inf
+        return like if np.isfinite(like) else max(bound_of(part, share) for part in parts)
 
     def predict(self, actuators: Stack) -> Floats:
         """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators."""
@@ -225,3 +228,16 @@ class Calibration(ShortRepr):
 def bound_of(off: Floats, level: float) -> float:
     """The quantile of errors (N,) that a further row exceeds with at most this probability (split conformal)."""
     return float(np.quantile(off, min(1.0, level * (1.0 + 1.0 / max(len(off), 1))), method="linear"))
+
+
+def bound_of_further(parts: Sequence[Floats], level: float) -> float:
+    """The error that a row of a further pattern exceeds with at most this probability; infinite with too few patterns.
+
+    Errors (N,) of each pattern count as much together as those of any other, and one more pattern may have any (Lee,
+    Barber & Willett 2023).
+    """
+    off = np.concatenate(parts)
+    shares = np.concatenate([np.full(len(part), 1.0 / len(part)) for part in parts]) / (len(parts) + 1.0)
+    order = np.argsort(off)
+    at = int(np.searchsorted(np.cumsum(shares[order]), level - 1e-12))
+    return float(off[order[at]]) if at < len(off) else np.inf

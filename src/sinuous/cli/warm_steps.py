@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import MethodName
+from sinuous.methods.learned.search import Learned
+from sinuous.methods.learned.training import FEWEST, train
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
@@ -25,6 +28,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.solver import Solver
+from sinuous.statics.rest import Rest
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
 MOVING = Scene([Moving(Sphere((9.0, 0.0, 0.0), 0.5), [0.0], [(0.0, 0.0, 0.0)])])
@@ -61,9 +65,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
         Step("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
     ]
-    others = [
-        Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
-    ]
+    others = [Step(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
         Step("kinematics", _kinematics),
         Step("distances", _distances),
@@ -76,6 +78,13 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("shapes under load", _shapes_under_load),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
+
+
+def _method(name: MethodName) -> None:
+    """Use a method; `learned` with a network that learns as little as can be: training takes seconds."""
+    learned = name == "learned"
+    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST, width=1, rounds=1)) if learned else name
+    Solver(ROBOT, FAR, method=method)
 
 
 def _motions() -> None:
@@ -101,6 +110,8 @@ def _derivatives(scene: Scene | None) -> None:
 def _shapes_under_load() -> None:
     straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
     HEAVY.shape(straight)
+    Solver.once(HEAVY, None).solve(TARGET)
+    _ = Rest(HEAVY, straight).slopes
     Motion(HEAVY, [straight, straight + 0.01])
 
 

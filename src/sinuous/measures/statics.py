@@ -50,48 +50,43 @@ def imbalance(robot: Robot, q: Floats, states: Floats, displacements: Floats | N
 
 def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats, Floats]:
     """Potential energies (b,) of states (b, N, 4), without that of lines, and the lengths (b, t) of these."""
-    length = q[:, 2] / own.counts
+    lines, length = own.lines, (q[:, 2] / own.counts)[own.owners]
+    bends, twists, extents = states[..., :2], states[..., 2], states[..., 3]
+    shares = 0.5 * (1.0 + NODES[:, None, None])
+    centers = np.tensordot(0.5 * SHARES, _ends(shares[..., None] * bends, shares * extents), 1)
+    turns, ends = _turns(bends) @ _roll(twists), _ends(bends, extents)
+    gravity = np.zeros(3) if robot.gravity is None else robot.gravity
     rotation, place = np.broadcast_to(robot.base[:3, :3], (len(states), 3, 3)), robot.base[:3, 3]
-    total = np.zeros(len(states))
-    lines = own.lines
+    total = _strain(own, q, states, length)
     long = np.zeros((len(states), len(lines.actuators)))
-    payloads = {each.segment or len(robot): [] for each in robot.payload}  # type: ignore[var-annotated]
-    for each in robot.payload:
-        payloads[each.segment or len(robot)].append(each)
-    for k in range(states.shape[1]):
-        segment = int(own.owners[k])
-        bend, twist, extent = states[:, k, :2], states[:, k, 2], states[:, k, 3]
-        rest = own.rest[segment] if own.pulled[segment] else q[segment, :2]
-        total = total + _strain(own, segment, rest / own.counts[segment], states[:, k], float(length[segment]))
-        middles = [_arc(0.5 * (1.0 + node) * bend, 0.5 * (1.0 + node) * extent)[1] for node in NODES]
-        center = place + np.einsum("bij,bj->bi", rotation, np.einsum("g,gbi->bi", 0.5 * SHARES, np.array(middles)))
-        total = total - length[segment] * (center @ own.weights[segment])
+    for k, segment in enumerate(own.owners):
+        total = total - length[k] * ((place + _turned(rotation, centers[:, k])) @ own.weights[segment])
         holes = place[..., None, :] + np.einsum("bij,lj->bli", rotation, _across(lines.arms))
-        turn, shift = _arc(bend, extent)
-        place = place + np.einsum("bij,bj->bi", rotation, shift)
-        rotation = rotation @ turn @ _roll(twist)
+        place = place + _turned(rotation, ends[:, k])
+        rotation = rotation @ turns[:, k]
         if len(lines.actuators):
             there = place[..., None, :] + np.einsum("bij,lj->bli", rotation, _across(lines.arms))
             through = (lines.sections[:, 0] <= segment) & (segment <= lines.sections[:, 1])
-            half = np.einsum("bij,lj->bli", _roll(0.5 * twist)[:, :2, :2], lines.arms)
-            aside = np.square(lines.arms).sum(axis=1) * twist[:, None] ** 2
-            along = np.sqrt((extent[:, None] - np.einsum("bi,bli->bl", bend, half)) ** 2 + aside)
+            half = np.einsum("bij,lj->bli", _roll(0.5 * twists[:, k])[:, :2, :2], lines.arms)
+            aside = np.square(lines.arms).sum(axis=1) * twists[:, k, None] ** 2
+            along = np.sqrt((extents[:, k, None] - np.einsum("bi,bli->bl", bends[:, k], half)) ** 2 + aside)
             chord = np.linalg.norm(there - holes, axis=-1)
             long += np.where(through, np.where(lines.straight, chord, along), 0.0)
         if k == own.ends[segment]:
-            for load in payloads.get(segment + 1, ()):
-                total = total - load.mass * ((place + rotation @ load.position) @ robot.gravity)
+            for load in robot.payload:
+                if (load.segment or len(robot)) == segment + 1:
+                    total = total - load.mass * ((place + rotation @ load.position) @ gravity)
     return total, long
 
 
-def _strain(own: Body, segment: int, rest: Floats, state: Floats, length: float) -> Floats:
-    """Energy (b,) of bending, twisting and stretching one arc; what is rigid has none."""
-    bend, twist, stretch = (
-        np.where(np.isfinite(own.stiffness[segment]), own.stiffness[segment], 0.0) / length
-    ).tolist()
-    bent = state[:, :2] - np.einsum("bij,j->bi", _roll(0.5 * state[:, 2])[:, :2, :2], rest)
+def _strain(own: Body, q: Floats, states: Floats, length: Floats) -> Floats:
+    """Energy (b,) of bending, twisting and stretching arcs (N,) of such lengths; what is rigid has none."""
+    stiffness = own.stiffness[own.owners]
+    bend, twist, stretch = (np.where(np.isfinite(stiffness), stiffness, 0.0) / length[:, None]).T
+    rest = np.where(own.pulled[:, None], own.rest, q[:, :2]) / own.counts[:, None]
+    bent = states[..., :2] - _turned(_roll(0.5 * states[..., 2])[..., :2, :2], rest[own.owners])
     result: Floats = 0.5 * (
-        bend * np.square(bent).sum(axis=1) + twist * state[:, 2] ** 2 + stretch * (state[:, 3] - length) ** 2
+        np.square(bent).sum(axis=-1) @ bend + states[..., 2] ** 2 @ twist + (states[..., 3] - length) ** 2 @ stretch
     )
     return result
 
@@ -121,10 +116,15 @@ def _across(arms: Floats) -> Floats:
     return np.concatenate([arms, np.zeros((len(arms), 1))], axis=1)
 
 
-def _arc(bend: Floats, length: Floats) -> tuple[Floats, Floats]:
-    """Rotations (b, 3, 3) and ends (b, 3) of arcs with bends (b, 2) and lengths (b,)."""
-    angle = np.hypot(bend[:, 0], bend[:, 1])
-    x, y = (bend / np.maximum(angle, 1e-300)[:, None]).T
+def _turned(rotations: Floats, vectors: Floats) -> Floats:
+    """Rotations (..., d, d) times vectors (..., d)."""
+    result: Floats = (rotations @ vectors[..., None])[..., 0]
+    return result
+
+
+def _turns(bends: Floats) -> Floats:
+    """Rotations (..., 3, 3) of arcs with bends (..., 2)."""
+    angle, x, y = _angles(bends)
     cosine, sine = np.cos(angle), np.sin(angle)
     less = 1.0 - cosine
     rows = [
@@ -132,17 +132,28 @@ def _arc(bend: Floats, length: Floats) -> tuple[Floats, Floats]:
         [-less * x * y, 1.0 - less * y * y, sine * y],
         [-sine * x, -sine * y, cosine],
     ]
-    aside = 0.5 * angle * np.sinc(0.5 * angle / np.pi) ** 2 * length
-    return np.moveaxis(np.array(rows), -1, 0), np.stack(
-        [aside * x, aside * y, length * np.sinc(angle / np.pi)], axis=-1
-    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _ends(bends: Floats, lengths: Floats) -> Floats:
+    """Ends (..., 3) of arcs with bends (..., 2) and lengths (...)."""
+    angle, x, y = _angles(bends)
+    aside = 0.5 * angle * np.sinc(0.5 * angle / np.pi) ** 2 * lengths
+    return np.stack([aside * x, aside * y, lengths * np.sinc(angle / np.pi)], axis=-1)
+
+
+def _angles(bends: Floats) -> tuple[Floats, Floats, Floats]:
+    """Angles (...) of bends (..., 2), and the two parts of their directions."""
+    angle = np.hypot(bends[..., 0], bends[..., 1])
+    some = np.maximum(angle, 1e-300)
+    return angle, bends[..., 0] / some, bends[..., 1] / some
 
 
 def _roll(angle: Floats) -> Floats:
-    """Rotations (b, 3, 3) about z."""
-    result = np.zeros((len(angle), 3, 3))
-    result[:, 0, 0] = result[:, 1, 1] = np.cos(angle)
-    result[:, 1, 0] = np.sin(angle)
-    result[:, 0, 1] = -result[:, 1, 0]
-    result[:, 2, 2] = 1.0
+    """Rotations (..., 3, 3) about z."""
+    result = np.zeros((*angle.shape, 3, 3))
+    result[..., 0, 0] = result[..., 1, 1] = np.cos(angle)
+    result[..., 1, 0] = np.sin(angle)
+    result[..., 0, 1] = -result[..., 1, 0]
+    result[..., 2, 2] = 1.0
     return result

@@ -23,6 +23,9 @@ FACETS = 16
 STRAIGHT_GRID, CURVED_GRID = 16, 8
 """Intervals on a straight and on a curved piece."""
 
+ROUNDING = 1e-9
+"""By how much of itself a limit of acceleration may be exceeded."""
+
 STEEP = 1e6
 """Where nothing limits an acceleration, full speed is reached within one part in so many of a piece."""
 
@@ -181,7 +184,25 @@ def _solved(points: Floats, limits: _Limits) -> tuple[Floats, Floats]:
     constraint.identical = True
     line = SimplePath(points[[0, -1]], np.array([0.0, 1.0]))
     found = TOPPRA([constraint], line, gridpoints=points, solver_wrapper="seidel")
-    acceleration, speed, _ = found.compute_parameterization(0.0, 0.0)
-    if speed is None or not np.isfinite(speed).all():
+    reachable = np.asarray(found.compute_controllable_sets(0.0, 0.0), np.float64)
+    if not np.isfinite(reachable).all():
         raise RuntimeError("toppra found no timing")
-    return np.asarray(acceleration, np.float64), np.asarray(speed, np.float64)
+    return _fastest(points, limits, reachable[:, 1])
+
+
+def _fastest(points: Floats, limits: _Limits, most: Floats) -> tuple[Floats, Floats]:
+    """Accelerations and speeds of s: as fast as can be from rest, below squares of speeds (M + 1,) that can be braked.
+
+    toppra has such a pass, too, but gives up where what it can brake from is rounded. Here limits may be exceeded by
+    `ROUNDING`, and where they still contradict each other the speed stays one that can be braked from.
+    """
+    square, accelerations = np.zeros(len(points)), np.zeros(len(points) - 1)
+    for i, step in enumerate(np.diff(points)):
+        of_u, left = limits.rows[i, :, 0], 1.0 + ROUNDING - limits.rows[i, :, 1] * square[i]
+        bound = np.divide(left, of_u, out=np.full(len(of_u), np.inf), where=of_u != 0.0)
+        braked = (most[i + 1] - square[i]) / (2.0 * step)
+        high = min(limits.u[i, 1], braked, *bound[of_u > 0.0])
+        low = max(limits.u[i, 0], -square[i] / (2.0 * step), *bound[of_u < 0.0])
+        accelerations[i] = high if high >= low else min(0.0, braked)
+        square[i + 1] = max(0.0, square[i] + 2.0 * step * accelerations[i])
+    return accelerations, np.sqrt(square)

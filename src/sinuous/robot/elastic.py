@@ -96,6 +96,8 @@ class Elastic(Frozen):
         The elastic ones among all actuators.
     determined : ndarray of bool (n, 3)
         Coordinates that they and the stiffness of the segments determine.
+    limits : ndarray (e, 2)
+        Of tensions.
     bounded : bool
         Whether there are shapes that no tensions within the limits hold.
 
@@ -109,7 +111,7 @@ class Elastic(Frozen):
     places: NDArray[np.intp]
     determined: NDArray[np.bool_]
     bounded: bool
-    _limits: Floats
+    limits: Floats
     _bounds: Floats
     _jacobian: Floats
     _rod: Floats
@@ -133,7 +135,7 @@ class Elastic(Frozen):
         self._set(
             places=places,
             determined=determined,
-            _limits=np.array([each.tensions for _, each, _ in lines]),
+            limits=np.array([each.tensions for _, each, _ in lines]),
             _bounds=np.array([each.displacements[j] for _, each, j in lines]),
             _jacobian=own,
             _rod=_rod(segments),
@@ -146,14 +148,14 @@ class Elastic(Frozen):
         _refuse_loose(segments, self.springs, columns)
         ends = [int(np.flatnonzero(row)[-1]) // 3 for row in own]
         groups = tuple(_groups(springs, columns, ends))
-        free = np.isneginf(self._bounds[:, 0]) & np.isposinf(self._bounds[:, 1]) & np.isposinf(self._limits[:, 1])
+        free = np.isneginf(self._bounds[:, 0]) & np.isposinf(self._bounds[:, 1]) & np.isposinf(self.limits[:, 1])
         free &= ~one_sided | np.isin(np.arange(len(own)), [i for g in groups if g.common.any() for i in g.lines])
         held = sum(np.linalg.matrix_rank(springs.arms[np.ix_(g.lines, g.coordinates)]) for g in groups)
         self._set(_groups=groups, bounded=not (free.all() and held == len(columns)))
 
     def beyond(self, tensions: Floats) -> Floats:
         """By how much tensions (..., e) are outside their limits, as a stretch in the length unit; 0 within."""
-        low, high = self._limits.T
+        low, high = self.limits.T
         result: Floats = np.maximum(0.0, np.maximum(low - tensions, tensions - high)) / self.springs.stiffness
         return result
 
@@ -187,7 +189,7 @@ class Elastic(Frozen):
         x = q.reshape(len(q), -1)
         rigid = x @ self._jacobian.T
         low, high = np.moveaxis(springs.stiffness[:, None] * (self._bounds - rigid[..., None]), -1, 0)
-        low, high = np.maximum(self._limits[:, 0], low), np.minimum(self._limits[:, 1], high)
+        low, high = np.maximum(self.limits[:, 0], low), np.minimum(self.limits[:, 1], high)
         needed = springs.resistance * (x[:, self._columns] - springs.rest)
         tensions, short = np.zeros_like(rigid), np.zeros_like(rigid)
         for group in self._groups:

@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
+from sinuous.errors import InputError
 from sinuous.notebook import NotebookMixin
+from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.solution.binding import Binding, in_words, nearest_limits
 from sinuous.solution.reasons import Reason
@@ -118,7 +121,12 @@ def explain(case: Case, sentence: str, end: float) -> Explanation:
 
 def _misses(case: Case) -> str:
     """By how much the best configuration misses its targets."""
-    residual, tolerance = residual_of(case.problem, case.q), case.problem.tolerance
+    problem, tolerance = case.problem, case.problem.tolerance
+    try:
+        body = ask_body(problem.robot, case.q, problem.targets)
+    except InputError:  # no equilibrium
+        return ""
+    residual = residual_of(Problem(body.body, body.targets, problem.scene, tolerance), body.arcs)
     off, turn = residual.position_error, residual.angle_error
     parts = [f"{number(off)} from the position"] if off > (tolerance.position or 0.0) else []
     aim = "rotation" if any(each.rotation is not None for each in case.problem.targets) else "direction"

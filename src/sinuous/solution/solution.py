@@ -212,17 +212,15 @@ class Solution(NotebookMixin):
 
     @property
     def position_error(self) -> float | None:
-        """Largest distance of an end to its target position; `None` where none is asked for."""
-        return self._outcome.position_error if any(t.position is not None for t in self.problem.targets) else None
+        """Largest distance of an end to its target position; `None` where none is asked for, or no body is at rest."""
+        asked = any(t.position is not None for t in self.problem.targets)
+        return finite_or_none(self._outcome.position_error) if asked else None
 
     @property
     def angle_error(self) -> float | None:
-        """Largest angle (rad) of an end to its target orientation; `None` where none is asked for."""
-        return (
-            self._outcome.angle_error
-            if any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
-            else None
-        )
+        """Largest angle (rad) of an end to its target orientation; `None` where none is asked for, or no body rests."""
+        asked = any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
+        return finite_or_none(self._outcome.angle_error) if asked else None
 
     @property
     def clearance(self) -> float | None:
@@ -296,10 +294,15 @@ class Solution(NotebookMixin):
 
     @property
     def worst(self) -> Worst | None:
-        """The constraint farthest from being met; `None` when solved."""
+        """The constraint farthest from being met; `None` when solved, or when no stable equilibrium was found."""
         if not hasattr(self, "_worst"):
-            self._worst = None if self.solved else self._find_worst()
+            self._worst = None if self.solved or self._falls else self._find_worst()
         return self._worst
+
+    @property
+    def _falls(self) -> bool:
+        """Whether loads bend the robot, and no stable equilibrium was found."""
+        return self.problem.robot.hangs and math.isinf(self._outcome.position_error)
 
     def _find_worst(self) -> Worst:
         """Of a robot under load what its body misses, by segments of the robot."""
@@ -329,6 +332,8 @@ class Solution(NotebookMixin):
     @property
     def sentence(self) -> str:
         """What the status means here; of `limit_bound` with the names of the limits."""
+        if self._falls:
+            return f"{self.status.sentence}: no stable equilibrium under its loads was found"
         if self.status in _OF_CLEARANCE and self.problem.robot.demands:
             return f"{self.status.sentence}, {_OF_CLEARANCE[self.status]}"
         if self.status is not Status.LIMIT_BOUND:

@@ -1,7 +1,7 @@
 """One tick of a control loop of a robot under load: the step that `kernels.velocity` makes, for the loaded body.
 
-How tip and body move is seen by differences of equilibria; all rows then go through one least-distance problem (Lawson
-& Hanson 1974, chapter 23). What is proved of the motion is what `between.steps` proves of any motion under load.
+How tip and body move follows from the derivative of the equilibrium; all rows then go through one least-distance
+problem (Lawson & Hanson 1974, chapter 23). What is proved of the motion is what `between.steps` proves under load.
 """
 
 import math
@@ -156,18 +156,17 @@ class LoadedTick:
         return answer
 
     def _moves(self, rest: Rest, goals: tuple[Target, ...]) -> Moves:
-        """Look at equilibria beside the one where the drive is."""
+        """Look at the bodies beside the one where the drive is, to which its derivative leads."""
         robot, scale, unit = self._robot, self._scale, self._robot.mean_length
         moving = np.flatnonzero(scale > 0.0)
         size = len(scale)
         pose, (left, _, _) = rest.pose(None), errors_of(rest, goals, unit) if goals else (np.zeros(0), 0.0, 0.0)
         tip, errors = np.zeros((6, size)), np.zeros((len(left), size))
-        bodies = [rest.arcs]
+        bodies, states = [rest.arcs], rest.found[0]
         for i in moving.tolist():
             q = rest.q.copy()
             q.flat[i] += DIFFERENCE * scale[i]
-            other = Rest(robot, q, rest)
-            other = rest if other.states is None else other
+            other = Rest(robot, q, known=(states + DIFFERENCE * scale[i] * rest.slopes[i], rest.tensions))
             there = other.pose(None)
             tip[:3, i] = vector_of(there[:3, :3] @ pose[:3, :3].T) / DIFFERENCE
             tip[3:, i] = (there[:3, 3] - pose[:3, 3]) / DIFFERENCE

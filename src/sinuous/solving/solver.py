@@ -22,7 +22,7 @@ from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
-from sinuous.problem.target_sets import read_target_sets
+from sinuous.problem.target_sets import TargetSets, read_target_sets
 from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes, Rates
@@ -353,6 +353,17 @@ class Solver:
         """
         asked = read_target_sets(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
+        return self._solve_sets(asked, initial, time, threads, shown)
+
+    def _solve_sets(
+        self,
+        asked: TargetSets,
+        initial: Initials | None = None,
+        time: Number | None = None,
+        threads: int = 1,
+        shown: bool = False,
+    ) -> Solutions:
+        """Solve target sets that are read already; see `solve_many`."""
         given = read_initial(self.robot, len(asked), initial)
         if self._load is not None:
             seconds = self.options.time if time is None else checks.number("time", time, low=0.0)

@@ -36,7 +36,7 @@ from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.searches import LARGEST, Plan, Searches
+from sinuous.solving.routing.searches import CELLS, Plan, Searches
 from sinuous.solving.shapes import NEAREST
 from sinuous.solving.starts import Batch, Question, Scattered
 
@@ -70,8 +70,9 @@ PRICE_FINE = 8
 PRICE_ALTERNATIVES = 20
 """Price of the search for routes that differ (helix)."""
 
-PRICE_LARGEST = 110
-"""Price of the last search, where the tables of the others were too small: it proves that large rooms are closed."""
+PRICE_LAST = 110
+"""Price of the last search, over many fine cells: for routes that differ (halls), and proofs that large rooms are
+closed."""
 
 LAST = 200
 """Price of what comes after all searches."""
@@ -386,5 +387,5 @@ def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
     first = [(AT_ONCE, coarse), (PRICE_FINE, fine)] if coarse.cell > fine.cell else [(AT_ONCE, fine)]
-    last = PRICE_LARGEST, fine._replace(cells=LARGEST)
-    return [*first, (PRICE_ALTERNATIVES, coarse._replace(routes=ALTERNATIVES)), last]
+    others = (PRICE_ALTERNATIVES, coarse), (PRICE_LAST, fine._replace(cells=CELLS[1]))
+    return [*first, *((price, plan._replace(routes=ALTERNATIVES)) for price, plan in others)]

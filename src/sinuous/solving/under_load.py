@@ -1,45 +1,31 @@
 """Inverse kinematics of a robot that gives way to its weight and payload: the drive for which the loaded body is right.
 
-A start is solved as if nothing pulled. Then the drive `q` is corrected until the equilibrium at `q` meets the targets:
-Gauss-Newton steps with the derivative of the loaded body whose arcs keep what each deviates from the even share, and
-Broyden's updates of it (1965) for how they do not. What is proved is the loaded body, all arcs of it.
+A start is solved as if nothing pulled. Then its drive is corrected by Newton's method, whose every round has the body
+in equilibrium, see `sinuous.kernels.solve.loaded`. What is proved is the loaded body, all arcs of it.
 """
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
+from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels import tables as k
 from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
-from sinuous.packing import pose_row
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, robot_group
-from sinuous.solving.least_distance import least_distance
+from sinuous.robot.robot import LIMIT_ROUNDING, Robot, robot_group
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, rolled, tensions_kept
+from sinuous.statics.rest import Rest, lines_that_follow, rolled, stretches_allowed, tensions_kept
 from sinuous.work_time import work_time
 
-MOST_ROUNDS = 25
-"""Corrections from one start."""
+PIECES = 8
+"""Most times that stretches are made linear anew."""
 
-ENOUGH = 0.2
-"""Share of the tolerances within which corrections end."""
-
-HALVINGS = 4
-
-DAMPING = 1e-6
-"""Of a correction, relative to the largest derivative."""
-
-DIFFERENCE = 1e-5
-"""Of a coordinate, rad or relative length, by which the body is moved to see what it does."""
-
-LARGEST = 0.7
-"""Most that a bend changes in a correction, rad; and a length, in mean lengths of a segment."""
+ALIKE = 1e-6
+"""Largest difference of bends (rad) and lengths of two bodies that are the same."""
 
 STARTS = 1000
 """Most starts that are corrected."""
@@ -72,7 +58,7 @@ class Body:
         group = self._group.copy()
         rows = group[k.ROBOT_HEADER : k.ROBOT_HEADER + self._count * k.SEGMENT_WIDTH].reshape(-1, k.SEGMENT_WIDTH)
         rows[:, k.MIN_LENGTH] = rows[:, k.MAX_LENGTH] = arcs[:, 2]
-        group[-k.POSE_WIDTH :] = pose_row(rolled(float(rolls[-1])) @ self._tool)[0]
+        group[-k.POSE_WIDTH :] = packing.pose_row(rolled(float(rolls[-1])) @ self._tool)[0]
         targets = problem._rows.copy()
         for row in targets:
             segment = int(row[k.TARGET_SEGMENT])
@@ -119,21 +105,6 @@ def errors_of(shape: Rest, targets: tuple[Target, ...], unit: float) -> tuple[Fl
     return np.concatenate(parts), off, turn
 
 
-def rows_of(shape: Rest, targets: tuple[Target, ...], unit: float) -> Floats:
-    """Derivative (6 t, 3 n) of what targets ask, 0 of what they do not."""
-    parts = []
-    for target in targets:
-        rows = shape.jacobian(target.segment)
-        rows[3:] *= (1.0 / unit) if target.position is not None else 0.0
-        if target.direction is not None:
-            tangent = shape.pose(target.segment)[:3, 2]
-            rows[:3] -= np.outer(tangent, tangent @ rows[:3])
-        elif target.rotation is None:
-            rows[:3] = 0.0
-        parts.append(rows)
-    return np.concatenate(parts)
-
-
 class UnderLoad:
     """Corrects drives of a robot under load.
 
@@ -143,100 +114,41 @@ class UnderLoad:
     """
 
     def __init__(self, robot: Robot) -> None:
-        low, high = np.array([segment.length for segment in robot.segments]).T
-        self._robot, self._low, self._high = robot, low, high
-        self._scale = np.stack([robot.limits[:, k.BEND_SCALE]] * 2 + [robot.limits[:, k.LENGTH_SCALE]], axis=-1)
-        self._bends = np.array([segment.max_bend for segment in robot.segments])
-        curvatures = np.array(robot.curvatures)
-        self._straight = curvatures if np.isfinite(curvatures).any() else None
-        self._over = np.where(self._scale.ravel() > 0.0, self._scale.ravel(), math.inf)
+        self._robot, self._body_of = robot, body_of(robot)
+        self._group = packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
         limits = robot.drive.limits
         limited = np.isfinite(limits).any(axis=1)
-        self._weights = robot.drive.jacobian[limited] if limited.any() else np.zeros((0, 3 * len(robot)))
-        self._least, self._most = limits[limited].T
+        self._bounds = np.concatenate([robot.drive.jacobian, limits], axis=1)[limited]
+        self._stretches = stretches_allowed(robot)
         self._body: Body | None = None
 
-    def within(self, q: Floats) -> Floats:
-        """Bring a drive (n, 3) within the limits of segments."""
-        q = q.copy()
-        length = q[:, 2] = np.minimum(np.maximum(q[:, 2], self._low), self._high)
-        most = self._bends if self._straight is None else np.fmin(self._bends, self._straight * length)
-        square = q[:, 0] ** 2 + q[:, 1] ** 2
-        if (square > most * most).any():
-            size = np.sqrt(square)
-            q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
-        return q
+    def correct(self, q: Floats, problem: Problem) -> tuple[Rest | None, Floats]:
+        """Correct a drive until the loaded body meets targets; the shape, and the record of `kernels.solve.loaded`."""
+        from sinuous.kernels.solve.loaded import FOUND, OFF, RECORD_WIDTH, ROUNDS, TURN, correct, room  # noqa: PLC0415
 
-    def correct(self, q: Floats, problem: Problem, end: float) -> tuple[Rest | None, float, float, int]:
-        """Correct a drive until the loaded body meets the targets; the shape, its errors and how many rounds."""
-        unit, tolerance = self._robot.mean_length, problem.tolerance
-        most_off, most_turn = ENOUGH * (tolerance.position or 0.0), ENOUGH * tolerance.angle
-        shape = Rest(self._robot, self.within(q))
+        robot, own = self._robot, self._body_of
+        settings, q, record = settings_group(robot, problem.tolerance), np.array(q, order="C"), np.zeros(RECORD_WIDTH)
+        states, lines = np.empty((len(own.owners), 4)), own.line_table.copy()
+        tensions, targets = np.zeros(len(lines)), problem._rows
+        buffer = np.empty(room(len(q), len(states), len(lines), own.slopes, len(targets), len(self._bounds)))
+        follow, rounds = lines_that_follow(robot, q), 0.0
+        for _ in range(PIECES):
+            of_robot = own.sections, follow, self._bounds, self._stretches
+            tables = own.carried, lines, own.slopes
+            correct(self._group, settings, targets, *of_robot, *tables, q, states, tensions, buffer, record)
+            rounds += record[ROUNDS]
+            if record[FOUND] == 0.0:
+                return None, record
+            before, follow = follow, lines_that_follow(robot, q)
+            apart = (follow - before) @ np.append(q, 1.0)
+            if not len(apart) or np.abs(apart).max() <= LIMIT_ROUNDING * robot.mean_length:
+                break
+        record[ROUNDS], shape = rounds, Rest(robot, q)
         if shape.states is None:
-            return None, math.inf, math.inf, 0
-        scale = self._scale.ravel()
-        errors = errors_of(shape, problem.targets, unit)
-        rows, exact = rows_of(shape, problem.targets, unit) * scale, False
-        for rounds in range(MOST_ROUNDS):
-            left, off, turn = errors
-            if (off <= most_off and turn <= most_turn) or work_time() > end:
-                return shape, off, turn, rounds
-            tried = self._step(shape, rows, left, problem)
-            if tried is None and exact:
-                return shape, off, turn, rounds
-            if tried is None:
-                rows, exact = self._differences(shape, left, problem), True
-                continue
-            before, (shape, errors) = shape, tried
-            moved = (shape.q - before.q).ravel() / self._over
-            rows, exact = _updated(rows, moved, left - errors[0]), False
-        return shape, errors[1], errors[2], MOST_ROUNDS
-
-    def _step(
-        self, shape: Rest, rows: Floats, left: Floats, problem: Problem
-    ) -> tuple[Rest, tuple[Floats, float, float]] | None:
-        """Correct once, and say what is left; `None` where not even a short step brings the body nearer."""
-        step = _least(rows, left)
-        if len(self._weights):
-            step = self._keep_actuators(shape.q, rows, step)
-        step *= min(1.0, LARGEST / max(1e-300, float(np.abs(step).max())))
-        size = float(left @ left)
-        for _ in range(HALVINGS):
-            tried = Rest(self._robot, self.within(shape.q + (step * self._scale.ravel()).reshape(-1, 3)), shape)
-            if tried.states is not None:
-                errors = errors_of(tried, problem.targets, self._robot.mean_length)
-                if errors[0] @ errors[0] < size:
-                    return tried, errors
-            step = 0.4 * step
-        return None
-
-    def _keep_actuators(self, q: Floats, rows: Floats, step: Floats) -> Floats:
-        """Keep a step within the limits of actuators: those that it would violate are rows of it."""
-        values = self._weights @ q.ravel()
-        moves = self._weights * self._scale.ravel()
-        low, high = (np.minimum(0.0, self._least - values), np.maximum(0.0, self._most - values))
-        ahead = moves @ step
-        if (ahead >= low).all() and (ahead <= high).all():
-            return step
-        bounds = np.concatenate([low, -high])
-        known = np.isfinite(bounds)
-        square: Any = rows.T @ rows
-        root = np.linalg.cholesky(square + DAMPING * max(1e-12, float(np.trace(square))) * np.eye(len(step)))
-        found = least_distance(root, step, np.concatenate([moves, -moves])[known], bounds[known])
-        return step if found is None else found[0]
-
-    def _differences(self, shape: Rest, left: Floats, problem: Problem) -> Floats:
-        """The derivative by differences: what the body really does, weights and tendons included."""
-        columns = np.zeros((len(left), self._scale.size))
-        for i, scale in enumerate(self._scale.ravel().tolist()):
-            if scale > 0.0:
-                q = shape.q.copy()
-                q[i // 3, i % 3] += DIFFERENCE * scale
-                other = Rest(self._robot, q, shape)
-                if other.states is not None:
-                    there, _, _ = errors_of(other, problem.targets, self._robot.mean_length)
-                    columns[:, i] = (left - there) / DIFFERENCE
-        return columns
+            return None, record
+        if np.abs(shape.states - states).max() > ALIKE:  # corrections have led to another equilibrium of this drive
+            _, record[OFF], record[TURN] = errors_of(shape, problem.targets, robot.mean_length)
+        return shape, record
 
     def judge(self, shape: Rest, problem: Problem, seconds: float) -> Outcome:
         """Prove the loaded body, and look at the limits of actuators; the outcome has the drive as its `q`."""
@@ -248,20 +160,6 @@ class UnderLoad:
         wrong = outcome.code == OUT_OF_REACH or (outcome.code == SOLVED and not held)  # of this shape alone
         code = FAILED if wrong else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)
-
-
-def _updated(rows: Floats, moved: Floats, gained: Floats) -> Floats:
-    """Broyden's update: rows that say what this motion has brought."""
-    size = float(moved @ moved)
-    return rows if size == 0.0 else rows + np.outer(gained - rows @ moved, moved) / size
-
-
-def _least(rows: Floats, left: Floats) -> Floats:
-    """The least step with `rows step = left`, damped."""
-    square = rows @ rows.T
-    damping = DAMPING * max(1e-12, float(np.trace(square)))
-    result: Floats = rows.T @ np.linalg.solve(square + damping * np.eye(len(square)), left)
-    return result
 
 
 def given(q: Floats) -> Outcome:
@@ -285,15 +183,23 @@ def corrections(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], sec
     """
     end = work_time() + seconds
     for count, start in enumerate(starts, 1):
-        shape, off, turn, rounds = own.correct(start.q, problem, end)
-        if shape is None:
-            found = given(start.q)
-        else:
-            found = own.judge(shape, problem, end - work_time())._replace(position_error=off, angle_error=turn)
-        found = found._replace(source=start.source, route=start.route)
-        yield found._replace(iterations=start.iterations + rounds, starts=1)
+        yield corrected(own, problem, start, end - work_time())
         if count >= STARTS or work_time() >= end:
             return
+
+
+def corrected(own: UnderLoad, problem: Problem, start: Outcome, seconds: float) -> Outcome:
+    """Correct one start, and say what it comes to."""
+    from sinuous.kernels.solve.loaded import OFF, ROUNDS, TURN  # noqa: PLC0415
+
+    shape, record = own.correct(start.q, problem)
+    if shape is None:
+        found = given(start.q)
+    else:
+        found = own.judge(shape, problem, seconds)
+        found = found._replace(position_error=float(record[OFF]), angle_error=float(record[TURN]))
+    iterations = start.iterations + int(record[ROUNDS])
+    return found._replace(source=start.source, route=start.route, iterations=iterations, starts=1)
 
 
 def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
@@ -306,6 +212,9 @@ def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome]
         if best.code == SOLVED or count >= most:
             break
     assert best is not None
+    if math.isinf(best.position_error):  # no start has an equilibrium: a straight body may
+        straight = [[0.0, 0.0, 0.5 * sum(segment.length)] for segment in problem.robot.segments]
+        best = corrected(own, problem, given(np.array(straight)), seconds)
     spent = work_time() - began
     code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

@@ -1,6 +1,5 @@
 """A robot as a body of arcs: the tables that the kernels of statics read."""
 
-import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -53,6 +52,8 @@ class Tables(NamedTuple):
     arcs, loads, lines : ndarray (N, 9), (k, 10), (t, 10)
     slopes : int
         Rows for the lengths of lines in arcs.
+    of_lines : ndarray (t, 3 n + 1)
+        How lengths of lines follow the drive; see `sinuous.kernels.statics.drive`.
     states : ndarray (N, 4)
         The state without load.
     tensions : ndarray (t,)
@@ -62,6 +63,7 @@ class Tables(NamedTuple):
     loads: Floats
     lines: Floats
     slopes: int
+    of_lines: Floats
     states: Floats
     tensions: Floats
 
@@ -80,9 +82,11 @@ class Body(NamedTuple):
     rest : ndarray (n, 2)
     pulled : ndarray of bool (n,)
         Whether tendons or chambers hold its bend, so that it has its own one without them.
-    weights : ndarray (n, 3)
-        Per length.
+    sections : ndarray (n, 10)
+        The same as kernels read it, and weights per length.
     lines : Lines
+    line_table : ndarray (t, 10)
+        The same as kernels read it, for no drive.
     carried : ndarray (k, 10)
         Loads of what the robot carries itself.
     """
@@ -93,14 +97,25 @@ class Body(NamedTuple):
     stiffness: Floats
     rest: Floats
     pulled: NDArray[np.bool_]
-    weights: Floats
+    sections: Floats
     lines: Lines
+    line_table: Floats
     carried: Floats
 
     @property
     def gives(self) -> bool:
         """Whether anything gives way to loads."""
         return bool(np.isfinite(self.stiffness).any())
+
+    @property
+    def weights(self) -> Floats:
+        """Of segments, per length (n, 3)."""
+        return self.sections[:, t.HEAVY :]
+
+    @property
+    def slopes(self) -> int:
+        """Rows for the lengths of lines in arcs."""
+        return int((self.line_table[:, t.LAST_ARC] - self.line_table[:, t.FIRST_ARC] + 1.0).sum())
 
 
 @lru_cache(maxsize=KEPT)
@@ -111,16 +126,21 @@ def body_of(robot: "Robot") -> Body:
     gravity = np.zeros(3) if robot.gravity is None else robot.gravity
     stiffness = np.array([_stiffness(segment) for segment in segments])
     lines = _lines(robot, stiffness[:, 0])
+    rest = np.array([segment.rest for segment in segments])
+    pulled = np.isin(np.arange(len(segments)), lines.sections[:, 1])
+    weights = np.array([segment.mass for segment in segments])[:, None] * gravity
+    ends = np.cumsum(counts) - 1
     return Body(
         counts,
-        np.cumsum(counts) - 1,
+        ends,
         np.repeat(np.arange(len(segments)), counts),
         stiffness,
-        np.array([segment.rest for segment in segments]),
-        np.isin(np.arange(len(segments)), lines.sections[:, 1]),
-        np.array([segment.mass for segment in segments])[:, None] * gravity,
+        rest,
+        pulled,
+        np.concatenate([counts[:, None], stiffness, rest, pulled[:, None], weights], axis=1),
         lines,
-        _load_table(robot, np.cumsum(counts) - 1, ()),
+        _line_table(lines, counts, ends),
+        _load_table(robot, ends, ()),
     )
 
 
@@ -159,57 +179,45 @@ def tables_of(robot: "Robot", q: Floats, loads: Sequence[Load], displacements: F
 
     Tendons and chambers have these `displacements` (m,), by default those that belong to `q`.
     """
+    from sinuous.kernels.statics.drive import lay_out  # noqa: PLC0415
+
     body = body_of(robot)
-    own = q[:, 2] / body.counts
-    arcs = np.zeros((len(body.owners), t.ARC_WIDTH))
-    if own.min() > 0.0:
-        stiffness = body.stiffness / own[:, None]
-    else:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            stiffness = np.where(own[:, None] > 0.0, body.stiffness / own[:, None], t.RIGID)
-    arcs[:, : t.REST_X] = stiffness[body.owners]
-    bends = np.where(body.pulled[:, None], body.rest, q[:, :2]) / body.counts[:, None]
-    arcs[:, t.REST_X : t.REST_LENGTH] = bends[body.owners]
-    arcs[:, t.REST_LENGTH] = own[body.owners]
-    arcs[:, t.WEIGHT :] = (body.weights * own[:, None])[body.owners]
-    states = np.zeros((len(arcs), t.STATE_WIDTH))
-    states[:, : t.TWIST] = (q[:, :2] / body.counts[:, None])[body.owners]
-    states[:, t.LENGTH] = arcs[:, t.REST_LENGTH]
     if displacements is None and len(body.lines.actuators):
         displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
-    lines = _line_table(body, q, displacements)
-    slopes = int((lines[:, t.LAST_ARC] - lines[:, t.FIRST_ARC] + 1.0).sum()) if len(lines) else 0
+    of_lines = lengths_of_lines(body, displacements)
+    arcs, states = np.empty((len(body.owners), t.ARC_WIDTH)), np.empty((len(body.owners), t.STATE_WIDTH))
+    lines = body.line_table.copy()
+    lay_out(body.sections, of_lines, np.array(q, np.float64, order="C"), arcs, lines, states)
     pulls = body.carried if len(loads) == 0 else _load_table(robot, body.ends, loads)
-    return Tables(arcs, pulls, lines, slopes, states, np.zeros(len(lines)))
+    return Tables(arcs, pulls, lines, body.slopes, of_lines, states, np.zeros(len(lines)))
 
 
-def _line_table(body: Body, q: Floats, displacements: Floats | None) -> Floats:
-    own = body.lines
+def lengths_of_lines(body: Body, displacements: Floats | None, follow: Floats | None = None) -> Floats:
+    """How lengths of lines follow the drive (t, 3 n + 1), for displacements (m,) of the actuators.
+
+    These stay what they are, or change with the drive as `follow` (m, 3 n) says and are that for a drive of zero.
+    """
+    own, count = body.lines, len(body.counts)
+    result = np.zeros((len(own.actuators), 3 * count + 1))
+    if len(result):
+        assert displacements is not None
+        sides = np.where(own.pushes, 1.0, -1.0)
+        result[:, -1] = sides * displacements[own.actuators]
+        result[:, 2:-1:3] = ~own.pushes[:, None] & (np.arange(count) <= own.sections[:, 1:])
+        if follow is not None:
+            result[:, :-1] += sides[:, None] * follow[own.actuators]
+    return result
+
+
+def _line_table(own: Lines, counts: NDArray[np.intp], ends: NDArray[np.intp]) -> Floats:
     table = np.zeros((len(own.actuators), t.LINE_WIDTH))
-    if displacements is None:
-        return table
     first, last = own.sections.T
-    table[:, t.FIRST_ARC], table[:, t.LAST_ARC] = body.ends[first] - body.counts[first] + 1, body.ends[last]
+    table[:, t.FIRST_ARC], table[:, t.LAST_ARC] = ends[first] - counts[first] + 1, ends[last]
     table[:, t.ARM : t.STRAIGHT] = own.arms
     table[:, t.STRAIGHT], table[:, t.HELD], table[:, t.PUSHES] = own.straight, 1.0, own.pushes
-    reach = np.cumsum(q[:, 2])[last]
-    there = displacements[own.actuators]
-    table[:, t.VALUE] = np.where(own.pushes, there, reach - there) + _chords(body, q)
     table[:, t.COMPLIANCE] = own.compliance
     table[1:, t.FIRST_SLOPE] = np.cumsum(table[:-1, t.LAST_ARC] - table[:-1, t.FIRST_ARC] + 1.0)
     return table
-
-
-def _chords(body: Body, q: Floats) -> Floats:
-    """By how much straight lines (t,) are longer than those along the arcs: negative, 0 where they are not straight."""
-    own = body.lines
-    if not own.straight.any():
-        return np.zeros(len(own.straight))
-    half = 0.5 * np.hypot(q[:, 0], q[:, 1]) / body.counts
-    shares = np.sinc(half / math.pi) - 1.0
-    along = shares * (q[:, 2] - own.arms @ q[:, :2].T)
-    through = np.arange(len(q)) <= own.sections[:, 1:]
-    return np.where(own.straight, np.where(through, along, 0.0).sum(axis=1), 0.0)
 
 
 def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -> Floats:

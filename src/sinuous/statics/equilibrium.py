@@ -312,7 +312,7 @@ def _run(robot: "Robot", tables: Tables, descends: bool = True) -> Found:
     from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
     from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
-    arcs, loads, lines, slopes, states, tensions = tables
+    arcs, loads, lines, slopes, _, states, tensions = tables
     found = Found(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
     room = room_for(len(arcs), len(lines), slopes) + states.size + len(lines)
     body = packing.pose_row(robot.base), arcs, loads, lines, slopes

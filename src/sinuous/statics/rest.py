@@ -9,8 +9,11 @@ from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
 from sinuous.robot.robot import LIMIT_ROUNDING, Robot
-from sinuous.statics.body import Tables, body_of, tables_of
+from sinuous.statics.body import Tables, body_of, lengths_of_lines, tables_of
 from sinuous.statics.equilibrium import longest_body, run
+
+STEP = 1e-6
+"""Of a coordinate, rad or length, by which stretches are seen to change: they are linear in pieces."""
 
 
 class Rest:
@@ -24,6 +27,8 @@ class Rest:
         Whose state the search begins in.
     displacements : ndarray (m,), optional
         Of the actuators; by default those that belong to `q`.
+    known : (ndarray (N, 4), ndarray (t,)), optional
+        States and tensions, where they are known already.
 
     Attributes
     ----------
@@ -37,7 +42,12 @@ class Rest:
     tensions: Floats
 
     def __init__(
-        self, robot: Robot, q: Floats, before: "Rest | None" = None, displacements: Floats | None = None
+        self,
+        robot: Robot,
+        q: Floats,
+        before: "Rest | None" = None,
+        displacements: Floats | None = None,
+        known: tuple[Floats, Floats] | None = None,
     ) -> None:
         from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
 
@@ -45,6 +55,9 @@ class Rest:
         if displacements is None and robot.drive.elastic is not None:
             self.displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
         self.tables: Tables = tables_of(robot, q, (), self.displacements)
+        if known is not None:
+            self.states, self.tensions = known
+            return
         begin = self.tables
         if before is not None and before.states is not None:
             change = self.tables.states - before.tables.states
@@ -53,6 +66,21 @@ class Rest:
         self.states = None
         if found is not None and found.record[UNSTABLE] == 0.0:
             self.states, self.tensions = found.states, found.tensions
+
+    @cached_property
+    def slopes(self) -> Floats:
+        """How the states change with the drive (3 n, N, 4): the derivative of the equilibrium."""
+        from sinuous.kernels.statics.drive import differentiate  # noqa: PLC0415
+        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+        robot, (arcs, loads, lines, slopes, _, _, _) = self.robot, self.tables
+        x, tensions = self.found
+        own = body_of(robot)
+        columns, pulls = np.empty((self.q.size, *x.shape)), np.empty((self.q.size, len(lines)))
+        of_lines, buffer = lines_that_follow(robot, self.q), np.empty(room_for(len(x), len(lines), slopes))
+        base, q = packing.pose_row(robot.base), np.array(self.q, order="C")
+        differentiate(base, own.sections, of_lines, q, arcs, loads, lines, slopes, x, tensions, buffer, columns, pulls)
+        return columns
 
     @property
     def pulls(self) -> Floats:
@@ -110,30 +138,16 @@ class Rest:
         pose = pose @ rolled(float(self.rolls[end]))
         return pose @ self.robot.tool if at_tip else pose
 
-    def jacobian(self, segment: int | None) -> Floats:
-        """Derivative (6, 3 n) of that pose, `(omega, v)` in world axes, while arcs deviate so from even ones."""
-        from sinuous.kernels.chain import batch  # noqa: PLC0415
 
-        count, own, robot = len(self.arcs), body_of(self.robot), self.robot
-        at_tip = segment is None or segment == len(robot)
-        end = int(own.ends[-1 if segment is None or at_tip else segment - 1])
-        out = np.zeros((1, 6, 3 * count))
-        tool = packing.pose_row(rolled(float(self.rolls[-1])) @ robot.tool)
-        batch.jacobians_of(self.arcs[None], self.frames, tool, end, np.empty((count, 18)), out)
-        columns = out[0].reshape(6, count, 3)
-        assert self.states is not None
-        turns = self.rolls - 0.5 * self.states[:, t.TWIST]
-        cosine, sine = np.cos(turns), np.sin(turns)
-        turned = np.stack(
-            [
-                cosine * columns[..., 0] + sine * columns[..., 1],
-                cosine * columns[..., 1] - sine * columns[..., 0],
-                columns[..., 2],
-            ],
-            axis=-1,
-        )
-        sums = np.add.reduceat(turned, own.ends - own.counts + 1, axis=1)
-        return (sums / own.counts[:, None]).reshape(6, -1)
+def lines_that_follow(robot: Robot, q: Floats) -> Floats:
+    """How lengths of lines follow the drive near `q` (n, 3), see `lengths_of_lines`: stretches in one piece of them."""
+    own, drive = body_of(robot), robot.drive
+    if len(own.line_table) == 0 or drive.elastic is None:
+        return lengths_of_lines(own, np.zeros(len(drive)), drive.jacobian)
+    steps = np.concatenate([np.zeros((1, q.size)), STEP * np.eye(q.size)])
+    stretch = drive.stretch(q + steps.reshape(-1, *q.shape))
+    follow = drive.jacobian + (stretch[1:] - stretch[0]).T / STEP
+    return lengths_of_lines(own, drive.displacements(q) + stretch[0] - follow @ q.ravel(), follow)
 
 
 class Way:
@@ -175,7 +189,7 @@ class Way:
         assert other.states is not None
         q, displacements = self.drive(share)
         tables = tables_of(one.robot, q, (), displacements)
-        arcs, loads, lines, slopes, _, _ = tables
+        arcs, loads, lines, slopes, _, _, _ = tables
         x, tensions = ((1.0 - share) * a + share * b for a, b in zip(one.found, other.found, strict=True))
         left, out = np.empty(x.shape), np.empty((x.size if softness else 0, *x.shape))
         soften(
@@ -205,6 +219,15 @@ def rolled(angle: float) -> Floats:
     result = np.eye(4)
     result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
     return result
+
+
+def stretches_allowed(robot: Robot) -> Floats:
+    """Least and most that lines under load (t, 2) may stretch, as their limits of tension say; those may be slack."""
+    own, limits = body_of(robot).lines, np.tile([-np.inf, np.inf], (len(robot.drive), 1))
+    if robot.drive.elastic is not None:
+        limits[robot.drive.elastic.places] = robot.drive.elastic.limits
+    limits[limits[:, 0] <= 0.0, 0] = -np.inf
+    return limits[own.actuators] * own.compliance[:, None]
 
 
 def tensions_kept(robot: Robot, tensions: Floats) -> bool:

@@ -19,6 +19,9 @@ from sinuous.viewer.status import framed
 PLOT = 220
 """Height of a plot, in pixels."""
 
+DIGITS = 4
+"""How many more digits than its step a field takes."""
+
 MOST_NAMED = 12
 """Curves that a legend has a name for."""
 
@@ -55,7 +58,7 @@ class Fields:
 
     def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
         """Add a field for a number. Return its handle."""
-        handle = self.gui.add_number(label, get(), **look)
+        handle = _finer(self.gui.add_number(label, get(), **look))
         self.field(handle, get, put)
         return handle
 
@@ -66,7 +69,7 @@ class Fields:
             x, y, z = get().tolist()
             return x, y, z
 
-        handle = self.gui.add_vector3(label, shown(), step=step, hint=hint)
+        handle = _finer(self.gui.add_vector3(label, shown(), step=step, hint=hint))
         self.field(handle, shown, lambda value: put(np.array(value)))
 
     def slider(self, label: str, ends: Sequence[float], get: Callable[[], Any], put: Any, step: Any = None) -> None:
@@ -170,6 +173,13 @@ class Fields:
         for handle in self._handles:
             handle.remove()
         self._bound, self._conditions, self._handles = [], [], []
+
+
+def _finer(handle: Any) -> Any:
+    """Let a field take more digits than its step has: what is typed beyond them would be cut off."""
+    if handle.precision:
+        handle.precision += DIGITS
+    return handle
 
 
 def step_of(size: float) -> float:

@@ -34,6 +34,11 @@ def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.Mo
     assert motions.timed(0, number).false in ("limits", "rates")
 
 
+@pytest.mark.parametrize("number", [68, 424])
+def test_ways_are_timed_where_the_pass_of_toppra_gives_up(number: int) -> None:
+    assert motions.timed(7, number).false == ""
+
+
 def test_a_motion_in_a_live_scene_is_judged_in_the_scene_that_it_names(monkeypatch: pytest.MonkeyPatch) -> None:
     found = [motions.live(0, number) for number in range(4)]
     assert all(each.false == "" for each in found)

@@ -1,5 +1,8 @@
 """Wild worlds are those of their numbers, of all sorts, and what is hidden in them is a solution."""
 
+from collections.abc import Callable
+from functools import cache, partial
+
 import numpy as np
 import pytest
 
@@ -13,7 +16,11 @@ from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import HalfSpace, Sphere
 from sinuous.scene.scene import Scene
 
-MADE = [worlds.make(3, number) for number in range(80)]
+
+@cache
+def made() -> list[World]:
+    """Eighty worlds; not while tests are collected, which every process does."""
+    return [worlds.make(3, number) for number in range(80)]
 
 
 def test_a_world_is_made_again_by_its_number() -> None:
@@ -22,11 +29,16 @@ def test_a_world_is_made_again_by_its_number() -> None:
     np.testing.assert_array_equal(first.robot.limits, again.robot.limits)
     assert [o.kind for o in first.scene.obstacles] == [o.kind for o in again.scene.obstacles]
     assert first.tolerance == again.tolerance
-    assert len({world.tolerance.angle for world in MADE}) == len(MADE)
+    assert len({world.tolerance.angle for world in made()}) == len(made())
 
 
-@pytest.mark.parametrize("world", [*MADE[:25], curled.make(3, 0, 0), curled.make(8, 0, 1)])
-def test_what_is_hidden_is_a_solution(world: World) -> None:
+OF_ALL_SORTS = [partial(worlds.make, 3, number) for number in range(25)]
+CURLED = [partial(curled.make, 3, 0, 0), partial(curled.make, 8, 0, 1)]
+
+
+@pytest.mark.parametrize("make", [*OF_ALL_SORTS, *CURLED])
+def test_what_is_hidden_is_a_solution(make: Callable[[], World]) -> None:
+    world = make()
     robot, q = world.robot, world.hidden
     assert 1 <= len(world.targets) == len(q)
     for targets in zip(*world.targets, strict=True):
@@ -66,13 +78,13 @@ def test_the_judge_knows_distances_to_huge_obstacles_to_the_last_digits_of_the_r
 
 
 def test_a_body_that_avoids_itself_can_have_the_hidden_curvature() -> None:
-    for world in MADE:
+    for world in made():
         bends, radii = np.hypot(world.hidden[..., 0], world.hidden[..., 1]), np.array(world.robot.radii)
         assert (bends * radii < world.hidden[..., 2] + 1e-300).all()
 
 
 def test_worlds_are_of_all_sorts() -> None:
-    robots, scenes = [world.robot for world in MADE], [world.scene for world in MADE]
+    robots, scenes = [world.robot for world in made()], [world.scene for world in made()]
     segments = [segment for robot in robots for segment in robot.segments]
     assert min(map(len, robots)) == 1
     assert max(map(len, robots)) > 16
@@ -81,11 +93,11 @@ def test_worlds_are_of_all_sorts() -> None:
     assert any(np.isfinite(segment.max_curvature) for segment in segments)
     assert any(segment.tendons for segment in segments)
     assert any(segment.chambers for segment in segments)
-    assert max(np.hypot(world.hidden[..., 0], world.hidden[..., 1]).max() for world in MADE) > 4.0
+    assert max(np.hypot(world.hidden[..., 0], world.hidden[..., 1]).max() for world in made()) > 4.0
     assert any(robot.mount > 0.0 for robot in robots)
     assert any((robot.tool != np.eye(4)).any() for robot in robots)
     assert any(len(set(robot.radii)) > 1 for robot in robots)
-    assert any(len(targets) > 1 for world in MADE for targets in world.targets)
+    assert any(len(targets) > 1 for world in made() for targets in world.targets)
     lengths = [robot.mean_length for robot in robots]
     assert min(lengths) < 1e-4
     assert max(lengths) > 1e3

@@ -18,7 +18,7 @@ POINTS = 300
 
 def lay(robot: Robot, route: Floats, seconds: float = 60.0, scene: Scene | None = None) -> Floats:
     problem = Problem(robot, Target(route[-1]), scene or Scene())
-    workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), len(problem.scene), 1, len(route)), np.nan)
+    workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), len(problem.scene), 1), np.nan)
     out = np.empty((len(robot), 3))
     fit_route(*kernel_groups(problem), route, seconds, workspace, out)
     return out

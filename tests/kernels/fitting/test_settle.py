@@ -23,7 +23,7 @@ TIP = ROBOT.tip(CHAIN)
 
 def settled(scene: Scene, target: Target, seconds: float = 60.0, robot: Robot = ROBOT) -> Floats:
     problem = Problem(robot, target, scene)
-    workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1, 0), np.nan)
+    workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1), np.nan)
     out = CHAIN.copy()
     settle_chain(*kernel_groups(problem), seconds, workspace, out)
     return out

@@ -123,8 +123,14 @@ PIECES = (
     ),
     Piece(
         "shapes under load",
-        8,
-        ("kernels.statics.equilibrium.equilibrate", "kernels.statics.flexibility.soften"),
+        15,
+        (
+            "kernels.statics.equilibrium.equilibrate",
+            "kernels.statics.flexibility.soften",
+            "kernels.statics.drive.lay_out",
+            "kernels.statics.drive.differentiate",
+            "kernels.solve.loaded.correct",
+        ),
         waits=True,
     ),
     Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),

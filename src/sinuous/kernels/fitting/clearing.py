@@ -12,7 +12,7 @@ from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import closest, obstacle, price
 from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.fitting.curve import Curve, along_of, closest_on, length_of
+from sinuous.kernels.fitting.curve import Curve, closest_on, length_of
 from sinuous.kernels.maths.vectors import Vec, copy, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation
@@ -43,7 +43,7 @@ MU = 1e-5
 def _wished(problem: Problem, curve: Curve, k: int, share: float, p: Vec) -> float:
     """Distance from the obstacles that the place `p` of segment `k` should have."""
     radius = problem.limits[k, RADIUS]
-    foot, _ = closest_on(curve, p, along_of(curve, share), WINDOW * length_of(curve))
+    foot, _ = closest_on(curve, p, share * length_of(curve), WINDOW * length_of(curve))
     d, _ = closest(problem.scene, foot, (1.0 + ROOM / SHARE) * radius, STEP)
     return radius + min(ROOM * radius, max(problem.margin, SHARE * (d - radius)))
 

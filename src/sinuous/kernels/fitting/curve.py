@@ -4,64 +4,19 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, closest
-from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, scale, sub
 
-OPEN_FROM, OPEN_AT = 2.0, 4.0
-"""Distances from the obstacles, in radii of the body, from which on there is room for more chain than the curve is
-long, and at which there is most of it."""
-
-Curve = namedtuple("Curve", ["points", "spacing", "chain"])
-"""Points (K, 3) of a route, the distance between neighbours along it, and how much of the chain belongs before each
-point (K,), of all that belongs to the curve."""
+Curve = namedtuple("Curve", ["points", "spacing"])
+"""Points (K, 3) of a route, and the distance between neighbours along it."""
 
 
 @kernel
-def curve_through(points: Array, chain: Array) -> Curve:
-    """Return the curve through points (K, 3) that are evenly spaced, or nearly so; `chain` (K,) is filled: evenly."""
+def curve_through(points: Array) -> Curve:
+    """Return the curve through points (K, 3) that are evenly spaced, or nearly so."""
     length, count = 0.0, points.shape[0]
     for i in range(1, count):
         length += norm(sub(get_vec(points, i, 0), get_vec(points, i - 1, 0)))
-    for i in range(count):
-        chain[i] = i / (count - 1.0)
-    return Curve(points, length / (count - 1), chain)
-
-
-@kernel
-def make_room(curve: Curve, scene: Scene, radius: float, length: float) -> None:
-    """Spread a chain of this length over a shorter curve: what is too much of it, where the obstacles leave room.
-
-    In a narrow place a chain that is drawn together leaves the curve, and meets the walls.
-    """
-    chain, spacing = curve.chain, curve.spacing
-    more = length - length_of(curve)
-    if more <= 0.0 or scene.table.shape[0] == 0:
-        return
-    chain[0] = total = last = 0.0
-    for i in range(chain.shape[0]):
-        d, _ = closest(scene, get_vec(curve.points, i, 0), OPEN_AT * radius, STEP)
-        share = min(1.0, max(0.0, (d / radius - OPEN_FROM) / (OPEN_AT - OPEN_FROM))) if radius > 0.0 else 1.0
-        if i > 0:
-            total += 0.5 * spacing * (last + share)
-        chain[i], last = total, share
-    for i in range(chain.shape[0]):
-        even = i / (chain.shape[0] - 1.0)
-        chain[i] = (i * spacing + more * chain[i] / total) / length if total > 0.0 else even
-
-
-@kernel
-def along_of(curve: Curve, share: float) -> float:
-    """Length along the curve up to which so great a share of the chain belongs."""
-    low, high = 0, curve.chain.shape[0] - 1
-    while high - low > 1:
-        between = (low + high) // 2
-        if curve.chain[between] <= share:
-            low = between
-        else:
-            high = between
-    step = curve.chain[high] - curve.chain[low]
-    return curve.spacing * (low + ((share - curve.chain[low]) / step if step > 0.0 else 0.0))
+    return Curve(points, length / (count - 1))
 
 
 @kernel

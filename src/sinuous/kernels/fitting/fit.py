@@ -5,14 +5,14 @@ from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
 from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fitting.clearing import clear
-from sinuous.kernels.fitting.curve import Curve, along_of, closest_on, curve_through, length_of, make_room, point_at
+from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
 from sinuous.kernels.step.newton import add_targets, close, move, project_to_limits, rest, step
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, RADIUS
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 SAMPLES = 4
 """Places on every segment that are drawn to the route."""
@@ -35,9 +35,9 @@ Stretch = tuple[float, float, float]
 unit."""
 
 
-def fit_workspace_size(segments: int, actuators: int, obstacles: int, targets: int, points: int) -> int:
-    """Numbers (float64) that laying a chain needs as workspace, along routes of at most so many points."""
-    return points + workspace_size(segments, actuators, max(1, obstacles), targets)  # rows along the body in any scene
+def fit_workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
+    """Numbers (float64) that laying a chain needs as workspace."""
+    return workspace_size(segments, actuators, max(1, obstacles), targets)  # rows along the body in any scene
 
 
 @kernel
@@ -63,7 +63,7 @@ def _draw_segment(
     for j in range(SAMPLES):
         s = (j + 1.0) / SAMPLES
         p = body_point(state.q, state.frames, k, s)
-        along = along_of(curve, (begin + s * own) / total)
+        along = (begin + s * own) / total * length
         if sliding:
             foot, tangent = closest_on(curve, p, along, WINDOW * length)
             a, b = across(tangent)
@@ -120,7 +120,6 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
         low += problem.limits[k, MIN_LENGTH]
         high += problem.limits[k, MAX_LENGTH]
     share = min(1.0, max(0.0, (length - low) / (high - low))) if high > low else 0.0
-    make_room(curve, problem.scene, problem.limits[n - 1, RADIUS], low)
     at = 0
     q = pick(states, at).q
     for k in range(n):
@@ -170,9 +169,8 @@ def fit_route(
         Filled with the configuration.
     """
     problem = read_problem(robot, scene, settings, targets)
-    chain, rest_of_it = workspace[: route.shape[0]], workspace[route.shape[0] :]
-    states, work = carve_for(rest_of_it, problem, max(1, problem.scene.table.shape[0]))
+    states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
     begin(work.clock)
     allow(work.clock, seconds)
-    at = lay(problem, states, work, curve_through(route, chain))
+    at = lay(problem, states, work, curve_through(route))
     copy(pick(states, at).q, q)

@@ -78,7 +78,7 @@ def settle_chain(
     seconds : float
         Budget.
     workspace : ndarray (w,)
-        Scratch, see `fit.fit_workspace_size`, for routes of no points.
+        Scratch, see `fit.fit_workspace_size`.
     q : ndarray (n, 3)
         The chain, which is moved.
     """

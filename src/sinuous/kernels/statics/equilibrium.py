@@ -54,7 +54,13 @@ def equilibrate(
     body = Body(arcs, loads, lines)
     for j in range(12):
         space.frames[0, j] = base[0, j]
-    _start_taut(lines, tensions, space)
+    settle(x, tensions, body, descends, space, rest, record)
+
+
+@kernel
+def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, rest: Array, record: Array) -> None:
+    """Do that in a space that is laid out, whose first frame is the base; `rest` has 4 N + t numbers."""
+    _start_taut(body.lines, tensions, space)
     record[ITERATIONS] = 0.0
     if descends:
         _continue(x, tensions, body, space, rest, record)
@@ -68,6 +74,16 @@ def equilibrate(
         if record[UNSTABLE] == 0.0 or not descends:
             return
         _leave(x, tensions, body, space, rest, trial, record)
+
+
+@kernel
+def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, record: Array) -> None:
+    """Go from a state that is near an equilibrium to it, in so many steps at most or not at all."""
+    _start_taut(body.lines, tensions, space)
+    found, steps = descend(x, tensions, body, 1.0, True, space, most)
+    record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
+    if found:
+        _judge(x, tensions, body, space, record)
 
 
 @kernel

@@ -36,4 +36,4 @@ def soften(
     for i in range(out.shape[0]):
         out[i] = 0.0
         out[i, i // 4, i % 4] = 1.0
-        solve(out[i], space.stages, out[i])
+        solve(out[i], space.none, space.stages, out[i])

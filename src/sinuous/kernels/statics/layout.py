@@ -14,6 +14,13 @@ STATE_WIDTH = 4
 RIGID = math.inf
 """Stiffness of what does not give."""
 
+COUNT, BENDING, REST_BEND, PULLED, HEAVY = 0, 1, 4, 6, 7
+"""Columns of `sections` (n, 10), what a robot is made of whatever its drive `q` (n, 3) is. How many arcs; EI, GJ and
+EA, infinite for what does not give; bend at rest (2) of one whose bends are `PULLED`, 1, by lines, while others have
+that of the drive; weight per length (3)."""
+
+SECTION_WIDTH = 10
+
 (
     BEND_STIFFNESS,
     TWIST_STIFFNESS,
@@ -42,7 +49,7 @@ much one unit of tension stretches it; and its first row in `slopes`."""
 
 LINE_WIDTH = 10
 
-COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH = (
+COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH, PIVOT = (
     0,
     24,
     28,
@@ -52,11 +59,12 @@ COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, CENTER, RESIDUAL, INVERSE, FEEDBACK,
     60,
     76,
     100,
+    112,
 )
-"""Columns of `stages` (N, 112), what is known of each arc. Four twists `(omega, v)` in world axes about the base: how
+"""Columns of `stages` (N, 128), what is known of each arc. Four twists `(omega, v)` in world axes about the base: how
 all beyond moves with its state; derivatives of its own energy, lines and weight (4; 4 x 4); how its center of gravity
 moves with bends and length (3 vectors in the world), and where that is from the base; what is left of its equilibrium
-(4); and of the factors of the sweeps the inverse pivot (4 x 4), the answer to a twist of where it begins (4 x 6), and
-what its state adds to the moment of the loads about the base (4 vectors)."""
+(4); and of the factors of the sweeps the inverse pivot (4 x 4), the answer to a twist of where it begins (4 x 6), what
+its state adds to the moment of the loads about the base (4 vectors), and the pivot (4 x 4)."""
 
-STAGE_WIDTH = 112
+STAGE_WIDTH = 128

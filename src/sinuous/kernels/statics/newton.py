@@ -46,10 +46,12 @@ SHORTEST, LONGEST = 0.2, 3.0
 Body = namedtuple("Body", ["arcs", "loads", "lines"])
 """Tables of a body, its loads and its lines, see `layout`."""
 
-Space = namedtuple("Space", ["frames", "stages", "slopes", "changes", "step", "trial", "matrix", "scratch", "small"])
-"""Frames (N + 1, 12), `stages` (N, 112), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step
-and the state that is tried (N, 4), the system of tensions (t, t), scratch, and six rows of t numbers: lengths,
-right-hand side, tensions that are tried, who is taut, change of length, and tensions before."""
+Space = namedtuple(
+    "Space", ["frames", "stages", "slopes", "changes", "step", "trial", "none", "matrix", "scratch", "small"]
+)
+"""Frames (N + 1, 12), `stages` (N, 128), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step,
+the state that is tried and no change (N, 4), the system of tensions (t, t), scratch, and six rows of t numbers:
+lengths, right-hand side, tensions that are tried, who is taut, change of length, and tensions before."""
 
 LENGTHS, WANTED, TENSIONS, TAUT, CHANGE, BEFORE = range(6)
 
@@ -63,15 +65,17 @@ def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Arr
     changes, rest = cut(rest, lines * arcs, t.STATE_WIDTH)
     step, rest = cut(rest, arcs, t.STATE_WIDTH)
     trial, rest = cut(rest, arcs, t.STATE_WIDTH)
+    none, rest = cut(rest, arcs, t.STATE_WIDTH)
+    none[:] = 0.0
     matrix, rest = cut(rest, lines, lines)
     scratch, rest = cut(rest, lines + 1 + 11, max(lines + 1, 12))
     small, rest = cut(rest, 6, lines)
-    return Space(frames, stages, along, changes, step, trial, matrix, scratch, small), rest
+    return Space(frames, stages, along, changes, step, trial, none, matrix, scratch, small), rest
 
 
 def room_for(arcs: int, lines: int, slopes: int) -> int:
     """Numbers that `carve` takes."""
-    fixed = 12 * (arcs + 1) + (t.STAGE_WIDTH + 8) * arcs + 5 * slopes + 4 * lines * arcs + lines * lines
+    fixed = 12 * (arcs + 1) + (t.STAGE_WIDTH + 12) * arcs + 5 * slopes + 4 * lines * arcs + lines * lines
     return fixed + (lines + 12) * max(lines + 1, 12) + 6 * lines
 
 
@@ -115,7 +119,7 @@ def answer_lines(lines: Array, count: int, space: Space) -> None:
             for k in range(begin, int(lines[i, t.LAST_ARC]) + 1):
                 for j in range(4):
                     own[k, j] = space.slopes[first + k - begin, 1 + j]
-            solve(own, space.stages, own)
+            solve(own, space.none, space.stages, own)
             for j in range(lines.shape[0]):
                 space.matrix[j, i] = along(lines, j, own, space) if lines[j, t.HELD] > 0.0 else 0.0
             space.matrix[i, i] += lines[i, t.COMPLIANCE]
@@ -131,7 +135,7 @@ def find_step(tensions: Array, body: Body, space: Space) -> int:
     for k in range(count):
         for j in range(4):
             space.step[k, j] = -space.stages[k, t.RESIDUAL + j]
-    solve(space.step, space.stages, space.step)
+    solve(space.step, space.none, space.stages, space.step)
     for i in range(lines.shape[0]):
         small[TENSIONS, i] = tensions[i]
     answer_lines(lines, count, space)

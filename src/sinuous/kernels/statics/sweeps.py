@@ -135,7 +135,8 @@ def _pivot(
         omega = get_vec(stages, k, t.COLUMNS + 6 * i)
         for j in range(4):
             pushed = dot(omega, get_vec(stages, k, t.PUSH + 3 * j))
-            scratch[i, j] = stages[k, t.HESSIAN + 4 * i + j] - scratch[4 + i, j] - pushed
+            pivot = stages[k, t.HESSIAN + 4 * i + j] - scratch[4 + i, j] - pushed
+            scratch[i, j] = stages[k, t.PIVOT + 4 * i + j] = pivot
 
 
 @kernel
@@ -253,10 +254,20 @@ def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None
 
 
 @kernel
-def solve(wanted: Array, stages: Array, out: Array) -> Vec:
+def impose(given: Array, stages: Array, wanted: Array) -> None:
+    """Take off `wanted` (N, 4) what changes of the rigid coordinates (N, 4), 0 of all others, do to their own arcs."""
+    for k in range(stages.shape[0]):
+        for j in range(4):
+            if given[k, j] != 0.0:
+                for i in range(4):
+                    wanted[k, i] -= stages[k, t.PIVOT + 4 * i + j] * given[k, j]
+
+
+@kernel
+def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
     """Fill `out` (N, 4) with the change of state that changes residuals by `wanted` (N, 4), in two sweeps.
 
-    Returns the angular part of how the tip moves. `wanted` and `out` may be the same.
+    What is rigid changes as `given` (N, 4) says, see `impose`. `wanted` and `out` may be the same.
     """
     sx = sy = sz = 0.0
     for k in range(stages.shape[0] - 1, -1, -1):
@@ -266,7 +277,9 @@ def solve(wanted: Array, stages: Array, out: Array) -> Vec:
         a, b, c, d = out[k, 0], out[k, 1], out[k, 2], out[k, 3]
         for i in range(4):
             row = t.INVERSE + 4 * i
-            out[k, i] = stages[k, row] * a + stages[k, row + 1] * b + stages[k, row + 2] * c + stages[k, row + 3] * d
+            out[k, i] = given[k, i] + (
+                stages[k, row] * a + stages[k, row + 1] * b + stages[k, row + 2] * c + stages[k, row + 3] * d
+            )
         for i in range(4):
             push = get_vec(stages, k, t.PUSH + 3 * i)
             sx, sy, sz = sx + out[k, i] * push[0], sy + out[k, i] * push[1], sz + out[k, i] * push[2]
@@ -276,7 +289,6 @@ def solve(wanted: Array, stages: Array, out: Array) -> Vec:
             back = get_vec(stages, k, t.FEEDBACK + 6 * i)
             out[k, i] += dot(back, omega) + dot(get_vec(stages, k, t.FEEDBACK + 6 * i + 3), v)
         omega, v = move(k, out, omega, v, stages)
-    return omega
 
 
 @kernel

@@ -280,5 +280,6 @@ def _edges_meet(edges: Floats, triangles: Floats, small: float | Floats) -> tupl
 
 def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     """Six times the signed volume (m,) of tetrahedra with these corners (m, 3)."""
-    result: Floats = ((b - a) * np.cross(c - a, d - a)).sum(axis=-1)
+    (x, y, z), (u, v, w), (r, s, t) = (b - a).T, (c - a).T, (d - a).T
+    result: Floats = x * (v * t - w * s) + y * (w * r - u * t) + z * (u * s - v * r)
     return result

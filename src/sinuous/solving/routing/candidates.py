@@ -21,7 +21,7 @@ from sinuous.solving.routing.growth import (
     leg_queries,
 )
 from sinuous.solving.routing.halves import Halves
-from sinuous.solving.routing.searches import CELLS, LARGEST, Found, Plan, Searches
+from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Batch, Question
 
@@ -42,6 +42,10 @@ ALIKE = 0.1
 
 COMPARED = 60
 """Points of each route that are compared for that."""
+
+
+TABLES = 2
+"""Sizes of tables that one search tries, from its own on."""
 
 
 class Candidate(NamedTuple):
@@ -131,20 +135,15 @@ class Candidates:
         off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
-    def _tables(self, plan: Plan) -> list[int]:
-        """Return the sizes of tables with which a search is of use: larger ones than were too small for its cells."""
-        too_small = self._too_small.get(plan.cell, 0)
-        if plan.cells == LARGEST:
-            return [LARGEST] if too_small == CELLS[-1] else []
-        return [size for size in CELLS if size > too_small]
-
     def over_cells_once(self, plan: Plan) -> Found:
-        """Search as a plan says; where its table is too small for a first route, with the next one at once.
+        """Search as a plan says; where a table is too small for a first route, with the next one at once.
 
         Returns what was found, with the cells of all tables, and without the routes that the same cells gave before.
         """
         found, cells = Found([], FULL, 0), 0
-        for size in self._tables(plan):
+        for size in CELLS[CELLS.index(plan.cells) :][:TABLES]:
+            if size <= self._too_small.get(plan.cell, 0):
+                continue
             seconds = max(0.0, self._deadline())
             found = self.searches.find(self._problem, self.query, plan._replace(cells=size), seconds)
             cells += found.cells

@@ -210,7 +210,7 @@ class Grown:
 def settled(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:
     """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
     robot, scene, _, targets = groups
-    workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets), 0))
+    workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
     for chain in chains:
         seconds = deadline()
         if seconds <= 0.0:

@@ -12,14 +12,11 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.kernels.fitting.query import ball_radius
-from sinuous.kernels.solve.search import search
-from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
     DIRECTION,
     GOAL,
     HAS_POSITION,
     MAX_LENGTH,
-    MERIT,
     MIN_LENGTH,
     ORIENTATION,
     OUT_OF_REACH,
@@ -30,7 +27,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.growth import segments_of
-from sinuous.solving.routing.parts import SEED, before, beyond, laid, segments_in
+from sinuous.solving.routing.parts import before, beyond, laid, searched, segments_in
 from sinuous.solving.routing.turned import Groups
 from sinuous.solving.starts import Deadline
 
@@ -71,8 +68,6 @@ class Part:
 
     def __init__(self, groups: Groups) -> None:
         self._groups, self._n = groups, int(groups[0][0])
-        robot, scene, _, targets = groups
-        self._workspace = np.empty(workspace_size(self._n, int(robot[1]), int(scene[0]), len(targets)))
         self._starts = 0
         self._least = math.inf
         self._q: Floats | None = None
@@ -81,16 +76,14 @@ class Part:
 
     def solved(self, starts: int, deadline: Deadline) -> Floats | None:
         """Return a configuration (m, 3) that is proved, from at most so many starts in all."""
-        own, self._starts = (self._starts, starts, SEED, max(0.0, deadline())), max(starts, self._starts)
+        own, self._starts = (self._starts, starts), max(starts, self._starts)
         if self._q is None and self.possible and own[0] < starts:
-            best = np.empty((self._n, 3))
-            record = search(*self._groups, np.empty((0, self._n, 3)), own, self._workspace, best)
-            code, merit = record[0], record[MERIT]
-            self.possible = code < OUT_OF_REACH
-            if merit < self._least:
-                self._least, self.nearest = merit, best
-            if code == SOLVED:
-                self._q = best
+            found = searched(self._groups, np.empty((0, self._n, 3)), own, deadline)
+            self.possible = found.code < OUT_OF_REACH
+            if found.merit < self._least:
+                self._least, self.nearest = found.merit, found.q
+            if found.code == SOLVED:
+                self._q = found.q
         return self._q
 
 

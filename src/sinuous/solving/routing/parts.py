@@ -35,6 +35,7 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
     TARGET_WIDTH,
     UNIT,
+    Outcome,
 )
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import FLIP, Groups
@@ -109,12 +110,17 @@ def end_of(groups: Groups, chain: Floats) -> Floats:
     return end
 
 
-def solved(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
-    """Return a configuration (n, 3) that is proved, from chains (g, n, 3) and scattered starts, or `None`."""
+def searched(groups: Groups, chains: Floats, own: tuple[int, int], deadline: Deadline) -> Outcome:
+    """Follow chains (g, n, 3), then own starts, from the first up to, without it, the last: see `search`."""
     (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
     best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
-    record = search(*groups, chains, (0, starts, SEED, max(0.0, deadline())), workspace, best)
-    return best if record[0] == SOLVED else None
+    return Outcome(best, *search(*groups, chains, (*own, SEED, max(0.0, deadline())), workspace, best))
+
+
+def solved(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
+    """Return a configuration (n, 3) that is proved, from chains (g, n, 3) and scattered starts, or `None`."""
+    found = searched(groups, chains, (0, starts), deadline)
+    return found.q if found.code == SOLVED else None
 
 
 def first(robot: Floats, count: int) -> Floats:
@@ -136,7 +142,7 @@ def fitted(groups: Groups, route: Floats, seconds: float) -> Floats:
     """Return the chain (n, 3) of a robot along a route (K, 3)."""
     robot, scene, _, targets = groups
     n, actuators = (int(number) for number in robot[:2])
-    workspace = np.empty(fit_workspace_size(n, actuators, int(scene[0]), len(targets), len(route)))
+    workspace = np.empty(fit_workspace_size(n, actuators, int(scene[0]), len(targets)))
     q = np.empty((n, 3))
     fit_route(*groups, np.array(route), seconds, workspace, q)
     return q

@@ -7,7 +7,6 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import room_along, room_beside
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
@@ -28,7 +27,7 @@ from sinuous.solving.routing.edges import Walls, rims_of, walls_of
 from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, query_of, settled
 from sinuous.solving.routing.halves import WIDE
 from sinuous.solving.routing.openings import route_through, tubes_beside
-from sinuous.solving.routing.parts import beyond, segments_in
+from sinuous.solving.routing.parts import beyond, fitted, segments_in
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
 from sinuous.solving.starts import Deadline
@@ -36,11 +35,8 @@ from sinuous.solving.starts import Deadline
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""
 
-CELLS = (1 << 14, 1 << 17)
-"""Most cells of a search, by blocks of eight of which some nobody looks at: at first, and where that is too few."""
-
-LARGEST = 1 << 19
-"""Most cells of the last search, which proves that large rooms are closed."""
+CELLS = (1 << 14, 1 << 17, 1 << 19)
+"""Most cells of a search, by blocks of eight of which some nobody looks at."""
 
 POINTS = 1024
 """Most points of a route."""
@@ -55,9 +51,9 @@ there is a door."""
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
-MEMORY = BufferPool(most=2, largest=memory_size(CELLS[-1]))
-"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most, but 62 MB
-for the largest one, which is not kept after the search; of the others two are."""
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
+one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):
@@ -135,7 +131,7 @@ class Searches:
     @property
     def single_plans(self) -> tuple[Plan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
-        few, many = CELLS
+        few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
         edge = 2.0 * coarse.cell
         first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
@@ -145,7 +141,7 @@ class Searches:
 
     def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
         """Searches for the route from one target to the next, the first of which that finds one."""
-        few, many = CELLS
+        few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
         among = ((fine, few), (fine, many), (coarse, few)) if finest else ((coarse, few), (fine, few), (fine, many))
         plans = [plan._replace(cells=cells) for plan, cells in among]
@@ -250,18 +246,13 @@ class Searches:
 
     def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
-        robot = self._robot
-        sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
-        workspace = np.empty(fit_workspace_size(*sizes, POINTS))
-        fits = np.empty((len(routes), len(robot), 3))
-        groups = self.groups(problem)
-        for i, (route, q) in enumerate(zip(routes, fits, strict=True)):
+        groups, fits = self.groups(problem), list[Floats]()
+        for route in routes:
             left = deadline()
             if left <= 0.0:
-                return fits[:i]
-            line = np.array(route)  # what is told is frozen, and kernels are compiled for what can be written
-            fit_route(*groups, line, left, workspace, q)
-        return fits
+                break
+            fits.append(fitted(groups, route, left))
+        return np.array(fits).reshape(-1, len(self._robot), 3)
 
     def load(self, *, anew: bool = False) -> None:
         """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""

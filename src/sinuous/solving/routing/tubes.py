@@ -12,8 +12,6 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.solve.search import search
-from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
     MAX_LENGTH,
     MIN_LENGTH,
@@ -26,7 +24,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
-from sinuous.solving.routing.parts import backbone_of, beyond, first, fitted, segments_in
+from sinuous.solving.routing.parts import backbone_of, beyond, first, fitted, searched, segments_in
 from sinuous.solving.routing.turned import Groups
 from sinuous.solving.starts import Deadline
 
@@ -134,12 +132,8 @@ def heads(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floa
 
 def _joined(groups: Groups, head: Floats, line: Floats, deadline: Deadline) -> tuple[Floats, Floats]:
     """A chain that begins with segments (m, 3) along a line (K, 3), and goes from there to the targets; its route."""
-    scene = groups[1]
     rest = beyond(groups, head)
-    n, actuators = (int(number) for number in rest[0][:2])
-    q, nothing = np.zeros((n, 3)), np.empty((0, n, 3))
-    workspace = np.empty(workspace_size(n, actuators, int(scene[0]), len(rest[3])))
-    search(*rest, nothing, (0, STARTS, 0, max(0.0, deadline())), workspace, q)
+    q = searched(rest, np.empty((0, int(rest[0][0]), 3)), (0, STARTS), deadline).q
     return np.concatenate([head, q]), np.concatenate([line[:-1], backbone_of(rest, q)])
 
 

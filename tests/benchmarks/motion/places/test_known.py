@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.judges.clearances import least_clearance
+from benchmarks.judges.clearances import Clearances
 from benchmarks.motion.judged import collides, samples
 from benchmarks.motion.places.known import FAMILIES, Task, examine, make
 from benchmarks.motion.places.motions import THREADING, drawn_back, straight
@@ -19,7 +19,9 @@ def test_the_hidden_motion_is_clear_and_what_stands_around_is_near(family: str) 
     if FAMILIES[family].kind != THREADING:
         np.testing.assert_array_equal(place.knots[0], straight(place.robot))
     radius = max(place.robot.radii)
-    least = least_clearance(place.robot, place.scene, samples(place.knots)).min()
+    way, clearances = samples(place.knots), Clearances(place.robot, place.scene)
+    seen = clearances.least(way[::10]).min()
+    least = clearances.least(way, seen).min()  # of all; what is more than was seen is an upper bound only
     assert 0.1 * radius < least < 0.5 * radius
 
 

@@ -1,0 +1,230 @@
+"""What a drive makes of a body of arcs: its tables, and how the equilibrium moves with the drive.
+
+A drive is `q` (n, 3): of every section the bend and the length that it would have without any load. The lengths that
+lines are held at are linear in it, but where they run straight: those have the chords of the arcs that nothing loads.
+At an equilibrium `r(x; q) = 0`, so `dx/dq = -(dr/dx)^-1 dr/dq` (implicit function theorem), a solve a coordinate.
+"""
+
+import math
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.maths.vectors import Array, add, cross, dot, get_vec, mat_vec, scale
+from sinuous.kernels.statics import layout as t
+from sinuous.kernels.statics.newton import TAUT, WANTED, Body, Space, along, answer_lines, carve, look
+from sinuous.kernels.statics.pulls import solve_taut
+from sinuous.kernels.statics.roll import about_z
+from sinuous.kernels.statics.sweeps import impose, solve
+
+SMALL = 1e-3
+"""Half of the bend of an arc, rad, below which series are used."""
+
+
+@entry
+def lay_out(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
+    """Fill arcs (N, 9), the values of lines (t, 10) and the states (N, 4) without load of a drive `q` (n, 3).
+
+    sections (n, 10) and lines as in `layout`. A row of `of_lines` (t, 3 n + 1): the derivative by the drive of the
+    length that a line is held at, and what that is for a drive of zero; both without chords.
+    """
+    fill(sections, of_lines, q, arcs, lines, states)
+
+
+@kernel
+def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
+    k = 0
+    for s in range(q.shape[0]):
+        share = 1.0 / sections[s, t.COUNT]
+        own = share * q[s, 2]
+        for _ in range(int(sections[s, t.COUNT])):
+            for j in range(3):
+                stiffness = sections[s, t.BENDING + j]
+                arcs[k, j] = stiffness / own if own > 0.0 and stiffness < t.RIGID else t.RIGID
+                arcs[k, t.WEIGHT + j] = own * sections[s, t.HEAVY + j]
+            for j in range(2):
+                rest = sections[s, t.REST_BEND + j] if sections[s, t.PULLED] > 0.0 else q[s, j]
+                arcs[k, t.REST_X + j], states[k, j] = share * rest, share * q[s, j]
+            arcs[k, t.REST_LENGTH] = states[k, t.LENGTH] = own
+            states[k, t.TWIST] = 0.0
+            k += 1
+    for i in range(lines.shape[0]):
+        if lines[i, t.HELD] > 0.0:
+            value = of_lines[i, 3 * q.shape[0]]
+            for s in range(q.shape[0]):
+                for j in range(3):
+                    value += of_lines[i, 3 * s + j] * q[s, j]
+            lines[i, t.VALUE] = value + _chords(sections, lines, i, q)
+
+
+@kernel
+def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
+    """By how much straight line i is longer than one along arcs that nothing loads: negative."""
+    total, k = 0.0, 0
+    if lines[i, t.STRAIGHT] > 0.0:
+        for s in range(q.shape[0]):
+            if lines[i, t.FIRST_ARC] <= k <= lines[i, t.LAST_ARC]:
+                long = q[s, 2] - lines[i, t.ARM] * q[s, 0] - lines[i, t.ARM + 1] * q[s, 1]
+                total += _shorter(sections, s, q)[0] * long
+            k += int(sections[s, t.COUNT])
+    return total
+
+
+@kernel
+def _shorter(sections: Array, s: int, q: Array) -> tuple[float, float]:
+    """Share by which chords of section `s` are longer than its arcs, and its slope by a bend, divided by that bend."""
+    over = 0.5 / sections[s, t.COUNT]
+    half = over * math.hypot(q[s, 0], q[s, 1])
+    if half < SMALL:
+        return -half * half / 6.0, -over * over / 3.0
+    sinc = math.sin(half) / half
+    return sinc - 1.0, over * over * (math.cos(half) - sinc) / (half * half)
+
+
+@kernel
+def _chord_slope(sections: Array, lines: Array, i: int, q: Array, s: int, c: int) -> float:
+    """How the same changes with coordinate `c` of section `s`, through which the line runs."""
+    shorter, steep = _shorter(sections, s, q)
+    if c == 2:
+        return shorter
+    long = q[s, 2] - lines[i, t.ARM] * q[s, 0] - lines[i, t.ARM + 1] * q[s, 1]
+    return steep * q[s, c] * long - shorter * lines[i, t.ARM + c]
+
+
+@entry
+def differentiate(
+    base: Array,
+    sections: Array,
+    of_lines: Array,
+    q: Array,
+    arcs: Array,
+    loads: Array,
+    lines: Array,
+    slopes: int,
+    x: Array,
+    tensions: Array,
+    buffer: Array,
+    columns: Array,
+    pulls: Array,
+) -> None:
+    """Fill `columns` (3 n, N, 4) and `pulls` (3 n, t): how states and tensions change with the drive.
+
+    `x` (N, 4) and `tensions` (t,) are an equilibrium at `q`; the rest as for `lay_out` and `equilibrium.equilibrate`.
+    `buffer` has `newton.room_for` numbers.
+    """
+    space, _ = carve(buffer, x.shape[0], lines.shape[0], slopes)
+    for j in range(12):
+        space.frames[0, j] = base[0, j]
+    body = Body(arcs, loads, lines)
+    for i in range(lines.shape[0]):
+        taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
+        space.small[TAUT, i] = 1.0 if taut else 0.0
+    look(x, tensions, body, 1.0, False, space)
+    answer_drive(sections, of_lines, q, x, body, space, columns, pulls)
+
+
+@kernel
+def answer_drive(
+    sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Space, columns: Array, pulls: Array
+) -> None:
+    """Do that for an equilibrium that was just looked at."""
+    lines, first, held = body.lines, 0, False
+    for i in range(lines.shape[0]):
+        held = held or lines[i, t.HELD] > 0.0
+    if held:
+        answer_lines(lines, x.shape[0], space)
+    for s in range(q.shape[0]):
+        for c in range(3):
+            at = 3 * s + c
+            own = columns[at]
+            _ask(sections, x, body.arcs, first, s, c, space.stages, own, space.trial)
+            solve(own, space.trial, space.stages, own)
+            if held:
+                _pull(sections, of_lines, q, lines, s, c, space, own, pulls[at])
+        first += int(sections[s, t.COUNT])
+
+
+@kernel
+def _ask(
+    sections: Array, x: Array, arcs: Array, first: int, s: int, c: int, stages: Array, wanted: Array, given: Array
+) -> None:
+    """Fill what coordinate `c` of section `s` asks of residuals, and what it makes of rigid coordinates (N, 4)."""
+    count, share = int(sections[s, t.COUNT]), 1.0 / sections[s, t.COUNT]
+    weight = scale(share, get_vec(sections, s, t.HEAVY))
+    wanted[:], given[:] = 0.0, 0.0
+    moment, force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(first + count - 1, -1, -1):
+        if c == 2:
+            for i in range(4):
+                omega, v = get_vec(stages, k, t.COLUMNS + 6 * i), get_vec(stages, k, t.COLUMNS + 6 * i + 3)
+                wanted[k, i] += dot(omega, moment) + dot(v, force)
+        if k >= first and c == 2:
+            _lengthen(x, arcs, k, share, wanted, given)
+            for i in range(3):
+                wanted[k, i if i < 2 else t.LENGTH] += dot(weight, get_vec(stages, k, t.CENTER_COLUMNS + 3 * i))
+            moment, force = add(moment, cross(get_vec(stages, k, t.CENTER), weight)), add(force, weight)
+        elif k >= first:
+            _bend(x, arcs, k, c, share, sections[s, t.PULLED] > 0.0, wanted, given)
+    impose(given, stages, wanted)
+
+
+@kernel
+def _lengthen(x: Array, arcs: Array, k: int, share: float, wanted: Array, given: Array) -> None:
+    """Longer arcs are softer."""
+    over = share / arcs[k, t.REST_LENGTH]
+    bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TWIST_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
+    if bend < t.RIGID:
+        vx, vy = x[k, t.BEND_X], x[k, t.BEND_Y]
+        rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TWIST]), (arcs[k, t.REST_X], arcs[k, t.REST_Y], 0.0))
+        wanted[k, t.BEND_X] += over * bend * (vx - rx)
+        wanted[k, t.BEND_Y] += over * bend * (vy - ry)
+        wanted[k, t.TWIST] += over * 0.5 * bend * (vx * ry - vy * rx)
+    if torsion < t.RIGID:
+        wanted[k, t.TWIST] += over * torsion * x[k, t.TWIST]
+    if stretch < t.RIGID:
+        wanted[k, t.LENGTH] += over * stretch * x[k, t.LENGTH]
+    else:
+        given[k, t.LENGTH] = share
+
+
+@kernel
+def _bend(x: Array, arcs: Array, k: int, c: int, share: float, pulled: bool, wanted: Array, given: Array) -> None:
+    """Bend arcs at rest more, but those that lines pull at."""
+    bend = arcs[k, t.BEND_STIFFNESS]
+    if bend >= t.RIGID:
+        given[k, c] = share
+    elif not pulled:
+        more = (share, 0.0, 0.0) if c == 0 else (0.0, share, 0.0)
+        rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TWIST]), more)
+        wanted[k, t.BEND_X] += bend * rx
+        wanted[k, t.BEND_Y] += bend * ry
+        wanted[k, t.TWIST] -= 0.5 * bend * (x[k, t.BEND_X] * ry - x[k, t.BEND_Y] * rx)
+
+
+@kernel
+def _pull(
+    sections: Array,
+    of_lines: Array,
+    q: Array,
+    lines: Array,
+    s: int,
+    c: int,
+    space: Space,
+    own: Array,
+    pulls: Array,
+) -> None:
+    """Let taut lines answer the change `own` (N, 4) of states; fill `pulls` (t,) with the change of their tensions."""
+    count, k = own.shape[0], 0
+    for i in range(s):
+        k += int(sections[i, t.COUNT])
+    for i in range(lines.shape[0]):
+        pulls[i] = space.small[WANTED, i] = 0.0
+        if space.small[TAUT, i] > 0.0:
+            value = of_lines[i, 3 * s + c]
+            if lines[i, t.STRAIGHT] > 0.0 and lines[i, t.FIRST_ARC] <= k <= lines[i, t.LAST_ARC]:
+                value += _chord_slope(sections, lines, i, q, s, c)
+            space.small[WANTED, i] = along(lines, i, own, space) - value
+    solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], pulls, space.scratch[: lines.shape[0]])
+    for i in range(lines.shape[0]):
+        if pulls[i] != 0.0:
+            for k in range(count):
+                for j in range(4):
+                    own[k, j] -= pulls[i] * space.changes[i * count + k, j]

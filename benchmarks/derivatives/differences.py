@@ -203,25 +203,23 @@ def minimum_again(found: Solution, way: Tangent, h: float) -> Floats | None:
 
 
 def least_gaps(problem: Problem, q: Floats) -> Floats:
-    """Least distances (m,) of bodies (m, n, 3) from the obstacles, densely sampled and then refined."""
+    """Least distances (m,) of bodies (m, n, 3) from the obstacles, densely sampled and then refined.
+
+    Each segment is refined by itself: the nearest place may be just before the end of one.
+    """
     robot, scene = problem.robot, problem.scene
     m, n = q.shape[:2]
-    shares = np.tile(np.linspace(0.0, 1.0, 401), (m, 1))
+    width, shares = 1.0 / 400.0, np.tile(np.linspace(0.0, 1.0, 401), (m, n, 1))
     for _ in range(4):
-        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[1], axis=2)
+        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[2], axis=2)
         for k in range(n):
-            parts[:, k, :, k] *= shares[..., None]
+            parts[:, k, :, k] *= shares[:, k, :, None]
         poses = robot.forward(parts.reshape(-1, n, 3)).reshape(*parts.shape[:3], n, 4, 4)
         places = np.stack([poses[:, k, :, k, :3, 3] for k in range(n)], axis=1)
         table = scene.distance(places.reshape(-1, 3)).reshape(places.shape[:3]) - np.array(robot.radii)[:, None]
-        least, width = table.min(axis=1).argmin(axis=1), shares[:, 1] - shares[:, 0]
-        middle = shares[np.arange(m), least]
-        shares = np.clip(middle[:, None] + width[:, None] * np.linspace(-1.0, 1.0, 41), 0.0, 1.0)
+        middle = np.take_along_axis(shares, table.argmin(axis=2)[..., None], axis=2)
+        shares, width = np.clip(middle + width * np.linspace(-1.0, 1.0, 41), 0.0, 1.0), width / 20.0
     return np.asarray(table.min(axis=(1, 2)))
-
-
-Solved = Callable[[Solution, Tangent, float], Floats | None]
-"""What finds the answer after the parameters have moved."""
 
 
 class Agreement(NamedTuple):
@@ -239,18 +237,38 @@ class Agreement(NamedTuple):
     step: float
 
 
-def agreement(
-    found: Solution, motion: Floats, way: Tangent, one_sided: bool = False, solved: Solved = again
-) -> Agreement:
+def agreement(found: Solution, motion: Floats, way: Tangent, one_sided: bool = False) -> Agreement:
     """Compare a derivative (n, 3) along a tangent with central differences, or with those to one side."""
+
+    def difference(h: float) -> Floats | None:
+        before = found.q if one_sided else again(found, way, -h)
+        after = None if before is None else again(found, way, h)
+        return None if after is None or before is None else (after - before) / (h if one_sided else 2.0 * h)
+
+    return _best(found, motion, difference)
+
+
+def agreement_of_minima(found: Solution, motion: Floats, way: Tangent) -> Agreement:
+    """Compare it with differences of minima of what is preferred: near straight shapes they curve, so two steps."""
+
+    def difference(h: float) -> Floats | None:
+        ends = [minimum_again(found, way, size) for size in (h, -h, 0.5 * h, -0.5 * h)]
+        far, near, less, more = ends
+        if far is None or near is None or less is None or more is None:
+            return None
+        return (8.0 * (less - more) - (far - near)) / (6.0 * h)
+
+    return _best(found, motion, difference)
+
+
+def _best(found: Solution, motion: Floats, difference: Callable[[float], Floats | None]) -> Agreement:
+    """How well a derivative agrees at the step at which it does so best."""
     scale = np.array([1.0, 1.0, found.problem.robot.mean_length])
     best = Agreement(np.inf, np.nan)
     for h in SHARES:
-        after = solved(found, way, h)
-        before = found.q if one_sided else solved(found, way, -h)
-        if after is None or before is None:
+        change = difference(h)
+        if change is None:
             continue
-        change = (after - before) / (h if one_sided else 2.0 * h)
         size = max(float(np.linalg.norm(change / scale)), float(np.linalg.norm(motion / scale)), 1e-3)
         best = min(best, Agreement(float(np.linalg.norm((change - motion) / scale)) / size, h))
         if best.error < 1e-8:

@@ -2,8 +2,9 @@
 
 import math
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -418,12 +419,10 @@ class Solution(NotebookMixin):
         NotSolvedError
             When it is not solved.
         """
-        from sinuous.derivatives.derivative import derivative_of  # noqa: PLC0415
-
         if self._outcome.code != SOLVED:
             self.raise_for_status()
         liked = self._resolver.chooses(self._problem.robot, self._outcome.clearance)
-        return derivative_of(self._problem, self._outcome.q, wrt, liked, self._wish() if liked else None)
+        return _derive()(self._problem, self._outcome.q, wrt, liked, self._wish() if liked else None)
 
     def _wish(self) -> "Wish | None":
         """The preferences that chose it; `None` where none did."""
@@ -568,3 +567,11 @@ def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | N
 def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value
+
+
+@cache
+def _derive() -> "Callable[..., Derivative]":
+    """What derives answers; it knows solutions, so it is imported when the first is derived."""
+    from sinuous.derivatives.derivative import derivative_of  # noqa: PLC0415
+
+    return derivative_of

@@ -39,6 +39,11 @@ def test_ways_are_timed_where_the_pass_of_toppra_gives_up(number: int) -> None:
     assert motions.timed(7, number).false == ""
 
 
+def test_a_tree_that_stands_at_its_goal_and_touches_does_not_grow() -> None:
+    """It grew to where no number is, and a solve from there was refused."""
+    assert motions.live(8, 77).false == ""
+
+
 def test_a_motion_in_a_live_scene_is_judged_in_the_scene_that_it_names(monkeypatch: pytest.MonkeyPatch) -> None:
     found = [motions.live(0, number) for number in range(4)]
     assert all(each.false == "" for each in found)

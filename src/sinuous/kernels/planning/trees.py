@@ -89,7 +89,7 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     if terms.proves:
         clear, until = clear_up_to(space, begin, trees.q[side, new], terms.finest)
     if not clear:
-        part = part * until - terms.back / far
+        part = part * until - terms.back / far if far > 0.0 else 0.0
         if part * far < terms.least:
             return -1, False
     count = min(max(1, math.ceil(part * far / terms.spacing)), trees.q.shape[1] - new)

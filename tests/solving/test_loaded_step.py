@@ -19,7 +19,7 @@ def test_the_loaded_tip_moves_as_asked() -> None:
     moved = robot.shape(step.q).tip[:3, 3] - before
     assert moved == pytest.approx(DT * velocity, abs=2e-5)
     assert step.twist[3:] == pytest.approx(velocity, rel=1e-3, abs=1e-5)
-    free = robot.changed(gravity=None)
+    free = robot.changed(gravity=None, payload=None)
     assert np.abs(robot.tip(step.q)[:3, 3] - robot.tip(Q)[:3, 3] - DT * velocity).max() > 1e-4, "as without load"
     assert sn.Solver(free).step(Q, velocity, DT).q.tolist() != step.q.tolist()
     turned = solver.step(Q, [0.1, 0.0, 0.0, 0.0, 0.02, 0.0], DT)

@@ -128,7 +128,7 @@ def test_what_knows_no_loads_says_so() -> None:
 
 
 def test_without_loads_nothing_changes() -> None:
-    plain = arm(gravity=None)
+    plain = arm(gravity=None, payload=None)
     target = sn.Target((0.1, 0.05, 0.2))
     found = [sn.solve(each, target) for each in (plain, sn.Robot(copy.copy(plain.segments)))]
     assert found[0].q.tolist() == found[1].q.tolist()

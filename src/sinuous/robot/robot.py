@@ -312,7 +312,7 @@ class Robot(NotebookMixin, Frozen):
         InputError
         """
         if self.hangs:
-            wanted = "none: take robot.changed(gravity=None) for the robot without load"
+            wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
             raise InputError("gravity", "here loads are not known", self.gravity, wanted)
 
     @property

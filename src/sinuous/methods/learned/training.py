@@ -94,8 +94,7 @@ def train(
     """
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")
-    if robot.hangs:
-        raise InputError("gravity", "training knows no loads", robot.gravity, "none: train robot.changed(gravity=None)")
+    robot.refuse_load()
     place = as_scene(scene)
     count = checks.integer("samples", samples, FEWEST, 10_000_000)
     hidden = checks.integer("width", width, 1, MOST_WIDTH)

@@ -361,9 +361,17 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     np.testing.assert_allclose(page.model.shown, GOAL.goal)
     fresh.locator(".badge", has_text="proved clear here").wait_for()
     for label in ("rates", "accelerations"):
-        for field in inputs(fresh, label).all()[:2]:
+        for i, field in enumerate(inputs(fresh, label).all()[:2]):
             field.fill("0.4")
             field.press("Tab")
+
+            def kept(label: str = label, i: int = i) -> bool:
+                """Whether the job has what was typed: the next field is filled then, and not before."""
+                given = page.model.job.rates
+                own = given if label == "rates" else given.acceleration
+                return own is not None and bool(np.all((own.bend, own.length)[i] == 0.4))
+
+            until(kept, f"number {i} of {label}")
     limits = sn.Rates(0.4, 0.4, acceleration=sn.Rates(0.4, 0.4))
     until(lambda: page.model.job.rates.equals(limits), "rates")
     choose(fresh, "plot", "speed")

@@ -11,7 +11,7 @@ from sinuous import checks
 from sinuous.arguments import HasArray, Number, Rows, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.robot.inverse import listed
+from sinuous.robot.inverse import some_of
 from sinuous.robot.robot import Robot
 
 LEVER = 0.1
@@ -90,7 +90,7 @@ def refuse_loose(robot: Robot) -> None:
     if not len(robot.drive):
         raise InputError("robot", "has no actuators", robot, "tendons, chambers, stages or Actuators")
     if robot.undetermined:
-        problem = f"no actuator determines {listed(robot.undetermined)}"
+        problem = f"no actuator determines {some_of(robot.undetermined)}"
         raise InputError("robot", problem, robot, "a robot whose shape follows from its actuators")
 
 

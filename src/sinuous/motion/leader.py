@@ -16,7 +16,6 @@ from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.robot.actuators import Stage
-from sinuous.robot.loads import Payload
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.robot.uncertainty import Uncertainty
@@ -92,9 +91,7 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage", motor: Stage | N
         linear = linear.changed(matrix=wider)
     named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
     unsure = robot.uncertainty
-    carried = [
-        load if load.segment is None else Payload(load.mass, load.position, load.segment + 1) for load in robot.payload
-    ]
+    carried = [load if load.segment is None else load.changed(segment=load.segment + 1) for load in robot.payload]
     return robot.changed(
         segments=[stage, *named],
         base=robot.base @ back,

@@ -162,7 +162,7 @@ class _Limits:
 
 
 def _solved(points: Floats, limits: _Limits) -> tuple[Floats, Floats]:
-    """Accelerations (M,) and speeds (M + 1,) of s on a grid of points (M + 1,), by toppra."""
+    """Accelerations (M,) and speeds (M + 1,) of s on a grid of points (M + 1,); toppra says where one can brake."""
     try:
         from toppra import SimplePath  # noqa: PLC0415
         from toppra.algorithm import TOPPRA  # noqa: PLC0415

@@ -90,7 +90,7 @@ class Inverse(Frozen):
         return [f"{COORDINATES[c]} of {names[k]} (segment {k + 1})" for k, c in np.argwhere(self.undetermined)]
 
 
-def listed(coordinates: Sequence[str]) -> str:
+def some_of(coordinates: Sequence[str]) -> str:
     """Name some of the coordinates, and how many more there are."""
     more = f" and {len(coordinates) - MOST_NAMED} more" if len(coordinates) > MOST_NAMED else ""
     return ", ".join(coordinates[:MOST_NAMED]) + more

@@ -21,7 +21,7 @@ from sinuous.reprs import call, text
 from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
-from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, listed
+from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, some_of
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
@@ -581,7 +581,7 @@ class Robot(NotebookMixin, Frozen):
         names = [actuator.name for actuator in self.actuators]
         values, reference = fitting(actuators, initial, names, len(self))
         if reference is None and self.undetermined:
-            expected = f"a configuration for what no actuator determines: {listed(self.undetermined)}"
+            expected = f"a configuration for what no actuator determines: {some_of(self.undetermined)}"
             raise InputError("initial", "missing", None, expected)
         found = self.without_load(self.drive.motors.displacements(values), reference)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)

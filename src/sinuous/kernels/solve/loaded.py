@@ -41,10 +41,13 @@ from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 MOST_ROUNDS = 25
 """Corrections from one start."""
 
+SLOW, PATIENCE = 0.9, 4
+"""Corrections end after so many in a row that leave more than this share of what was left, squared."""
+
 ENOUGH = 0.2
 """Share of the tolerances within which corrections end."""
 
-MOST_STEPS = 20
+MOST_STEPS = 6
 """Steps in which the body at the end of a correction is found from what is foretold, or the correction is too long."""
 
 HALVINGS, SHORTER = 5, 0.4
@@ -150,14 +153,16 @@ def correct(
     own = Shape(q, x, tensions, trial.kept, trial.record)
     e.settle(x, tensions, body, True, space, own.kept, own.record)
     _see(problem, drive, own, body, space, step, record)
+    slow = 0
     for rounds in range(MOST_ROUNDS):
-        record[ROUNDS] = rounds
-        if record[FOUND] == 0.0 or _enough(problem, record):
+        record[ROUNDS], before = rounds, record[MERIT]
+        if record[FOUND] == 0.0 or _enough(problem, record) or slow == PATIENCE:
             return
         answer_drive(sections, of_lines, q, x, body, space, step.columns, step.pulls)
         _find_step(problem, q, step, _derive(problem, drive, own, body, space, step))
         if not _go(problem, drive, own, trial, body, space, step, record):
             return
+        slow = slow + 1 if record[MERIT] > SLOW * before else 0
     record[ROUNDS] = MOST_ROUNDS
 
 

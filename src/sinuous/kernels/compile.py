@@ -57,6 +57,14 @@ def kernel(function: Function) -> Function:
     return _inner(function, _original(function), NO_WRAPPERS)
 
 
+def apart(function: Function) -> Function:
+    """The same kernel, never copied into its callers: for the case of a loop that is not the usual one.
+
+    Beside the code of a large case the usual one runs out of registers, and takes up to 1.7 times as long.
+    """
+    return _inner(function, _original(function), NO_WRAPPERS, "apart")
+
+
 def shared(function: Function) -> Function:
     """The same kernel as machine code of its own, once for all entries that call it, instead of in each of them.
 
@@ -175,14 +183,13 @@ def _original(function: Any) -> Any:
 def _stored(function: Any, kind: str, options: dict[str, Any], file: str | None = None) -> Any:
     """Compile a function, and keep its code on disk as what depends on this file and its imports.
 
-    The `kind` is `entry`, `shared` or `inner`. By default the file is that of the function. What is made around
-    something else is kept only when a file is named.
+    The `kind` is one of `once.LIBRARIES`. By default the file is that of the function. What is made around something
+    else is kept only when a file is named.
     """
     store = None if function.__closure__ and file is None else Store(function, kind, file)
     chosen = {**OPTIONS, **options}
     if once.tried():
-        library = once.Part if kind == "inner" else once.Whole
-        chosen["pipeline_class"] = once.compiler(library, None if store is None else store.name)
+        chosen["pipeline_class"] = once.compiler(kind, None if store is None else store.name)
     compiled: Any = numba.njit(**chosen)(function)
     if store is not None:
         compiled._cache = store

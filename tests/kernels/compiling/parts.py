@@ -2,7 +2,7 @@
 
 import math
 
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import apart, entry, kernel, shared
 
 
 @kernel
@@ -33,3 +33,13 @@ def thrice_the_longest(x: float, y: float) -> float:
 @entry
 def longest_and_norm(x: float, y: float) -> float:
     return longest(x, y) + norm(x, y)
+
+
+@apart
+def shortest(x: float, y: float) -> float:
+    return min(abs(x), abs(y))
+
+
+@entry
+def twice_the_shortest(x: float, y: float) -> float:
+    return 2.0 * shortest(x, y)

@@ -108,6 +108,16 @@ def test_entries_call_the_machine_code_of_a_shared_kernel() -> None:
         assert made.library._final_module.get_function(result.fndesc.mangled_name).is_declaration
 
 
+@pytest.mark.usefixtures("fresh")
+def test_a_kernel_apart_is_called_not_copied() -> None:
+    for function, name, copied in ((parts.twice_the_norm, "norm", True), (parts.twice_the_shortest, "shortest", False)):
+        entry = compiling.entry(function.py_func)  # type: ignore[attr-defined]
+        assert entry(3.0, -4.0) == (10.0 if copied else 6.0)
+        (made,) = entry.overloads.values()
+        own = {one.name.split("5parts")[1] for one in made.library._final_module.functions if "5parts" in one.name}
+        assert any(one.startswith(f"{len(name)}{name}") for one in own) is not copied
+
+
 def test_code_that_numba_compiles_by_itself_can_call_what_calls_shared_kernels() -> None:
     """Numba may keep it on disk, for processes that have no shared kernel: it is in that code, as everything is."""
     longest = store.KERNELS[parts.__name__, "longest"]()

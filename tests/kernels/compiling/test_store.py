@@ -110,7 +110,8 @@ def test_the_code_of_another_function_is_not_taken_for_it(folder: Path) -> None:
     assert len(list(folder.glob("*.code"))) == 2
     made: Any = compiling.entry(half)
     context = made.targetctx
-    names = {store.Store(f, kind).path(s, context.codegen()) for f in (half, third) for kind in "ab" for s in "xy"}
+    kinds, types = ("inner", "entry"), ("x", "y")
+    names = {store.Store(f, kind).path(s, context.codegen()) for f in (half, third) for kind in kinds for s in types}
     assert len(names) == 8
 
 

@@ -74,6 +74,7 @@ class Part(_Library):
     """A kernel as Numba lowers it, neither optimised nor machine code."""
 
     _shared_module: Any
+    _attributes: tuple[str, ...] = ()
 
     def finalize(self) -> None:
         """Keep what entries link; give the engine nothing but Numba's environment, for which it asks."""
@@ -92,6 +93,8 @@ class Part(_Library):
         self._lighten(whole)
         for name in own:
             whole.get_function(name).linkage = "linkonce_odr"
+            for attribute in self._attributes:
+                whole.get_function(name).add_function_attribute(attribute)
         self._finalize_dynamic_globals()
         self._shared_module = whole
         self._final_module = llvm.parse_assembly(str(self._codegen._create_empty_module(self.name)) + _seen(whole))
@@ -117,6 +120,12 @@ class Part(_Library):
         passes.add_dead_code_elimination_pass()
         passes.add_global_dead_code_eliminate_pass()
         passes.run(module, llvm.create_pass_builder(self._codegen._tm, llvm.create_pipeline_tuning_options(1)))
+
+
+class Apart(Part):
+    """A kernel that is not copied into what calls it."""
+
+    _attributes = ("noinline",)
 
 
 class Whole(_Library):
@@ -163,6 +172,10 @@ class Whole(_Library):
         builder.getModulePassManager().run(self._final_module, builder)
 
 
+LIBRARIES = {"inner": Part, "apart": Apart, "shared": Whole, "entry": Whole}
+"""Into which library each kind of function is compiled."""
+
+
 def reached(libraries: list[Any]) -> list[Part | Whole]:
     """List the parts among these libraries, and all that they call in turn, each once: of shared ones those alone."""
     found: dict[Part | Whole, None] = {}
@@ -187,14 +200,14 @@ def _linked(library: Part | Whole) -> Any:
     return module
 
 
-def as_was(library: Any, kind: type[Part | Whole], parts: list[Part | Whole]) -> None:
-    """Let a library that was read from the disk be what it was, which calls these others."""
-    library.__class__ = kind
+def as_was(library: Any, kind: str, parts: list[Part | Whole]) -> None:
+    """Let a library that was read from the disk be of the kind that it was, which calls these others."""
+    library.__class__ = LIBRARIES[kind]
     library.parts = parts
 
 
-def compiler(library: type[JITCodeLibrary], name: str | None) -> type[Compiler]:
-    """Return a compiler without needless passes, for one function whose code goes into such a library.
+def compiler(kind: str, name: str | None) -> type[Compiler]:
+    """Return a compiler without needless passes, for one function of such a kind, see `LIBRARIES`.
 
     With a `name` the symbol of the function is the same in every process. Numba counts instead, and what one process
     calls by a number another one calls by another.
@@ -205,7 +218,7 @@ def compiler(library: type[JITCodeLibrary], name: str | None) -> type[Compiler]:
             state = self.state
             if name is not None:
                 state.func_id.unique_id = name
-            state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library = LIBRARIES[kind](state.targetctx.codegen(), state.func_id.func_qualname)
             state.library.enable_object_caching()
             (pipeline,) = super().define_pipelines()
             manager = PassManager(pipeline.pipeline_name)

@@ -23,7 +23,7 @@ from numba.core.compiler import CompileResult
 
 from sinuous.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
-from sinuous.kernels.compiling.once import Part, Whole, as_was
+from sinuous.kernels.compiling.once import LIBRARIES, Part, Whole, as_was
 from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
 from sinuous.kernels.compiling.targets import Target, shipped
 
@@ -86,6 +86,7 @@ class Store(NullCache):
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
+        self._machine_code = LIBRARIES[kind] is Whole
         self._file = file or function.__code__.co_filename
         self.module, self.called = function.__module__, function.__qualname__
         told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"
@@ -122,7 +123,7 @@ class Store(NullCache):
             return None
         result = CompileResult._rebuild(context, *reduced)
         if called is not None:
-            as_was(result.library, Part if self._kind == "inner" else Whole, parts)
+            as_was(result.library, self._kind, parts)
             self._sign(result)
         return result
 
@@ -147,7 +148,7 @@ class Store(NullCache):
     def find(self, signature: Any, codegen: Any) -> Path:
         """File of the code for a signature, where there is one, also among what is shipped; else where it would be."""
         own = self.path(signature, codegen)
-        if self._kind != "inner" and not own.exists():
+        if self._machine_code and not own.exists():
             for folder, target in shipped():
                 path = folder / self._file_name(signature, target)
                 if path.exists():
@@ -160,7 +161,7 @@ class Store(NullCache):
 
     def _file_name(self, signature: Any, target: Target) -> str:
         """Name of a file; what is linked by others is the same for all processors, only the rest is machine code."""
-        suffix, processor = (PART, "") if self._kind == "inner" else (CODE, [target.cpu, target.features])
+        suffix, processor = (CODE, [target.cpu, target.features]) if self._machine_code else (PART, "")
         told = f"{self.name} {signature} {target.triple} {processor}"
         return f"{self._function.__name__}.{hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]}{suffix}"
 

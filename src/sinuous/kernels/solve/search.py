@@ -10,6 +10,7 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.kernels.solve.approach import approach
 from sinuous.kernels.solve.room import take_room
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
@@ -73,7 +74,7 @@ def _begin(
 
 
 @kernel
-def _solve(
+def _pursue(
     problem: Problem,
     states: State,
     work: Work,
@@ -83,20 +84,19 @@ def _solve(
     wish: float,
     room: float,
     best: Array,
+    began: float,
+    total: int,
 ) -> Numbers:
-    """Solve one problem; fills `best` (n, 3) and returns the record.
+    """Follow one start after the other until one is solved; the rest is as for `_solve`.
 
-    From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
-    What is solved in contact is led away from it up to the clearance `room`.
-    What is impossible is asked after the first start: most problems are solved by then.
+    `began` says when the solve did, `total` how many steps it has taken before.
     """
-    first, last, seed, seconds = budget
-    began = allow(work.clock, seconds)
+    first, last, seed, _ = budget
     tip, goal = most_distal(problem)
     g = initial.shape[0]
     count = g + last - first
     impossible = POSSIBLE
-    status, total, source, least = FAILED, 0, GIVEN, math.inf
+    status, source, least = FAILED, GIVEN, math.inf
     off = turn = clearance = self_clearance = math.inf
     stopped = False
     at, index = int(np.int64(0)), 0  # a mere 0 would have everything compiled once more, for it
@@ -140,6 +140,43 @@ def _solve(
         status = impossible
     spent = now(work.clock) - began
     return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
+
+
+@kernel
+def _solve(
+    problem: Problem,
+    states: State,
+    work: Work,
+    initial: Array,
+    budget: Budget,
+    iterations: int,
+    wish: float,
+    room: float,
+    best: Array,
+) -> Numbers:
+    """Solve one problem; fills `best` (n, 3) and returns the record.
+
+    From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
+    What is solved in contact is led away from it up to the clearance `room`. Where several are given, each is followed
+    briefly first: see `approach`.
+    What is impossible is asked after the first start: most problems are solved by then.
+    """
+    began = allow(work.clock, budget[3])
+    at, total = int(np.int64(0)), 0
+    for i in range(initial.shape[0] if initial.shape[0] > 1 else 0):
+        copy(initial[i], pick(states, at).q)
+        at, verdict, used, clearance, self_clearance = approach(problem, states, at, work, wish)
+        total += used
+        if verdict == CLEAR:
+            state = pick(states, at)
+            copy(state.q, best)
+            known = (state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance, state.norms[MERIT])
+            used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, room, known, best)
+            spent = now(work.clock) - began
+            return SOLVED, total + used, i + 1, GIVEN, off, turn, clearance, self_clearance, False, least, spent
+        if over(work.clock):
+            break
+    return _pursue(problem, states, work, initial, budget, iterations, wish, room, best, began, total)
 
 
 @entry

@@ -125,7 +125,7 @@ class Solver:
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        method = registry.ready(chosen.method, robot, scene)
+        method = registry.ready(chosen.method, robot, scene, chosen.prefer)
         if method is not chosen.method:
             self.options = chosen = replace(chosen, method=method)
         self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)

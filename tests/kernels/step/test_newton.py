@@ -132,7 +132,7 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: int = NEVER
     """Configuration, its norms, verdict and iterations of a descent."""
     states, work = make_states(problem), make_work(problem, deadline)
     put(states, 0, q)
-    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, 0.0)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, 0.0, False)
     return states.q[at].copy(), states.norms[at].copy(), verdict, used
 
 
@@ -147,7 +147,7 @@ def test_a_descent_that_wishes_for_clearance_keeps_it() -> None:
     for wish in (0.0, 0.15):
         states, work = make_states(problem), make_work(problem)
         put(states, 0, q)
-        at, verdict, _, clearance, _, _ = newton.descend(problem, states, 0, work, 60, wish)
+        at, verdict, _, clearance, _, _ = newton.descend(problem, states, 0, work, 60, wish, False)
         assert verdict == CLEAR
         assert robot.excess(states.q[at]) <= 1e-11
         clearances.append(clearance)
@@ -211,7 +211,7 @@ def test_what_was_never_linearised_whole_is_no_better_than_anything() -> None:
     states, work = make_states(problem), make_work(problem, 0)
     put(states, 0, q)
     work.clock[LOOKS] = STRIDE - 1
-    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, 60, 0.0)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, 60, 0.0, False)
     assert (verdict, used) == (MISSED, 0)
     assert states.norms[at, MERIT] == math.inf
     assert states.norms[at, POSITION] == pytest.approx(0.2, abs=1e-2)
@@ -227,7 +227,7 @@ def test_a_start_without_numbers_is_no_solution(number: float) -> None:
         q.reshape(-1)[place] = number
         states, work = make_states(problem), make_work(problem)
         put(states, 0, q)
-        at, verdict, _, _, _, _ = newton.descend(problem, states, 0, work, 0, 0.0)
+        at, verdict, _, _, _, _ = newton.descend(problem, states, 0, work, 0, 0.0, False)
         assert verdict == MISSED
         assert np.isfinite(states.q[at]).all()
         assert not WIDE.violations(states.q[at])
@@ -259,7 +259,7 @@ def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
     problem = kernel_problem(robot, Target((0.0, 0.0, 4.0 - 0.2)), [ball])
     states, work = make_states(problem), make_work(problem)
     put(states, 0, straight)
-    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0)
+    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0, False)
     assert verdict == CLEAR
     assert used > 0
     sampled = np.linalg.norm(robot.backbone(states.q[at], 200) - [0.05, 0.0, 2.0], axis=1).min() - 0.3 - 0.05

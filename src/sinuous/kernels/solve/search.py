@@ -10,7 +10,6 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.approach import approach
 from sinuous.kernels.solve.room import take_room
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
@@ -44,6 +43,9 @@ from sinuous.kernels.tables import MERIT as RECORD_MERIT
 Numbers = tuple[int, int, int, int, float, float, float, float, bool, float, float]
 """The record of one search, see `sinuous.kernels.tables`."""
 
+BRIEF = 5
+"""Steps of Newton's method that meet targets nearby, where nothing is in the way."""
+
 DRAWS = 4
 """Random shapes that are looked at for one start."""
 
@@ -74,75 +76,6 @@ def _begin(
 
 
 @kernel
-def _pursue(
-    problem: Problem,
-    states: State,
-    work: Work,
-    initial: Array,
-    budget: Budget,
-    iterations: int,
-    wish: float,
-    room: float,
-    best: Array,
-    began: float,
-    total: int,
-) -> Numbers:
-    """Follow one start after the other until one is solved; the rest is as for `_solve`.
-
-    `began` says when the solve did, `total` how many steps it has taken before.
-    """
-    first, last, seed, _ = budget
-    tip, goal = most_distal(problem)
-    g = initial.shape[0]
-    count = g + last - first
-    impossible = POSSIBLE
-    status, source, least = FAILED, GIVEN, math.inf
-    off = turn = clearance = self_clearance = math.inf
-    stopped = False
-    at, index = int(np.int64(0)), 0  # a mere 0 would have everything compiled once more, for it
-    while index < count:
-        kind = GIVEN
-        if index < g:
-            copy(initial[index], pick(states, at).q)
-        else:
-            kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
-        index += 1
-        at, verdict, used, seen, self_seen, bound = descend(
-            problem, states, at, work, iterations, wish if index <= g else 0.0
-        )
-        total += used
-        state = pick(states, at)
-        if verdict == CLEAR or state.norms[MERIT] < least or index == 1:
-            copy(state.q, best)
-            least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
-            clearance, self_clearance = seen, self_seen
-            status, source, stopped = FAILED, kind, bound
-            if verdict == CLEAR:
-                status = SOLVED
-                break
-            if verdict == UNDECIDED:
-                status = UNPROVED
-        if index == 1:
-            impossible = verdict_of(problem)
-            if impossible != POSSIBLE:
-                count = min(count, g + 1)
-        if over(work.clock):
-            if status == FAILED:
-                status = LATE
-            break
-    if index == 0:
-        impossible = verdict_of(problem)
-    known = (off, turn, clearance, self_clearance, least)
-    wanted = room if status == SOLVED else 0.0
-    used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, wanted, known, best)
-    total += used
-    if impossible != POSSIBLE and status != SOLVED:
-        status = impossible
-    spent = now(work.clock) - began
-    return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
-
-
-@kernel
 def _solve(
     problem: Problem,
     states: State,
@@ -158,25 +91,60 @@ def _solve(
 
     From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
     What is solved in contact is led away from it up to the clearance `room`. Where several are given, each is followed
-    briefly first: see `approach`.
+    briefly first: one mostly leads past everything in a few steps, and a descent in contact takes a hundred times as
+    long.
     What is impossible is asked after the first start: most problems are solved by then.
     """
-    began = allow(work.clock, budget[3])
-    at, total = int(np.int64(0)), 0
-    for i in range(initial.shape[0] if initial.shape[0] > 1 else 0):
-        copy(initial[i], pick(states, at).q)
-        at, verdict, used, clearance, self_clearance = approach(problem, states, at, work, wish)
+    first, last, seed, seconds = budget
+    began = allow(work.clock, seconds)
+    tip, goal = most_distal(problem)
+    g = initial.shape[0]
+    count = g + last - first
+    impossible = POSSIBLE
+    status, total, source, least = FAILED, 0, GIVEN, math.inf
+    off = turn = clearance = self_clearance = math.inf
+    stopped = False
+    at, index, brief = int(np.int64(0)), 0, g > 1  # a mere 0 would have everything compiled once more, for it
+    while index < count:
+        kind = GIVEN
+        if index < g:
+            copy(initial[index], pick(states, at).q)
+        else:
+            kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
+        index += 1
+        at, verdict, used, seen, self_seen, bound = descend(
+            problem, states, at, work, BRIEF if brief else iterations, wish if index <= g else 0.0, brief
+        )
         total += used
-        if verdict == CLEAR:
-            state = pick(states, at)
+        state = pick(states, at)
+        if verdict == CLEAR or (state.norms[MERIT] < least and not brief) or index == 1:
             copy(state.q, best)
-            known = (state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance, state.norms[MERIT])
-            used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, room, known, best)
-            spent = now(work.clock) - began
-            return SOLVED, total + used, i + 1, GIVEN, off, turn, clearance, self_clearance, False, least, spent
+            least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
+            clearance, self_clearance = seen, self_seen
+            status, source, stopped = UNPROVED if verdict == UNDECIDED else FAILED, kind, bound
+            if verdict == CLEAR:
+                status = SOLVED
+                break
+        if index == 1 and not brief:
+            impossible = verdict_of(problem)
+            if impossible != POSSIBLE:
+                count = min(count, g + 1)
         if over(work.clock):
+            if status == FAILED:
+                status = LATE
             break
-    return _pursue(problem, states, work, initial, budget, iterations, wish, room, best, began, total)
+        if brief and index == g:
+            brief, index = False, 0
+    if index == 0:
+        impossible = verdict_of(problem)
+    known = (off, turn, clearance, self_clearance, least)
+    wanted = room if status == SOLVED else 0.0
+    used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, wanted, known, best)
+    total += used
+    if impossible != POSSIBLE and status != SOLVED:
+        status = impossible
+    spent = now(work.clock) - began
+    return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
 
 
 @entry

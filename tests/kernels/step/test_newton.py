@@ -266,6 +266,27 @@ def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
     assert 0.0 < clearance <= sampled + 1e-9
 
 
+def test_a_brief_descent_ends_in_a_proved_solution_nearby_or_gives_up_soon() -> None:
+    robot = Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.05)
+    q = np.array([(0.3, 0.2, 1.0), (-0.2, 0.4, 0.9), (0.1, -0.3, 1.1)])
+    there = robot.tip(q)[:3, 3]
+    beside, around = Sphere((1.5, 1.5, 1.0), 0.3), Sphere(tuple(there), 0.2)
+    for target, ball, start, expected in (
+        (Target(there), beside, q + 0.02, (CLEAR, 2)),
+        (Target(there), around, q, (MISSED, 4)),
+        (Target((0.0, 0.0, 9.0)), beside, q, (MISSED, 4)),
+    ):
+        problem = kernel_problem(robot, target, [ball])
+        states, work = make_states(problem), make_work(problem)
+        put(states, 0, start)
+        at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0, True)
+        assert verdict == expected[0]
+        assert used <= expected[1]
+        if verdict == CLEAR:
+            assert np.linalg.norm(robot.tip(states.q[at])[:3, 3] - there) <= problem.position_tolerance
+            assert 0.0 < clearance <= np.linalg.norm(robot.backbone(states.q[at], 200) - [1.5, 1.5, 1.0], axis=1).min()
+
+
 @given(st.integers(0, 10**6))
 def test_a_change_of_base_changes_nothing(seed: int) -> None:
     """Robot and targets are moved together: the descent is the same, to rounding."""

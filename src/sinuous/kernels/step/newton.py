@@ -276,7 +276,8 @@ def descend(
 ) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
-    Where it is `brief`, the first proof is the last one, and no overlap is taken for one that samples see alone.
+    Where it is `brief`, the first step that gains little is the last one, as is the first proof, and no overlap is
+    taken for one that samples see alone.
 
     Steps also wish for the clearance `wish`: a robot that goes on from where it had it keeps it for nothing. Where they
     gain little, they do without: a wish moves the targets' rows by a hundred-millionth of what it is short of.
@@ -330,7 +331,11 @@ def descend(
             mode, loose = (solids.EXACT, 0.0) if sampled else (mode, loose)
             wish, looked_at, merit, slow, easing = 0.0, at, math.inf, 0, 1.0
             continue
-        if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):
+        if (
+            iteration >= most
+            or slow >= (1 if brief else PATIENCE)
+            or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0])
+        ):
             return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         iteration += 1
         rest(work)

@@ -374,7 +374,7 @@ class Solver:
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
         with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
-            many = Many(questions, self._prepared, self._strategy, threads, bar.advance)
+            many = Many(questions, self._prepared, self._strategy, threads, self.options.most_starts, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)

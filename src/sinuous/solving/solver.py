@@ -571,8 +571,9 @@ class Solver:
         search = FirstSolved(first, self.options.max_starts, seconds)
         resting = first.bound and self.method == OWN_METHOD and not len(problem.scene)
         if resting and search.open:
-            rested = at_rest(problem, first.q, lambda: search.open)
-            search.take(self._from_rest(first, problem, rested, search.seconds_left))
+            rested = at_rest(problem, first.q, lambda: search.seconds_left)
+            if rested is not first.q:
+                search.take(self._from_rest(first, problem, rested, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         return search.outcome

@@ -6,8 +6,8 @@ is grown from the other end is lost there. So chains are grown from both ends, b
 pose in which the other begins: two problems of half the segments are far easier than one of all. An arc does not care
 how it is turned about its tangent, so what is joined meets both ends.
 
-An elbow in a narrow place leaves the chains few tangents to pass it with, and they seldom arrive with one of these. So
-chains are also grown in two parts, for some of its tangents: up to the elbow, and from there.
+An elbow in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive with one of
+these. So, for some of its tangents, chains are also grown in two parts: up to the elbow, and from there.
 """
 
 import math

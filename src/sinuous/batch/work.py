@@ -68,7 +68,11 @@ class Work:
         rows, goals = valid(task.raw)
         if not len(rows):
             return block
-        early, late, near = halves(goals) if self._warm else (np.arange(len(rows)), rows[:0], rows[:0])
+        if not self._warm:
+            found = self._solver._solve_sets(goals, self._initial)
+            self.layout.fill(block, slice(None) if len(rows) == count else rows, found, self._solver.robot)
+            return block
+        early, late, near = halves(goals)
         found = self._solver._solve_sets(goals[early], self._initial)
         self.layout.fill(block, rows[early], found, self._solver.robot)
         if len(late):
@@ -79,11 +83,14 @@ class Work:
 
 def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
     """Find the rows (k,) that are targets, and check them."""
-    good = np.logical_and.reduce([np.isfinite(part).reshape(len(part), -1).all(axis=1) for part in raw.values()])
+    good = np.ones(len(next(iter(raw.values()))), np.bool_)
+    for part in raw.values():
+        if not np.isfinite(part).all():  # row by row it takes longer
+            good &= np.isfinite(part).reshape(len(part), -1).all(axis=1)
     while True:
         rows = np.flatnonzero(good)
         try:
-            return rows, Goals.read({key: part[rows] for key, part in raw.items()})
+            return rows, Goals.read({key: part if good.all() else part[rows] for key, part in raw.items()})
         except InputError as error:
             bad = re.fullmatch(r"\w+\[(\d+)\]", error.key)  # a row that is named: a direction of length 0, say
             if bad is None:

@@ -436,7 +436,7 @@ class Motion(NotebookMixin, Frozen):
             When it is not.
         """
         if not self.solved:
-            raise NotSolvedError(str(self), self)
+            raise NotSolvedError(f"{self.status} ({_sentence(self)})", self)
         return self
 
     @classmethod

@@ -76,8 +76,8 @@ class Work:
         if not len(rows):
             return block
         for part, initial in self._parts(goals, block["q"], rows):
-            found = self._solver._solve_sets(goals[part], initial)
-            self.layout.fill(block, rows[part], found, self._solver.robot)
+            found, own = self._solver._solve_sets(goals[part], initial), rows[part]
+            self.layout.fill(block, slice(None) if len(own) == count else own, found, self._solver.robot)
         return block
 
     def derive(self, raw: Raw, block: Block, wrt: tuple[Parameter, ...]) -> "Derivatives":
@@ -87,19 +87,19 @@ class Work:
         solver, (rows, goals) = self._solver, valid(raw)
         answers, derived = self.layout.records(block, solver.robot), []
         for part, initial in self._parts(goals, block["q"], rows):
-            given = read_initial(solver.robot, len(part), initial)
+            own = rows[part]
+            given = read_initial(solver.robot, len(own), initial)
             asked = ManyProblems(solver.robot, goals[part], solver.scene.snapshot(), solver.tolerance, given)
-            found = Solutions(asked, answers[rows[part]], solver._resolver)
-            derived.append((rows[part], found.derivative(wrt)))
+            derived.append((own, Solutions(asked, answers[own], solver._resolver).derivative(wrt)))
         return Derivatives.of_parts(len(answers), derived)
 
-    def _parts(self, goals: Goals, q: Floats, rows: Whole) -> Iterator[tuple[Whole, Floats | None]]:
-        """Numbers of the targets that are solved first, then of the others; and where these solves begin.
+    def _parts(self, goals: Goals, q: Floats, rows: Whole) -> Iterator[tuple[Whole | slice, Floats | None]]:
+        """Which targets are solved first, then which others; and where these solves begin.
 
         `q` holds the answers (m, n, 3) of the chunk, and `rows` says which of them are those of targets.
         """
         if not self._warm or not len(goals):
-            yield np.arange(len(goals)), self._initial
+            yield slice(None), self._initial
             return
         early, late, near = halves(goals)
         yield early, self._initial
@@ -109,11 +109,14 @@ class Work:
 
 def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
     """Find the rows (k,) that are targets, and check them."""
-    good = np.logical_and.reduce([np.isfinite(part).reshape(len(part), -1).all(axis=1) for part in raw.values()])
+    good = np.ones(len(next(iter(raw.values()))), np.bool_)
+    for part in raw.values():
+        if not np.isfinite(part).all():  # row by row it takes longer
+            good &= np.isfinite(part).reshape(len(part), -1).all(axis=1)
     while True:
         rows = np.flatnonzero(good)
         try:
-            return rows, Goals.read({key: part[rows] for key, part in raw.items()})
+            return rows, Goals.read({key: part if good.all() else part[rows] for key, part in raw.items()})
         except InputError as error:
             bad = re.fullmatch(r"\w+\[(\d+)\]", error.key)  # a row that is named: a direction of length 0, say
             if bad is None:

@@ -11,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
 from sinuous.robot.robot import Robot
 from sinuous.solution.solutions import Solutions
-from sinuous.solution.status import Status
+from sinuous.solution.status import Status, places_of
 
 INVALID = "invalid"
 """Status of a row that is no target."""
@@ -89,8 +89,8 @@ class Layout:
         return block
 
     def fill(self, block: Block, rows: Any, found: Solutions, robot: Robot) -> None:
-        """Put what was found into rows of a block."""
-        block["status"][rows] = [CODES[status] for status in found.status.tolist()]
+        """Put what was found into rows of a block, by their numbers or all of them (a slice)."""
+        block["status"][rows] = places_of(found._answers)
         block["q"][rows] = found.q
         if self.actuators:
             block["actuators"][rows] = _actuators(robot, found.q)

@@ -138,4 +138,4 @@ def _write(
         header = {"descr": npy.dtype_to_descr(dtype), "fortran_order": False, "shape": shape}
         npy.write_array_header_2_0(member, header)
         for column in columns:
-            member.write(np.ascontiguousarray(column).tobytes())
+            member.write(np.ascontiguousarray(column).data.cast("B") if column.size else b"")

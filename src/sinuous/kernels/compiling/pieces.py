@@ -78,6 +78,7 @@ PIECES = (
     Piece("batches of solves among obstacles", 5, ("kernels.solve.search.search_many",), waits=True),
     Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
     Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
+    Piece("starts of a memory", 1, ("kernels.solve.recall.recall", "kernels.solve.recall.compare"), most=FEW),
     Piece(
         "kinematics",
         1,

@@ -60,8 +60,8 @@ PIECES = (
         (
             "kernels.fitting.lines.measure_line",
             "kernels.fitting.lines.respace_line",
-            "kernels.fitting.lines.room_along",
-            "kernels.fitting.lines.room_beside",
+            "kernels.fitting.lines.distances_along",
+            "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.roadmap.enclosed.rays_met",
@@ -78,6 +78,7 @@ PIECES = (
     Piece("batches of solves among obstacles", 1, ("kernels.solve.search.search_many",), 25, waits=True),
     Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
     Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
+    Piece("starts of a memory", 1, ("kernels.solve.recall.recall", "kernels.solve.recall.compare"), most=FEW),
     Piece(
         "kinematics",
         1,

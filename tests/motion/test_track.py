@@ -169,6 +169,8 @@ def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
     with pytest.raises(sn.NotSolvedError) as caught:
         track.raise_for_status()
     assert caught.value.solution is track
+    assert str(caught.value).startswith("out_of_reach (2 of 3 waypoints reached; waypoint 2: ")
+    assert "\n" not in str(caught.value)
 
 
 def test_the_dictionary_is_plain_and_strict() -> None:

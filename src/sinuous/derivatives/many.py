@@ -1,6 +1,6 @@
 """Derivatives of many answers at once, as arrays."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, Protocol
 
@@ -19,7 +19,7 @@ from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target, Tolerance
+from sinuous.problem.target import Goals, Target, Tolerance
 from sinuous.problem.target_sets import TargetSets
 from sinuous.reprs import call
 from sinuous.robot.robot import Robot
@@ -75,6 +75,16 @@ class Derivatives:
     ) -> None:
         self._problem, self._configurations, self._moved, self._status = problem, q, moved, status
         self.wrt, self._chosen = wrt, chosen
+
+    @classmethod
+    def of_parts(cls, count: int, parts: "Sequence[tuple[NDArray[np.int64], Derivatives]]") -> "Derivatives":
+        """Put parts together as rows with these numbers of so many; all others are NaN."""
+        _, first = parts[0]
+        moved = np.full((count, *first._moved.shape[1:]), np.nan)
+        q, status = np.full((count, *first._configurations.shape[1:]), np.nan), np.full(count, float(a.KINK))
+        for rows, part in parts:
+            moved[rows], q[rows], status[rows] = part._moved, part._configurations, part._status
+        return cls(first._problem, q, first.wrt, moved, status, first._chosen)
 
     @property
     def regular(self) -> NDArray[np.bool_]:
@@ -143,8 +153,18 @@ class Derivatives:
 
 
 def _nothing_asked(problems: Problems) -> Problem:
-    """Some problem for no answers."""
-    return Problem.prepared(problems.robot, (Target((0.0, 0.0, 0.0)),), problems.scene, problems.tolerance)
+    """Some problem for no answers, of the kind of the others."""
+    sets = problems.target_sets
+    target = Target((0.0, 0.0, 0.0))
+    if isinstance(sets, Goals):
+        place, axis, turn = (
+            None if part is None else each
+            for part, each in zip(
+                (sets.positions, sets.directions, sets.rotations), (np.zeros(3), np.eye(3)[2], np.eye(3)), strict=True
+            )
+        )
+        target = Target(place, direction=axis, rotation=turn)
+    return Problem.prepared(problems.robot, (target,), problems.scene, problems.tolerance)
 
 
 def _alike(rows: Floats) -> bool:

@@ -284,7 +284,8 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         failed = np.flatnonzero(~self.solved)
         if len(failed):
             first = int(failed[0])
-            raise NotSolvedError(f"{self!r}; the first is number {first}:\n{self[first]}", self[first])
+            solution = self[first]
+            raise NotSolvedError(f"{self!r}; the first is number {first}: {solution._in_a_line()}", solution)
         return self
 
     def __repr__(self) -> str:

@@ -60,8 +60,8 @@ PIECES = (
         (
             "kernels.fitting.lines.measure_line",
             "kernels.fitting.lines.respace_line",
-            "kernels.fitting.lines.room_along",
-            "kernels.fitting.lines.room_beside",
+            "kernels.fitting.lines.distances_along",
+            "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.roadmap.enclosed.rays_met",

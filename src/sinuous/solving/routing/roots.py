@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.lines import room_along
+from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.tables import (
     DIRECTION,
@@ -76,7 +76,7 @@ def roots(groups: Groups, route: Floats) -> Floats:
     if len(ends) > 1:
         points = places[:, None] - radius * np.array(STEPS)[:, None] * ahead[:, None]
         distances = np.empty(points.size // 3)
-        room_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
+        distances_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
         lack = np.maximum(0.0, ENOUGH - distances.reshape(len(ends), -1) / radius)
         squares = lack * lack
         ranked = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable")

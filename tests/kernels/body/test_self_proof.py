@@ -67,7 +67,7 @@ CASES = (
 def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[float, float], several: bool) -> None:
     rng = np.random.default_rng(n)
     verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
-    for _ in range(60):
+    for _ in range(30):
         radii = rng.uniform(*thick, n) if several else np.full(n, rng.uniform(*thick))
         if several and rng.random() < 0.3:
             radii[rng.integers(n)] = 0.0
@@ -83,7 +83,7 @@ def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[
             assert gap >= least - 2.0 * spacing
         else:
             assert abs(least) < 2.0 * spacing, "undecided though plain"
-    assert verdicts[CLEAR] > 10
+    assert verdicts[CLEAR] >= 5
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -231,14 +231,14 @@ def test_a_wrist_may_bend_aside_beyond_a_thick_arm() -> None:
 def test_a_small_change_of_radius_changes_little() -> None:
     """Two rules say which places concern each other; where radii are nearly alike both find the same bodies clear."""
     rng, alike = np.random.default_rng(31), 0
-    for _ in range(150):
+    for _ in range(50):
         radius = rng.uniform(0.05, 0.3)
         q = curled(rng, np.full(5, radius), 2.8)
         one, gap, _ = prove(q, np.full(5, radius))
         other, _, _ = prove(q, radius * np.array([1.0, 0.99999, 1.0, 0.99999, 1.0]))
         assert one == other or abs(gap) < 1e-4
         alike += one == TOUCHING
-    assert 5 < alike < 145
+    assert 5 < alike < 45
 
 
 def test_more_than_the_thickness_allows_is_never_proved() -> None:
@@ -263,7 +263,7 @@ def test_segments_without_length_have_a_radius_where_they_are() -> None:
     """A stage that is drawn in, with another radius: a place that others may be near to, although it is a point."""
     rng = np.random.default_rng(23)
     clear = 0
-    for _ in range(150):
+    for _ in range(50):
         radii = rng.uniform(0.1, 0.3, 5)
         q = curled(rng, radii, 2.6)
         q[rng.integers(1, 5) :] = 0.0
@@ -274,7 +274,7 @@ def test_segments_without_length_have_a_radius_where_they_are() -> None:
             assert gap <= least + 1e-12, "the bound is above what was seen"
         else:
             assert least < 2.0 * spacing
-    assert clear > 50
+    assert clear > 15
 
 
 def coil(turns: int, pitch: float, pieces: int = 8) -> Floats:

@@ -32,7 +32,7 @@ from tests.helpers import (
 from tests.kernels.step.test_targets import Case
 from tests.kernels.workspace import NEVER, make_clock
 
-SAMPLES = 200
+SAMPLES = 120
 SLACK = 0.1
 FINEST = 1e-7
 RADII = (0.2, 0.1, 0.15, 0.05)
@@ -110,18 +110,17 @@ def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> Non
     assert verdicts.count(TOUCHING) >= 3
 
 
-@pytest.mark.parametrize("slack", [0.5, 0.1, 0.001])
-def test_the_bound_comes_as_close_as_asked(slack: float) -> None:
+def test_the_bound_comes_as_close_as_asked() -> None:
     rng = np.random.default_rng(3)
     compared = 0
     for q in configurations(6, N, 60):
         scene = random_scene(rng, 3.0)
-        verdict, clearance, *_ = prove(q, scene, slack=slack)
-        _, finer, *_ = prove(q, scene, slack=1e-6)
-        if verdict == CLEAR:
-            compared += 1
-            assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-6 * finer + FINEST
-    assert compared > 10
+        verdict, finer, *_ = prove(q, scene, slack=1e-5)
+        for slack in (0.5, 0.1, 0.001) if verdict == CLEAR else ():
+            verdict, clearance, *_ = prove(q, scene, slack=slack)
+            compared += verdict == CLEAR
+            assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-5 * finer + FINEST
+    assert compared > 30
 
 
 def straight(length: float = 1.0) -> Floats:

@@ -6,7 +6,7 @@ import numpy as np
 
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import allow, begin, late, now, over
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
@@ -147,6 +147,27 @@ def _solve(
     return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
 
 
+@shared
+def _read_and_solve(
+    robot: Array,
+    scene: Array | None,
+    settings: Array,
+    targets: Array,
+    initial: Array,
+    budget: Budget,
+    workspace: Array,
+    best: Array,
+    begins: bool,
+) -> Numbers:
+    """Solve one problem; arguments as for `search`, and whether a call from Python begins with it."""
+    problem = read_problem(robot, scene, settings, targets)
+    states, work = carve(workspace, problem)
+    if begins:
+        begin(work.clock)
+    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
+    return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
+
+
 @entry
 def search(
     robot: Array,
@@ -165,11 +186,7 @@ def search(
     the own starts to try, from the first up to, without it, the last; a seed; and seconds. `workspace` (w,) is scratch,
     see `states.workspace_size`. Fills `best` (n, 3) with the best configuration found and returns its record.
     """
-    problem = read_problem(robot, scene, settings, targets)
-    states, work = carve(workspace, problem)
-    begin(work.clock)
-    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
-    return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
+    return _read_and_solve(robot, scene, settings, targets, initial, budget, workspace, best, True)
 
 
 @entry
@@ -187,15 +204,9 @@ def search_many(
 
     `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 11 + 3 n): record and configuration of each.
     """
-    if targets.shape[0] == 0:
-        return
-    states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
-    begin(work.clock)
-    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
     for i in range(targets.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        best, record = answer_of(answers, i, problem.limits.shape[0])
-        found = _solve(problem, states, work, initial[i], budget, iterations, wish, room, best)
+        best, record = answer_of(answers, i, initial.shape[2])
+        found = _read_and_solve(robot, scene, settings, targets[i], initial[i], budget, workspace, best, i == 0)
         record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
         record[ANGLE_ERROR], record[CLEARANCE], record[SELF_CLEARANCE], record[BOUND] = found[5:9]
         record[RECORD_MERIT], record[SECONDS] = found[9:]

@@ -33,7 +33,7 @@ def test_the_hidden_motion_is_clear_and_what_stands_around_is_near(family: str) 
 
 
 def test_a_place_is_made_again() -> None:
-    for family in ("40 balls, leading", "door in mesh"):
+    for family in ("40 balls, wandering", "door in mesh"):
         one, again = made_once(family, 7), make(family, 7)
         np.testing.assert_array_equal(one.knots, again.knots)
         np.testing.assert_array_equal(one.scene.group, again.scene.group)

@@ -135,18 +135,12 @@ class Judging:
             if source >= 0:
                 ended.append(descend(self.judge, own, shares, begin, int(which)))
             else:
-                ended.append(
-                    Descended(shares, self.judge.judge(self.judge.space.robot(own, shares), *told, begin=begin), 1)
-                )
-        rows = [each.judged for each in ended]
+                robot = self.judge.space.robot(own, shares)
+                ended.append(Descended(shares, self.judge.judge(robot, *told, begin=begin), 1))
         return {
-            "shares": np.array([each.shares for each in ended]).reshape(len(ended), -1),
+            "shares": np.array([each.shares for each in ended]),
             "tried": np.array([each.tried for each in ended]),
-            "answers": np.array([row.answers for row in rows]),
-            "done": np.array([row.done for row in rows]),
-            "share": np.array([row.share for row in rows]),
-            "objectives": np.array([row.objectives for row in rows]).reshape(len(rows), len(self.judge.minimise)),
-            "failed": np.array([row.failed for row in rows]),
+            **{name: np.array([getattr(each.judged, name) for each in ended]) for name in Judged._fields},
         }
 
 

@@ -67,7 +67,7 @@ CASES = (
 def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[float, float], several: bool) -> None:
     rng = np.random.default_rng(n)
     verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
-    for _ in range(60):
+    for _ in range(30):
         radii = rng.uniform(*thick, n) if several else np.full(n, rng.uniform(*thick))
         if several and rng.random() < 0.3:
             radii[rng.integers(n)] = 0.0
@@ -83,7 +83,7 @@ def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[
             assert gap >= least - 2.0 * spacing
         else:
             assert abs(least) < 2.0 * spacing, "undecided though plain"
-    assert verdicts[CLEAR] > 10
+    assert verdicts[CLEAR] >= 5
 
 
 @pytest.mark.parametrize("seed", range(30))

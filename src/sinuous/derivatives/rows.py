@@ -95,7 +95,7 @@ class KeptRows:
 
     @property
     def rows(self) -> Floats:
-        """KeptRows (r, 3 n), of length 1 in the metric."""
+        """Rows (r, 3 n), of length 1 in the metric."""
         return self._parts[0]
 
     @property

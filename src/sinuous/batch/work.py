@@ -13,7 +13,8 @@ from sinuous.batch.tables.source import Raw
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import Goals
-from sinuous.solution.solutions import ManyProblems, Solutions
+from sinuous.problem.target_sets import ManyProblems
+from sinuous.solution.solutions import Solutions
 from sinuous.solving.many import read_initial
 from sinuous.solving.solver import Solver
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,39 +19,9 @@ from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Goals, Target, Tolerance
-from sinuous.problem.target_sets import TargetSets
+from sinuous.problem.target import Goals, Target
+from sinuous.problem.target_sets import ManyProblems
 from sinuous.reprs import call
-from sinuous.robot.robot import Robot
-from sinuous.scene.snapshot import Snapshot
-
-
-class Problems(Protocol):
-    """Problems of one robot in one scene: `ManyProblems`."""
-
-    @property
-    def robot(self) -> Robot:
-        """The robot."""
-        ...
-
-    @property
-    def tolerance(self) -> Tolerance:
-        """Of all."""
-        ...
-
-    @property
-    def target_sets(self) -> TargetSets:
-        """The targets of each."""
-        ...
-
-    @property
-    def scene(self) -> Snapshot:
-        """The obstacles."""
-        ...
-
-    def problem(self, i: int) -> Problem:
-        """Return one of the problems."""
-        ...
 
 
 class Derivatives:
@@ -152,7 +122,7 @@ class Derivatives:
         return np.stack([compute(q[i], {name: changes[i]}, name) for i in range(len(self))])
 
 
-def _nothing_asked(problems: Problems) -> Problem:
+def _nothing_asked(problems: ManyProblems) -> Problem:
     """Some problem for no answers, of the kind of the others."""
     sets = problems.target_sets
     target = Target((0.0, 0.0, 0.0))
@@ -174,13 +144,13 @@ def _alike(rows: Floats) -> bool:
 
 
 def derivatives_of(
-    problems: Problems,
+    problems: ManyProblems,
     q: Floats,
     solved: NDArray[np.bool_],
     liked: Mapping[int, Wish | None],
     wrt: tuple[Parameter, ...],
 ) -> Derivatives:
-    """Derive answers `q` (m, n, 3) to `ManyProblems`, of those that are solved; `liked` are chosen by these wishes.
+    """Derive those answers `q` (m, n, 3) that are solved; `liked` are chosen by these wishes.
 
     Raises
     ------

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from sinuous.arguments import LeaderParameter
     from sinuous.measures.following import Deviation
-    from sinuous.motion.led import LedDerivative
+    from sinuous.motion.leader_derivative import LeaderDerivative
     from sinuous.motion.trajectory import Trajectory
     from sinuous.problem.curve import Curve
     from sinuous.problem.problem import Problem
@@ -347,19 +347,19 @@ class Motion(NotebookMixin, Frozen):
     def derivative(
         self,
         curve: "Rows | Curve",
+        depths: Vector,
         wrt: "LeaderParameter | Sequence[LeaderParameter]" = ("advance",),
-        depths: Vector | None = None,
-    ) -> "LedDerivative":
+    ) -> "LeaderDerivative":
         """Derive the shapes of `follow_the_leader` by the curve, the advance, the base and the lengths.
 
         Parameters
         ----------
         curve : array_like (K, 3) or Curve
             That the motion follows.
+        depths : array_like (T,)
+            Increasing times of the motion at which it is derived. At the first and the last there is a kink.
         wrt : str or sequence of str
-            Groups of parameters: `advance`, `curve`, `base`, `lengths`; see `sinuous.motion.led`.
-        depths : array_like (T,), optional
-            Increasing times of the motion at which it is derived; by default the last one.
+            Groups of parameters: `advance`, `curve`, `base`, `lengths`; see `sinuous.motion.leader_derivative`.
 
         Raises
         ------
@@ -367,15 +367,15 @@ class Motion(NotebookMixin, Frozen):
             When there is no such group, the motion follows another curve, or a depth is not on it.
         """
         from sinuous.measures.following import line_in_front  # noqa: PLC0415
-        from sinuous.motion.led import LedDerivative, Question  # noqa: PLC0415
+        from sinuous.motion.leader_derivative import LeaderDerivative, Question  # noqa: PLC0415
 
         if not len(self.q):
             raise InputError("motion", "has no knots", self, "a motion with knots")
-        when = self.times[-1:] if depths is None else checks.increasing("depths", depths, None)
-        if when[0] < self.times[0] or when[-1] > self.times[-1]:
+        when = checks.increasing("depths", depths, None)
+        if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
             raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
         q = tables.interpolate(self.times, self.q, when)
-        return LedDerivative(Question.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
+        return LeaderDerivative(Question.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
 
     def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
         """Write times, configurations and the values of all actuators as CSV.

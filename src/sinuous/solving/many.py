@@ -11,10 +11,11 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, STARTS, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
+from sinuous.problem.target_sets import ManyProblems
 from sinuous.robot.robot import Robot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Beyond, ManyProblems, Solutions
+from sinuous.solution.solutions import Beyond, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
 from sinuous.solving.strategy import Strategy

@@ -22,7 +22,7 @@ from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
-from sinuous.problem.target_sets import TargetSets, read_target_sets
+from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes, Rates
@@ -33,7 +33,7 @@ from sinuous.solution.at_rest import at_rest
 from sinuous.solution.observed import GAIN
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import ManyProblems, Solutions
+from sinuous.solution.solutions import Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
 from sinuous.solving.classes.curves import Curves

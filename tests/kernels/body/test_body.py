@@ -32,7 +32,7 @@ from tests.helpers import (
 from tests.kernels.step.test_targets import Case
 from tests.kernels.workspace import NEVER, make_clock
 
-SAMPLES = 200
+SAMPLES = 120
 SLACK = 0.1
 FINEST = 1e-7
 RADII = (0.2, 0.1, 0.15, 0.05)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -155,6 +155,7 @@ def test_a_descent_that_wishes_for_clearance_keeps_it() -> None:
     assert clearances[1] > 0.12
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 10**6), st.sampled_from([WIDE, TIGHT]))
 def test_the_merit_never_grows(seed: int, robot: Robot) -> None:
     """A descent that may take one step more is the same one, and its best is no worse."""

@@ -77,7 +77,7 @@ class Question(NamedTuple):
         return np.where(found.solved[:, None, None], found.q, np.nan)
 
 
-class LedDerivative(ByGroups[LeaderParameter]):
+class LeaderDerivative(ByGroups[LeaderParameter]):
     """Derivatives of shapes on a curve, by groups of parameters; see `Motion.derivative`.
 
     Attributes

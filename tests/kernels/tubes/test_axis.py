@@ -40,8 +40,8 @@ def curve(seed: int, samples: int) -> Floats:
     frames = [robot.base]
     for k, coordinates in enumerate(BENT):
         shorter = Robot([Segment((0.0, 1.5), 2.0)] * (k + 1), base=robot.base)
-        for share in np.linspace(0.0, 1.0, samples + 1)[1:]:
-            frames.append(shorter.tip(np.vstack([BENT[:k], share * coordinates])))
+        shares = np.linspace(0.0, 1.0, samples + 1)[1:]
+        frames.extend(shorter.tip(np.vstack([BENT[:k], share * coordinates])) for share in shares)
     return np.array(frames)
 
 

@@ -270,9 +270,7 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
                 continue
             parts = (np.arange(2**depth) + 0.5) / 2**depth * (1 - start) + start
             places = [expm_chain(np.concatenate([q[:k], q[k : k + 1] * s]))[-1][:3, 3] for s in parts]
-            each = np.array([[Scene([o]).distance(p) for o in scene.obstacles] for p in places]).reshape(
-                len(places), -1
-            )
+            each = np.array([Scene([o]).distance(places) for o in scene.obstacles]).reshape(-1, len(places)).T
             gaps = RADII[k] + margin - each.ravel()
             expected = np.sort(gaps[gaps > 0.0])
             if abs(gaps).min(initial=1.0) < 1e-9 or len(expected) > PER_SEGMENT:
@@ -378,6 +376,6 @@ def test_nothing_is_clear_of_obstacles_with_huge_coordinates_that_it_overlaps(ki
         verdict = prove(q, Scene([obstacle]), slack=1.0)[0]
         assert verdict != CLEAR or away > Fraction(max(RADII))
         verdicts.append(verdict)
-        ample, away = large_obstacle(kind, size, max(RADII) + 1e-12 * size)
-        assert prove(q, Scene([ample]), slack=1.0)[0] == CLEAR
+    ample, _ = large_obstacle(kind, size, max(RADII) + 1e-12 * size)
+    assert prove(q, Scene([ample]), slack=1.0)[0] == CLEAR
     assert kind == "far" or size < 1e6 or CLEAR not in verdicts

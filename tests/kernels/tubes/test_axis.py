@@ -39,9 +39,9 @@ def curve(seed: int, samples: int) -> Floats:
     robot = Robot([Segment((0.5, 1.5), 2.0)] * 3, base=random_pose(np.random.default_rng(seed)))
     frames = [robot.base]
     for k, coordinates in enumerate(BENT):
-        for share in np.linspace(0.0, 1.0, samples + 1)[1:]:
-            part = np.vstack([BENT[:k], share * coordinates])
-            frames.append(Robot([Segment((0.0, 1.5), 2.0)] * (k + 1), base=robot.base).tip(part))
+        shorter = Robot([Segment((0.0, 1.5), 2.0)] * (k + 1), base=robot.base)
+        shares = np.linspace(0.0, 1.0, samples + 1)[1:]
+        frames.extend(shorter.tip(np.vstack([BENT[:k], share * coordinates])) for share in shares)
     return np.array(frames)
 
 

@@ -44,7 +44,7 @@ MOST_ROUNDS = 25
 ENOUGH = 0.2
 """Share of the tolerances within which corrections end."""
 
-MOST_STEPS = 20
+MOST_STEPS = 6
 """Steps in which the body at the end of a correction is found from what is foretold, or the correction is too long."""
 
 HALVINGS, SHORTER = 5, 0.4

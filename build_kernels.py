@@ -10,7 +10,6 @@ import base64
 import hashlib
 import json
 import os
-import pickle
 import shutil
 import subprocess
 import sys
@@ -21,7 +20,7 @@ from pathlib import Path
 
 from llvmlite import binding as llvm
 
-from sinuous.kernels.compiling.store import CACHE, DIGEST_SIZE
+from sinuous.kernels.compiling.store import CACHE, CODE
 from sinuous.kernels.compiling.targets import LEVELS, NAME, settings
 
 ROOT = Path(__file__).parent
@@ -62,23 +61,16 @@ def platform_tag() -> str:
 
 def compiled(level: str, folder: Path) -> Path:
     """Compile all entries for a level into a folder; what is the same for all processors is taken from the store."""
-    shutil.copytree(CACHE, folder / "kernels", ignore=shutil.ignore_patterns("lock", "swept"))
+    shutil.copytree(CACHE, folder / "kernels", ignore=shutil.ignore_patterns("lock", "swept", f"*{CODE}*"))
     words = {**os.environ, **settings(level), "SINUOUS_CACHE": str(folder)}
-    before = {file.name for file in (folder / "kernels").glob("*.code")}
     subprocess.run([sys.executable, "-m", "sinuous", "warm"], env=words, check=True)
     said = subprocess.run([sys.executable, "-c", SHOW_TARGET], env=words, check=True, capture_output=True, text=True)
     made = folder / "entries" / level
     made.mkdir(parents=True)
-    for file in (folder / "kernels").glob("*.code"):
-        if file.name not in before and is_entry(file):
-            shutil.copy(file, made)
+    for file in (folder / "kernels").glob(f"*{CODE}"):
+        shutil.copy(file, made)
     (made / NAME).write_text(json.dumps(json.loads(said.stdout)[1]), encoding="utf-8")
     return made
-
-
-def is_entry(file: Path) -> bool:
-    """Say whether a file of the store holds machine code: kernels name what they call, entries have it in them."""
-    return pickle.loads(file.read_bytes()[DIGEST_SIZE:])[0] is None
 
 
 def pack(plain: Path, folders: list[Path], out: Path, platform: str) -> Path:

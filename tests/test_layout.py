@@ -90,11 +90,15 @@ def module(file: Path) -> str:
 
 
 @cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+@cache
 def imports(file: Path, at_run_time_only: bool) -> tuple[str, ...]:
     """Modules of the package that a file imports, without `sinuous.` in front."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
     found: list[str] = []
-    for node in walk(tree, at_run_time_only):
+    for node in walk(parsed(file), at_run_time_only):
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "sinuous":
             for alias in node.names:
                 inner = f"{node.module}.{alias.name}".partition(".")[2]
@@ -105,8 +109,10 @@ def imports(file: Path, at_run_time_only: bool) -> tuple[str, ...]:
 
 
 def walk(node: ast.AST, at_run_time_only: bool) -> Iterator[ast.AST]:
-    """All nodes but those that only a type checker sees."""
+    """All statements but those that only a type checker sees."""
     for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.expr):
+            continue
         checked = isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"
         if not (at_run_time_only and checked):
             yield child

@@ -71,9 +71,9 @@ def families_of(pieces: list[str] | None) -> list[str]:
     return [name for name in FAMILIES if name in fitting]
 
 
-def timed(solver: Solver, place: Place) -> tuple[Solution, float]:
-    """Solve a place twice; return the second solution, and the seconds of CPU time of this thread that it took."""
-    for _ in range(2):
+def timed(solver: Solver, place: Place, runs: int = 2) -> tuple[Solution, float]:
+    """Solve a place so often; return the last solution, and the seconds of CPU time of this thread that it took."""
+    for _ in range(runs):
         began = thread_time()
         solution = solver.solve(place.targets)
         spent = thread_time() - began

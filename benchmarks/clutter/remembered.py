@@ -1,8 +1,8 @@
 """What remembered starts bring: `python -m benchmarks.clutter.remembered [--piece FAMILY] [--count N]`.
 
 One place of each family is solved once, and then for many targets along and about its hidden shape: those of shapes
-that the judge finds free, a random walk away from it. Each target is solved by a solver with a memory, and by one
-without; times are CPU times of the thread, so that other work on the machine hardly matters.
+that the judge finds free, a random walk away from it. A solver with a memory is asked all targets, one after the
+other, and then one without; times are CPU times of the thread, so that other work on the machine hardly matters.
 """
 
 import sys
@@ -10,13 +10,12 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from time import thread_time
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
 
-from benchmarks.clutter.by_family import Alone, Pieces, of_families, quantiles, tell
+from benchmarks.clutter.by_family import Alone, Pieces, of_families, quantiles, tell, timed
 from benchmarks.harness.command import command
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places import Place, make
@@ -93,13 +92,11 @@ def measured(family: str, seed: int, count: int) -> Row:
     solvers = [Solver(place.robot, place.scene, memory=kept, tolerance=place.tolerance) for kept in (memory, None)]
     for solver in solvers:
         solver.solve(place.targets)
-    found: list[list[tuple[Solution, bool, float]]] = [[], []]
-    for other in targets_about(place, count, np.random.default_rng(seed)):
-        for solver, answers in zip(solvers, found, strict=True):
-            began = thread_time()
-            solution = solver.solve(other.targets)
-            spent = thread_time() - began
-            answers.append((solution, right(other, solution.q), spent))
+    others = list(targets_about(place, count, np.random.default_rng(seed)))
+    found: list[list[tuple[Solution, bool, float]]] = []
+    for solver in solvers:
+        asked = [timed(solver, other, runs=1) for other in others]
+        found.append([(one, right(other, one.q), spent) for other, (one, spent) in zip(others, asked, strict=True)])
     solved, without = ([one for one in answers if one[0].solved] for answers in found)
     return Row(
         family,

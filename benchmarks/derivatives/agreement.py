@@ -99,7 +99,7 @@ def _clearances(rng: Generator) -> Iterator[Compared]:
             yield Compared(False)
             continue
         error, size = np.inf, found.problem.robot.mean_length
-        for h in SHARES[:3]:
+        for h in SHARES:
             ends = [_gap_at(found, way, sign * h, motion) for sign in (1.0, -1.0)]
             error = min(error, abs((ends[0] - ends[1]) / (2.0 * h) - change) / max(abs(change), size))
         yield Compared(True, error)

@@ -26,7 +26,7 @@ from sinuous.solution.solution import Solution
 Tangent = dict[Parameter, Floats]
 """How fast each group of parameters moves, as `Derivative.jvp` takes it."""
 
-SHARES = (1e-4, 1e-5, 1e-6, 1e-7)
+SHARES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
 """How far parameters move: rad, and mean lengths of the robot. The step that agrees best counts: a large one leaves the
 neighbourhood in which the answer is smooth, a small one drowns in rounding."""
 

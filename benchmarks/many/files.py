@@ -13,7 +13,7 @@ SECTION = "batches from NPZ to NPZ, 5 segments, 2 threads, end to end; at most 1
 
 KINDS = {
     "free poses (position and direction)": (10_000_000, True, False, 350_000.0),
-    "free points (position alone)": (10_000_000, False, False, 350_000.0),
+    "free points (position alone)": (10_000_000, False, False, 500_000.0),
     "poses among 40 spheres, proved": (500_000, True, True, 80_000.0),
     "points among 40 spheres, proved": (500_000, False, True, 80_000.0),
 }

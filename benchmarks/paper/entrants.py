@@ -79,7 +79,8 @@ class Entrant:
         Limits are no reason: an answer that violates one counts as a failure.
         """
         can, name = self.capabilities, name_of(self.method)
-        if len(problems.scene) and not can.obstacles:
+        learned = isinstance(self.method, Learned)  # from answers among these obstacles
+        if len(problems.scene) and not (can.obstacles or learned):
             return "does not avoid obstacles"
         problem = Problem(problems.robot, problems.targets[0], problems.scene, problems.tolerance)
         try:

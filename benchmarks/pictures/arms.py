@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.pictures.style import INK, style
 from benchmarks.problems import ProblemSet
 from sinuous.checks import Floats
-from sinuous.display.arms import MovingArm
+from sinuous.display.arms import Arm, MovingArm
 from sinuous.display.bounds import Bounds, best_view
 from sinuous.display.contents import Contents
 from sinuous.display.style import TARGET, View
@@ -62,7 +62,7 @@ def draw_track(axes: Any, problems: ProblemSet, records: Sequence[dict[str, Any]
     right = [i for i, record in enumerate(records) if record["right"]]
     q = np.array([records[i]["q"] for i in right])
     places = [place for i in right if (place := problems.targets[i].position) is not None]
-    moving = MovingArm(problems.robot, q, np.arange(len(right), dtype=np.float64), True)
+    moving = MovingArm(Arm(problems.robot, q[0]), q, np.arange(len(right), dtype=np.float64))
     contents = Contents(moving=[moving], obstacles=list(problems.scene.obstacles), paths=[np.stack(places)])
     draw_contents(axes, contents, axes_box(contents), best_view(contents))
     _closer(axes, 1.2)

@@ -111,6 +111,9 @@ Parameter = Literal[
 LoadParameter = Literal["loads", "payload", "gravity", "stiffness", "base", "q", "actuators", "tensions"]
 """What a shape under load can be derived by."""
 
+LeaderParameter = Literal["advance", "curve", "base", "lengths"]
+"""What a shape on a curve can be derived by."""
+
 StepConstraint = Literal[
     "length",
     "bend",

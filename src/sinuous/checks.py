@@ -189,15 +189,17 @@ def rows(key: str, value: Any, *shape: int) -> Floats:
 def directions(key: str, value: Any, size: int = 3) -> Floats:
     """Check rows of finite numbers as `direction` checks one; return the unit vectors (m, size), equal to its own."""
     v = rows(key, value, size)
-    largest = np.abs(v).max(axis=1, keepdims=True)
+    largest = np.maximum.reduce(np.abs(v).T)  # over rows: along short rows NumPy is slow
     if (largest == 0.0).any():
         first = int(np.argmin(largest))
         raise InputError(f"{key}[{first}]", "", v[first].tolist(), "a vector that is not zero")
-    scaled = v / largest
-    result: Floats = scaled / np.sqrt(_squares(scaled.T))[:, None]
-    close = (largest[:, 0] > 0.4) & (largest[:, 0] < 1.1)
+    close = (largest > 0.4) & (largest < 1.1)
     close[close] = np.abs(_squares(v[close].T) - 1.0) <= UNIT_SLACK
-    result[close] = v[close]
+    if close.all():
+        return v
+    scaled = v[~close] / largest[~close, None]
+    result = v.copy()
+    result[~close] = scaled / np.sqrt(_squares(scaled.T))[:, None]
     result.flags.writeable = False
     return result
 

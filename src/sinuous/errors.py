@@ -108,7 +108,7 @@ class Answer(Protocol):
 
 
 class NotSolvedError(RuntimeError):
-    """Raised by `raise_for_status()` of a solution or motion that is not solved; `solution` holds it."""
+    """Raised by `raise_for_status()` of a solution or motion that is not solved, in one line; `solution` holds it."""
 
     def __init__(self, message: str, solution: Answer) -> None:
         super().__init__(message)

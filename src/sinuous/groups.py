@@ -1,12 +1,21 @@
 """Groups of parameters that something is derived by, under their names."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Batch, Vector
+from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.reprs import ShortRepr
 
 Name = TypeVar("Name", bound=str)
 Value = TypeVar("Value")
+
+TWIST = ("omega_x", "omega_y", "omega_z", "v_x", "v_y", "v_z")
+"""What the six parameters of a small motion are called."""
 
 
 def read_names(wrt: Any, known: Iterable[str]) -> tuple[Any, ...]:
@@ -70,3 +79,64 @@ class PerGroup(Mapping[Name, Value]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+
+class Column(NamedTuple):
+    """One parameter: what it is called, its scale, and how a question looks after it has changed by `h`."""
+
+    name: str
+    scale: float
+    changed: Any
+
+
+class ByGroups(ShortRepr, Generic[Name]):
+    """Derivatives of one array by groups of parameters, and the products with them.
+
+    Parameters
+    ----------
+    columns : mapping of str to sequence of Column
+        The parameters of each group that was asked for.
+    derived : mapping of str to ndarray (..., p)
+    regular : bool
+    """
+
+    def __init__(self, columns: Mapping[Name, Sequence[Column]], derived: Mapping[Name, Floats], regular: bool) -> None:
+        self.wrt, self.regular = tuple(columns), regular
+        self._columns, self._derived = columns, derived
+
+    def labels(self, name: Name) -> tuple[str, ...]:
+        """What the columns of a group are called."""
+        check_asked(name, self.wrt)
+        return tuple(column.name for column in self._columns[name])
+
+    def vjp(self, cotangent: Batch) -> dict[Name, Floats]:
+        """Derivatives (p,) by each group of the sum of the array times a cotangent of its shape.
+
+        Raises
+        ------
+        InputError
+            When it has another shape.
+        """
+        given = checks.array("cotangent", cotangent, self._shape)
+        return {name: np.tensordot(given, self._derived[name], given.ndim) for name in self.wrt}
+
+    def jvp(self, tangent: Vector | Mapping[Name, Vector]) -> Floats:
+        """Motion of the array when the parameters begin to move along `tangent`; see `Derivative.jvp`.
+
+        Raises
+        ------
+        InputError
+            When a name was not asked for, or a tangent has another shape.
+        """
+        moved = np.zeros(self._shape)
+        for name, value in read_tangent(tangent, self.wrt).items():
+            moved += self._derived[name] @ checks.array(f"tangent[{name!r}]", value, (len(self._columns[name]),))
+        return moved
+
+    @property
+    def _shape(self) -> tuple[int, ...]:
+        return self._derived[self.wrt[0]].shape[:-1]
+
+    def _shown(self) -> Iterator[str]:
+        yield ", ".join(self.wrt)
+        yield "regular" if self.regular else "kink"

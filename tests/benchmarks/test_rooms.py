@@ -2,6 +2,7 @@
 
 import pytest
 
+from benchmarks import rooms
 from benchmarks.rooms import Size, code_lines, main, sizes
 
 SOURCE = '''"""A module.
@@ -37,7 +38,8 @@ def test_rooms_add_up() -> None:
     assert found["all"] == Size(3, 3 + len(SOURCE.splitlines()), 9)
 
 
-def test_a_table_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_table_is_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rooms, "PACKAGE", "src/sinuous/robot")
     assert main([]) == 0
     rows = capsys.readouterr().out.splitlines()
     assert rows[0].startswith("| room |")

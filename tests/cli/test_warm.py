@@ -78,7 +78,9 @@ def test_methods_are_chosen_by_name(capsys: pytest.CaptureFixture[str], monkeypa
 
 def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm, "cores", lambda: 2)
-    for _ in range(2):
+    assert main(["warm", "--method", "dls"]) == 0
+    said = capsys.readouterr()
+    if said.out.startswith("everything is compiled"):  # by now
         assert main(["warm", "--method", "dls"]) == 0
         said = capsys.readouterr()
     assert (said.out, said.err) == ("everything was compiled before\n", "")
@@ -87,7 +89,7 @@ def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatc
 def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)] * 99)
     with pytest.raises(IndexError):
-        warm._use_in_processes(2, ("dls",), warm._Lines(99))
+        warm._use_in_processes(1, ("dls",), warm._Lines(99))
 
 
 def test_the_store_is_shown_and_emptied(

@@ -46,6 +46,8 @@ for given in (None, solution, [solution.q] * 2):
     assert not solver.solve_many([apart, apart], given, time=0.2).solved.any()
 solver.solve_many(positions=[[1, 0, 2]] * 2, directions=[[1, 0, 0.5]] * 2, initial=[solution] * 2)
 solver.solve_all(target, count=2)
+keeping = sn.Solver(robot, scene, memory=sn.Memory(robot))
+keeping.solve(target), keeping.solve(target), keeping.solve_many([target, target])
 near.solve(target, initial=solution)
 near.solve_many([target])
 scene.update(np.array([[2.0, 2.0, 2.2]]))
@@ -95,7 +97,7 @@ def test_every_entry_is_in_one_piece() -> None:
 
 def test_methods_that_are_not_asked_for_are_left_out() -> None:
     named = [step.what for step in steps(["dls", "dls"])]
-    geometry = ["kinematics", "distances", "classes of routes", "motions", "plans", "control loops"]
+    geometry = ["kinematics", "starts of a memory", "distances", "classes of routes", "motions", "plans"]
     bodies = ["derivatives", "derivatives among obstacles", "shapes under load"]
-    assert named == [*geometry, *bodies, "the method dls"]
+    assert named == [*geometry, "control loops", *bodies, "the method dls"]
     assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

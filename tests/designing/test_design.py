@@ -14,6 +14,7 @@ from sinuous.designing import descent, find
 from sinuous.designing.design import Design
 from sinuous.designing.fields import Space
 from sinuous.designing.judge import Judge
+from sinuous.designing.objectives import straight
 from sinuous.designing.search import Candidates, Search, front
 from sinuous.solution.verification import verify
 from tests.helpers import refused
@@ -61,6 +62,28 @@ def test_derivatives_lead_fields_and_answers_to_a_better_robot(monkeypatch: pyte
     without = run(minimise="bend", vary=varied, robots=192).best
     assert without is not None
     assert found.best.objectives["bend"] < 0.95 * without.objectives["bend"]
+
+
+@pytest.mark.parametrize("minimise", ["travel", "tension"])
+def test_derivatives_lead_actuators_to_less_travel_and_tension(minimise: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = sn.Tendons(3, 2.0, stiffness=50.0) if minimise == "tension" else sn.Tendons(3, 2.0)
+    rod = sn.Stiffness(bend=300.0) if minimise == "tension" else None
+    template = sn.Robot([sn.Segment(100.0, 2.0, radius=2.0, tendons=lines)] * 3, stiffness=rod)
+    varied = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}
+    least = []
+    for robots in (96, 128):
+        best = sn.design(template, TASKS, vary=varied, minimise=minimise, robots=robots, workers=1).best
+        assert best is not None
+        shapes = np.array([*best.answers.values(), straight(best.robot)])
+        if minimise == "travel":
+            assert np.ptp(best.robot.to_actuators(shapes), axis=0).max() == pytest.approx(best.objectives["travel"])
+        else:
+            assert best.robot.drive.elastic is not None
+            tensions = best.robot.drive.elastic.balance(shapes).tensions
+            assert np.abs(tensions).max() == pytest.approx(best.objectives["tension"])
+        least.append(best.objectives[minimise])
+        monkeypatch.setattr(find, "can_descend", lambda _: False)
+    assert least[0] < 0.97 * least[1]
 
 
 @pytest.mark.parametrize("length", [100.0, (60.0, 130.0)])

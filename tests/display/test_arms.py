@@ -59,11 +59,14 @@ def test_segments_end_on_the_body() -> None:
 def test_a_motion_is_of_the_loaded_body_with_its_ghosts(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib").use("agg")
     motion = sn.Motion(HANGING, [Q, Q + np.array([0.1, 0.0, 0.0])], [BALL])
-    moving = gather([motion]).moving
+    contents = gather([motion])
+    moving = contents.moving
     assert [each.ghost for each in moving] == [False, True, True]
     for share, q in zip((0.0, 1.0), motion.q, strict=True):
         arm = moving[0].at(share)
         np.testing.assert_allclose(arm.robot.tip(arm.q)[:3, 3], HANGING.shape(q).tip[:3, 3], atol=1e-9)
+        ((_, end),) = contents.forces_at(share)
+        np.testing.assert_allclose(end, HANGING.shape(q).tip[:3, 3], atol=1e-9)
     sn.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
     assert (tmp_path / "way.gif").stat().st_size > 1000
 

@@ -17,6 +17,8 @@ def parsed(file: Path) -> ast.Module:
 
 def decorated(file: Path, name: str) -> set[str]:
     """Functions of a file that stand under the decorator `name`."""
+    if f"@{name}" not in file.read_text(encoding="utf-8"):
+        return set()
     return {
         node.name
         for node in parsed(file).body
@@ -32,6 +34,8 @@ def module_of(file: Path) -> str:
 
 def imported(file: Path) -> set[tuple[str, str]]:
     """Module and name of what a file imports from the kernels."""
+    if "sinuous.kernels" not in file.read_text(encoding="utf-8"):
+        return set()
     return {
         (node.module or "", alias.name)
         for node in ast.walk(parsed(file))

@@ -50,8 +50,21 @@ def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:
         np.testing.assert_array_equal(track.q[knot], solution.q)
 
 
+def test_a_way_around_that_was_searched_for_once_is_walked_from_then_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    memory = sn.Memory(ROBOT)
+    first = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, memory=memory)
+    assert first.reconfigured == (3,)
+    assert len(memory.edges) > 0
+    monkeypatch.setattr("sinuous.motion.tracker.find_path", lambda query, trees: None)
+    again = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, memory=memory)
+    assert again.solved
+    assert again.reconfigured == (3,)
+    assert all(each.ok for each in again.verify())
+    assert not sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, memory=sn.Memory(ROBOT)).solved
+
+
 def test_where_no_way_is_found_the_step_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sinuous.motion.tracker.find_path", lambda question: None)
+    monkeypatch.setattr("sinuous.motion.tracker.find_path", lambda query, trees: None)
     track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0)
     assert all(solution.solved for solution in track.solutions)
     assert (track.between, len(track.unproved_steps), track.reconfigured) == ("unproved", 1, (3,))
@@ -156,6 +169,8 @@ def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
     with pytest.raises(sn.NotSolvedError) as caught:
         track.raise_for_status()
     assert caught.value.solution is track
+    assert str(caught.value).startswith("out_of_reach (2 of 3 waypoints reached; waypoint 2: ")
+    assert "\n" not in str(caught.value)
 
 
 def test_the_dictionary_is_plain_and_strict() -> None:

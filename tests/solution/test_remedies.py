@@ -14,7 +14,7 @@ from sinuous.solution.remedies import Remedy
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 BENDY = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
 TOLERANCE = 1e-4 * ROBOT.mean_length
-ENOUGH = 60.0
+ENOUGH = 600.0
 """Seconds: more than any of this takes, so that nothing depends on the speed of the machine."""
 
 Remedies = dict[str, Remedy]
@@ -262,7 +262,7 @@ BELLOWS = sn.Robot.uniform(
 )
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_nearest_is_no_farther_than_the_best_that_was_found(seed: int) -> None:
     """A tip whose place no search finds anew is offered with the start from which it is met."""
     place = 100.0, 30.0, -130.0

@@ -26,6 +26,9 @@ def test_an_unsolved_answer_raises_and_says_why() -> None:
     with pytest.raises(sn.NotSolvedError, match="out_of_reach") as caught:
         solution.raise_for_status()
     assert caught.value.solution is solution
+    assert str(caught.value).startswith("out_of_reach (proved: ")
+    assert str(solution.reason) in str(caught.value)
+    assert "\n" not in str(caught.value)
     assert solution.worst is not None
     assert solution.worst.constraint == "position"
     assert solution.worst.amount == pytest.approx(9 - 3.6, rel=1e-3)

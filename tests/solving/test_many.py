@@ -227,6 +227,7 @@ def test_raise_for_status_tells_of_the_first(some: Solutions) -> None:
     assert some[some.solved].raise_for_status().solved.all()
     with pytest.raises(NotSolvedError, match="the first is number") as caught:
         some.raise_for_status()
+    assert "\n" not in str(caught.value)
     assert caught.value.solution.status is some.status[~some.solved][0]
 
 

@@ -10,8 +10,9 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from benchmarks.places import make
 from benchmarks.places.place import right
+from sinuous.kernels.solve.recall import ANGLE_WEIGHT
 from sinuous.solving.memory import Memory
-from sinuous.solving.shapes import ANGLE_WEIGHT, NEAREST, SPACING, TAIL
+from sinuous.solving.shapes import NEAREST, SPACING, TAIL
 
 ROBOT = sn.Robot.uniform(4, (0.5, 1.5), max_bend=2.5, radius=0.05, tool=sn.pose((0.0, 0.1, 0.2)))
 

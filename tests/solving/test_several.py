@@ -104,7 +104,7 @@ def test_without_obstacles_shapes_are_distinct_and_have_no_class() -> None:
 )
 def test_what_one_solve_finds_is_among_them(family: str, number: int, by: Literal["route", "shape"]) -> None:
     there = make(family, number)
-    in_there = Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=400)
+    in_there = Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=200)
     assert in_there.solve(there.targets).solved
     found = in_there.solve_all(there.targets, count=1, by=by)
     assert len(found) == 1

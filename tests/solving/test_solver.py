@@ -88,7 +88,7 @@ def test_solved_means_clear_of_every_obstacle(seed: int) -> None:
     )
     solver = sn.Solver(robot, scene, max_starts=20)
     solved = 0
-    for q in random_shapes(robot, 60, seed):
+    for q in random_shapes(robot, 30, seed):
         solution = solver.solve(as_target(robot.tip(q), "direction"))
         check = solution.verify()
         assert check.excess <= 1e-9

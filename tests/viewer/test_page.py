@@ -340,10 +340,14 @@ def test_a_path_is_followed_and_played(page: Page, fresh: Any) -> None:
     load(page, fresh, PATH)
     fresh.get_by_role("tab", name="Motion").click()
     fresh.get_by_role("button", name="Follow the path").click()
-    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
-    assert page.model.motion is not None
-    np.testing.assert_allclose(page.model.shown, page.model.motion.q[-1])
+    until(lambda: played(page), "the motion played to its end")
     np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (1, 0.2, 2), atol=1e-3)
+
+
+def played(page: Page) -> bool:
+    """Whether there is a motion, which was played to its end: between the two it does not play yet."""
+    motion = page.model.motion
+    return motion is not None and not page.playing and np.array_equal(page.model.shown, motion.q[-1])
 
 
 def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> None:
@@ -352,7 +356,7 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     assert fresh.get_by_role("tab", name="Target").count() == 0
     fresh.get_by_role("tab", name="Motion").click()
     fresh.get_by_role("button", name="Plan a motion").click()
-    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    until(lambda: played(page), "the motion played to its end")
     assert page.model.motion is not None
     assert page.model.motion.solved
     assert GOAL.start is not None
@@ -394,7 +398,7 @@ def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> N
     assert answer is not None
     assert answer.problem.scene.equals(page.model.scene.at(3.0))
     fresh.get_by_role("button", name="Plan a motion").click()
-    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    until(lambda: played(page), "the motion played to its end")
     motion = page.model.motion
     assert motion is not None
     assert motion.solved
@@ -412,7 +416,7 @@ def test_a_motion_begins_where_somebody_says(page: Page, fresh: Any) -> None:
     page.do("move", lambda: page.model.place_target(0, np.array([-1.0, 0.3, 2.0])))
     until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
     fresh.get_by_role("button", name="Plan a motion").click()
-    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    until(lambda: played(page), "the motion played to its end")
     assert page.model.motion is not None
     np.testing.assert_array_equal(page.model.motion.q[0], start)
     np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (-1, 0.3, 2), atol=1e-3)

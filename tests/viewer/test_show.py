@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.display.arms import MovingArm
+from sinuous.display.arms import Arm, MovingArm
 from sinuous.errors import InputError
 from sinuous.viewer.model import SHORTENED
 from sinuous.viewer.recording import FEWEST_FRAMES, MOST_FRAMES, frames_of
@@ -34,16 +34,16 @@ def test_a_page_is_one_file_that_asks_the_net_for_nothing(tmp_path: Path, capsys
 def test_a_motion_is_recorded_knot_by_knot_or_between_them() -> None:
     knots = np.zeros((3, 3, 3))
     knots[:, :, 2] = [[0.8] * 3, [1.0] * 3, [1.2] * 3]
-    q, times = frames_of(MovingArm(ROBOT, knots, np.arange(3.0), True))
+    q, times = frames_of(MovingArm(Arm(ROBOT, knots[0]), knots, np.arange(3.0)))
     assert len(q) == FEWEST_FRAMES
     np.testing.assert_allclose(q[[0, -1]], knots[[0, -1]])
     assert np.isclose(times[-1], 2.0)
     many = np.tile(knots[:1], (200, 1, 1))
-    same, times = frames_of(MovingArm(ROBOT, many, np.arange(200.0), True))
+    same, times = frames_of(MovingArm(Arm(ROBOT, many[0]), many, np.arange(200.0)))
     assert same is many
     assert np.isclose(times[-1], SHORTENED)
     most = np.tile(knots[:1], (5000, 1, 1))
-    assert len(frames_of(MovingArm(ROBOT, most, np.arange(5000.0), True))[0]) == MOST_FRAMES
+    assert len(frames_of(MovingArm(Arm(ROBOT, most[0]), most, np.arange(5000.0)))[0]) == MOST_FRAMES
 
 
 def test_in_a_script_the_browser_opens_the_page(monkeypatch: pytest.MonkeyPatch) -> None:

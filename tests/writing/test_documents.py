@@ -83,3 +83,13 @@ def test_texts_without_utf_8_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no form in UTF-8"):
         write_document(tmp_path / "a.yaml", {"a": "\udfff"})
     assert (tmp_path / "a.yaml").read_text() == "a: 1\n"
+
+
+@pytest.mark.parametrize("file", ["robot.npz", "robot.csv"])
+def test_endings_of_other_formats_are_refused(tmp_path: Path, file: str) -> None:
+    with pytest.raises(
+        InputError, match=r"^file: expected one of \.yaml, .* got .* \(its ending names no format"
+    ) as caught:
+        write_document(tmp_path / file, {})
+    assert caught.value.key == "file"
+    assert not (tmp_path / file).exists()

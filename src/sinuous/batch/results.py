@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -106,6 +107,15 @@ class Results:
         return batch(rows=self._rows, counts=counts, invalid=invalid)
 
     def _blocks(self, *names: str) -> Iterator[Block]:
+        """Yield all chunks in order, or these arrays of each; the next one is read meanwhile."""
+        chunks = self._each(*names)
+        with ThreadPoolExecutor(1) as reader:
+            coming = reader.submit(next, chunks, None)
+            while (block := coming.result()) is not None:
+                coming = reader.submit(next, chunks, None)
+                yield block
+
+    def _each(self, *names: str) -> Iterator[Block]:
         """Yield all chunks in order, or these arrays of each; rows of a chunk that is missing were skipped."""
         for number in range(self._count):
             if number in self._done:

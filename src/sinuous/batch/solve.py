@@ -4,12 +4,13 @@ import time as clock
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
 from sinuous import checks
 from sinuous.arguments import Rows, Truth, Whole
+from sinuous.batch.answers import Answers
 from sinuous.batch.batch import Batch, Failed
 from sinuous.batch.checkpoint import hash_of, problem_record
 from sinuous.batch.dispatch import Dispatcher, begin
@@ -161,18 +162,21 @@ def solve_batch(
     initial = None if run.initial is None else checks.array("initial", run.initial, (len(robot), 3))
     work = Work(solver, initial, run.warm)
     with closing(open_source(targets)) as source:
-        record = {} if file is None else _record(solver, source, run, initial)
+        fingerprint = source.fingerprint()
+        record = {} if file is None else _record(solver, f"{source.rows} rows, {fingerprint}", run, initial)
         results = Results(work.layout, source.rows, run.chunk, file, record)
-        return results.finished() or _run(results, source, work, run)
+        batch = results.finished() or _run(results, source, work, run)
+    found = batch.results if file is None else file
+    return batch if found is None else replace(batch, _answers=Answers(work, targets, fingerprint, run.chunk, found))
 
 
-def _record(solver: Solver, source: Source, run: RunOptions, initial: Any) -> dict[str, Any]:
+def _record(solver: Solver, targets: str, run: RunOptions, initial: Any) -> dict[str, Any]:
     """Return all that results depend on."""
     begun = "none" if initial is None else hash_of(initial.tobytes())
     return {
         **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
         "initial": f"{begun}{', then near targets' if run.warm else ''}",
-        "targets": f"{source.rows} rows, {source.fingerprint()}",
+        "targets": targets,
         "chunk": run.chunk,
     }
 

@@ -1,17 +1,25 @@
-"""What a worker does with a chunk: it solves the rows that are targets, and says of the others that they are none."""
+"""What becomes of a chunk: targets are solved, or derived; of other rows it is said that they are none."""
 
 import re
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.arguments import Parameter
 from sinuous.batch.tables.layout import INVALID, Block, Layout
 from sinuous.batch.tables.source import Raw
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import Goals
+from sinuous.problem.target_sets import ManyProblems
+from sinuous.solution.solutions import Solutions
+from sinuous.solving.many import read_initial
 from sinuous.solving.solver import Solver
+
+if TYPE_CHECKING:
+    from sinuous.derivatives.many import Derivatives
 
 Whole = NDArray[np.int64]
 
@@ -68,22 +76,48 @@ class Work:
         rows, goals = valid(task.raw)
         if not len(rows):
             return block
-        early, late, near = halves(goals) if self._warm else (np.arange(len(rows)), rows[:0], rows[:0])
-        found = self._solver._solve_sets(goals[early], self._initial)
-        self.layout.fill(block, rows[early], found, self._solver.robot)
-        if len(late):
-            found = self._solver._solve_sets(goals[late], found.q[near])
-            self.layout.fill(block, rows[late], found, self._solver.robot)
+        for part, initial in self._parts(goals, block["q"], rows):
+            found, own = self._solver._solve_sets(goals[part], initial), rows[part]
+            self.layout.fill(block, slice(None) if len(own) == count else own, found, self._solver.robot)
         return block
+
+    def derive(self, raw: Raw, block: Block, wrt: tuple[Parameter, ...]) -> "Derivatives":
+        """Derive the answers to the rows of a chunk; derivatives of those that are not solved are NaN."""
+        from sinuous.derivatives.many import Derivatives  # noqa: PLC0415
+
+        solver, (rows, goals) = self._solver, valid(raw)
+        answers, derived = self.layout.records(block, solver.robot), []
+        for part, initial in self._parts(goals, block["q"], rows):
+            own = rows[part]
+            given = read_initial(solver.robot, len(own), initial)
+            asked = ManyProblems(solver.robot, goals[part], solver.scene.snapshot(), solver.tolerance, given)
+            derived.append((own, Solutions(asked, answers[own], solver._resolver).derivative(wrt)))
+        return Derivatives.of_parts(len(answers), derived)
+
+    def _parts(self, goals: Goals, q: Floats, rows: Whole) -> Iterator[tuple[Whole | slice, Floats | None]]:
+        """Which targets are solved first, then which others; and where these solves begin.
+
+        `q` holds the answers (m, n, 3) of the chunk, and `rows` says which of them are those of targets.
+        """
+        if not self._warm or not len(goals):
+            yield slice(None), self._initial
+            return
+        early, late, near = halves(goals)
+        yield early, self._initial
+        if len(late):
+            yield late, q[rows[early[near]]]
 
 
 def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
     """Find the rows (k,) that are targets, and check them."""
-    good = np.logical_and.reduce([np.isfinite(part).reshape(len(part), -1).all(axis=1) for part in raw.values()])
+    good = np.ones(len(next(iter(raw.values()))), np.bool_)
+    for part in raw.values():
+        if not np.isfinite(part).all():  # row by row it takes longer
+            good &= np.isfinite(part).reshape(len(part), -1).all(axis=1)
     while True:
         rows = np.flatnonzero(good)
         try:
-            return rows, Goals.read({key: part[rows] for key, part in raw.items()})
+            return rows, Goals.read({key: part if good.all() else part[rows] for key, part in raw.items()})
         except InputError as error:
             bad = re.fullmatch(r"\w+\[(\d+)\]", error.key)  # a row that is named: a direction of length 0, say
             if bad is None:

@@ -25,8 +25,10 @@ from sinuous.scene.snapshot import least_gap
 from sinuous.solving.between.steps import load_motions
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.classes.curves import Curves
+from sinuous.solving.memory import MEGABYTES
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.searches import Searches
+from sinuous.solving.shapes import Shapes
 from sinuous.solving.solver import Solver
 from sinuous.statics.rest import Rest
 
@@ -68,6 +70,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     others = [Step(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
         Step("kinematics", _kinematics),
+        Step("starts of a memory", _memory),
         Step("distances", _distances),
         Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
         Step("motions", _motions),
@@ -120,6 +123,12 @@ def _kinematics() -> None:
     ROBOT.forward(straight)
     ROBOT.backbone(straight)
     ROBOT.jacobian(straight)
+
+
+def _memory() -> None:
+    shapes = Shapes(ROBOT, MEGABYTES)
+    shapes.add(np.array([[[0.0, 0.0, 1.0]] * len(ROBOT)]))
+    shapes.is_new(shapes.q)
 
 
 def _distances() -> None:

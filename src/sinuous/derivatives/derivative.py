@@ -12,7 +12,7 @@ from sinuous.checks import Floats
 from sinuous.derivatives.directional import Kept, least_motion
 from sinuous.derivatives.parameters import Plan, circles_of, plan_for, read_wrt
 from sinuous.derivatives.preferred import Wish, follow_minimum
-from sinuous.derivatives.rows import KeptRows, metric
+from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
 from sinuous.groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, SELF_CLEARANCE
@@ -252,14 +252,9 @@ def _is_taut(elastic: Elastic, q: Floats, robot: Robot) -> bool:
 
 def direct_motion(plan: Plan) -> Floats:
     """What parameters move by themselves (3 n, p)."""
-    n = len(plan.robot)
-    direct = np.zeros((3 * n, plan.columns))
-    moves = metric(plan.robot) > 0.0
-    if plan.asked[a.LENGTHS] >= 0:
-        fixed = np.flatnonzero(~moves[2::3])
-        direct[3 * fixed + 2, plan.asked[a.LENGTHS] + fixed] = 1.0
+    direct = fixed_lengths(plan)
     if plan.asked[a.INITIAL] >= 0:
-        own = np.flatnonzero(moves)
+        own = np.flatnonzero(metric(plan.robot) > 0.0)
         direct[own, plan.asked[a.INITIAL] + own] = 1.0
     return direct
 

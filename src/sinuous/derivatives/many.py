@@ -1,8 +1,8 @@
 """Derivatives of many answers at once, as arrays."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,39 +19,9 @@ from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target, Tolerance
-from sinuous.problem.target_sets import TargetSets
+from sinuous.problem.target import Goals, Target
+from sinuous.problem.target_sets import ManyProblems
 from sinuous.reprs import call
-from sinuous.robot.robot import Robot
-from sinuous.scene.snapshot import Snapshot
-
-
-class Problems(Protocol):
-    """Problems of one robot in one scene: `ManyProblems`."""
-
-    @property
-    def robot(self) -> Robot:
-        """The robot."""
-        ...
-
-    @property
-    def tolerance(self) -> Tolerance:
-        """Of all."""
-        ...
-
-    @property
-    def target_sets(self) -> TargetSets:
-        """The targets of each."""
-        ...
-
-    @property
-    def scene(self) -> Snapshot:
-        """The obstacles."""
-        ...
-
-    def problem(self, i: int) -> Problem:
-        """Return one of the problems."""
-        ...
 
 
 class Derivatives:
@@ -75,6 +45,16 @@ class Derivatives:
     ) -> None:
         self._problem, self._configurations, self._moved, self._status = problem, q, moved, status
         self.wrt, self._chosen = wrt, chosen
+
+    @classmethod
+    def of_parts(cls, count: int, parts: "Sequence[tuple[NDArray[np.int64], Derivatives]]") -> "Derivatives":
+        """Put parts together as rows with these numbers of so many; all others are NaN."""
+        _, first = parts[0]
+        moved = np.full((count, *first._moved.shape[1:]), np.nan)
+        q, status = np.full((count, *first._configurations.shape[1:]), np.nan), np.full(count, float(a.KINK))
+        for rows, part in parts:
+            moved[rows], q[rows], status[rows] = part._moved, part._configurations, part._status
+        return cls(first._problem, q, first.wrt, moved, status, first._chosen)
 
     @property
     def regular(self) -> NDArray[np.bool_]:
@@ -142,9 +122,19 @@ class Derivatives:
         return np.stack([compute(q[i], {name: changes[i]}, name) for i in range(len(self))])
 
 
-def _nothing_asked(problems: Problems) -> Problem:
-    """Some problem for no answers."""
-    return Problem.prepared(problems.robot, (Target((0.0, 0.0, 0.0)),), problems.scene, problems.tolerance)
+def _nothing_asked(problems: ManyProblems) -> Problem:
+    """Some problem for no answers, of the kind of the others."""
+    sets = problems.target_sets
+    target = Target((0.0, 0.0, 0.0))
+    if isinstance(sets, Goals):
+        place, axis, turn = (
+            None if part is None else each
+            for part, each in zip(
+                (sets.positions, sets.directions, sets.rotations), (np.zeros(3), np.eye(3)[2], np.eye(3)), strict=True
+            )
+        )
+        target = Target(place, direction=axis, rotation=turn)
+    return Problem.prepared(problems.robot, (target,), problems.scene, problems.tolerance)
 
 
 def _alike(rows: Floats) -> bool:
@@ -154,13 +144,13 @@ def _alike(rows: Floats) -> bool:
 
 
 def derivatives_of(
-    problems: Problems,
+    problems: ManyProblems,
     q: Floats,
     solved: NDArray[np.bool_],
     liked: Mapping[int, Wish | None],
     wrt: tuple[Parameter, ...],
 ) -> Derivatives:
-    """Derive answers `q` (m, n, 3) to `ManyProblems`, of those that are solved; `liked` are chosen by these wishes.
+    """Derive those answers `q` (m, n, 3) that are solved; `liked` are chosen by these wishes.
 
     Raises
     ------

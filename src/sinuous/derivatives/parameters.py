@@ -8,7 +8,7 @@ import numpy as np
 
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
-from sinuous.groups import read_names
+from sinuous.groups import TWIST, read_names
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, NUMBER, RADIUS_OF
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
@@ -43,7 +43,6 @@ GROUPS: dict[Parameter, int] = {
 - `initial`: the configuration to stay close to, which by default is the answer itself.
 """
 
-TWIST = ("omega_x", "omega_y", "omega_z", "v_x", "v_y", "v_z")
 COORDINATES = ("bend_x", "bend_y", "length")
 FIELDS = {"lengths": "length", "bends": "max_bend", "curvatures": "max_curvature", "radii": "radius"}
 

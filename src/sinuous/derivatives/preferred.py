@@ -14,7 +14,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.derivatives.directional import RANK, Kept, least_motion
 from sinuous.derivatives.parameters import Plan
-from sinuous.derivatives.rows import KeptRows, metric
+from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, RADIUS_OF
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, SELF_CLEARANCE
@@ -91,8 +91,9 @@ def follow_minimum(problem: Problem, q: Floats, plan: Plan, wish: Wish, rows: Ke
         if np.linalg.norm(step) < STILL:
             if not system.pushes or robot.excess(q) > 1e-6 * robot.mean_length:
                 return None
-            moved = system.motion(rows.sides - rows.rows @ system.direct(plan), system.mixed(plan))
-            return None if moved is None else Minimum(q, system.scale[:, None] * moved + system.direct(plan))
+            direct = fixed_lengths(plan)
+            moved = system.motion(rows.sides - rows.rows @ direct, system.mixed(plan))
+            return None if moved is None else Minimum(q, system.scale[:, None] * moved + direct)
         share = min(1.0, LONGEST / float(np.linalg.norm(step)))
         q = q + share * (system.scale * step).reshape(q.shape)
         if not _is_near(q, begin, wish, robot):  # nor where the step is NaN
@@ -169,14 +170,6 @@ class _System:
         free[moves] = directions[rank:].T
         return free
 
-    def direct(self, plan: Plan) -> Floats:
-        """What parameters move by themselves (3 n, p): lengths of what cannot stretch."""
-        direct = np.zeros((len(self.scale), plan.columns))
-        if plan.asked[a.LENGTHS] >= 0:
-            fixed = np.flatnonzero(self.scale[2::3] == 0.0)
-            direct[3 * fixed + 2, plan.asked[a.LENGTHS] + fixed] = 1.0
-        return direct
-
     def mixed(self, plan: Plan) -> Floats:
         """How the slope of the Lagrangian (3 n, p) changes with the parameters while the configuration stays."""
         robot, rows, asked = self._problem.robot, self._rows, plan.asked
@@ -203,7 +196,7 @@ class _System:
             if kind == ACTUATOR and asked[a.TENDONS] >= 0 and (line := plan.lines[int(about[a.OTHER])])[COLUMN] >= 0.0:
                 bends = np.where(np.arange(len(row)) % 3 < 2, row, 0.0) / about[a.FACTOR]
                 change[:, asked[a.TENDONS] + int(line[COLUMN])] -= force * bends / line[RADIUS_OF]
-        whole: Floats = self.scale[:, None] * change + self._bent @ self.direct(plan)
+        whole: Floats = self.scale[:, None] * change + self._bent @ fixed_lengths(plan)
         return whole
 
     @cached_property

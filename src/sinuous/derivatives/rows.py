@@ -18,6 +18,15 @@ def metric(robot: Robot) -> Floats:
     return robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]].ravel()
 
 
+def fixed_lengths(plan: Plan) -> Floats:
+    """Motions (3 n, p) of the lengths of segments that cannot stretch, by the parameters that say them."""
+    direct = np.zeros((3 * len(plan.robot), plan.columns))
+    if plan.asked[a.LENGTHS] >= 0:
+        fixed = np.flatnonzero(metric(plan.robot)[2::3] == 0.0)
+        direct[3 * fixed + 2, plan.asked[a.LENGTHS] + fixed] = 1.0
+    return direct
+
+
 class KeptRows:
     """The rows of an answer, targets first.
 
@@ -86,7 +95,7 @@ class KeptRows:
 
     @property
     def rows(self) -> Floats:
-        """KeptRows (r, 3 n), of length 1 in the metric."""
+        """Rows (r, 3 n), of length 1 in the metric."""
         return self._parts[0]
 
     @property

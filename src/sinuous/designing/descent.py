@@ -17,14 +17,14 @@ from sinuous.checks import Floats
 from sinuous.derivatives.parameters import plan_for
 from sinuous.derivatives.rows import KeptRows, metric
 from sinuous.designing.judge import Judge, Judged
-from sinuous.designing.objectives import Objective, of_robot
+from sinuous.designing.objectives import Objective, of_robot, straight
 from sinuous.kernels.derivative import layout as a
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
 
-DERIVED = ("length", "bend", "clearance")
+DERIVED = ("length", "bend", "travel", "tension", "clearance")
 """Objectives that a step is known for."""
 
 STEPS = 30
@@ -135,18 +135,12 @@ class Judging:
             if source >= 0:
                 ended.append(descend(self.judge, own, shares, begin, int(which)))
             else:
-                ended.append(
-                    Descended(shares, self.judge.judge(self.judge.space.robot(own, shares), *told, begin=begin), 1)
-                )
-        rows = [each.judged for each in ended]
+                robot = self.judge.space.robot(own, shares)
+                ended.append(Descended(shares, self.judge.judge(robot, *told, begin=begin), 1))
         return {
-            "shares": np.array([each.shares for each in ended]).reshape(len(ended), -1),
+            "shares": np.array([each.shares for each in ended]),
             "tried": np.array([each.tried for each in ended]),
-            "answers": np.array([row.answers for row in rows]),
-            "done": np.array([row.done for row in rows]),
-            "share": np.array([row.share for row in rows]),
-            "objectives": np.array([row.objectives for row in rows]).reshape(len(rows), len(self.judge.minimise)),
-            "failed": np.array([row.failed for row in rows]),
+            **{name: np.array([getattr(each.judged, name) for each in ended]) for name in Judged._fields},
         }
 
 
@@ -158,11 +152,14 @@ class _Step(NamedTuple):
 
 
 class _Rows(NamedTuple):
-    """Rows `fields . ds + own . z <= objectives . top + left`, of changes of fields, an answer, and objectives."""
+    """Rows `fields . ds + own . z <= shared . t + left`, of changes of fields, an answer, and what all answers share.
+
+    The latter are the objectives, then the largest values of all actuators, then the least, where travel counts.
+    """
 
     fields: Floats
     own: Floats
-    objectives: Floats
+    shared: Floats
     left: Floats
 
 
@@ -175,6 +172,7 @@ class _Steps:
         robot = space.robot(combination, shares)
         assert robot is not None
         self._robot = judge.solver(robot).robot
+        self._shared = len(judge.minimise) + 2 * len(self._robot.drive) * ("travel" in judge.minimise)
         self._ends = []
         for unit in np.eye(len(shares)):
             high, low = np.minimum(shares + H * unit, 1.0), np.maximum(shares - H * unit, 0.0)
@@ -193,17 +191,19 @@ class _Steps:
         for task, q in zip(tasks, self._answers, strict=True):
             problem = Problem(self._robot, task.targets, judge.scene)
             self._equal.append(self._of_targets(problem, q))
-            self._most.append(self._all([self._of_limits(q), *self._of_contacts(problem, q), *self._of_bends(q)]))
+            parts = [self._of_limits(q), *self._of_contacts(problem, q), *self._of_bends(q), *self._of_actuators(q)]
+            self._most.append(self._all(parts))
 
     def step(self, most: float, which: int) -> _Step | None:
         """Return the best step by the rows, with fields that change by at most `most` of their range."""
         from scipy.optimize import linprog  # noqa: PLC0415
 
-        d, o, width = len(self._shares), len(self._values), len(self._scale)
+        d, o, width = len(self._shares), self._shared, len(self._scale)
         far = FREER * most
         near = [self._within(rows, most, far) for rows in self._most]
         equal, bounds = self._matrix(self._equal), self._matrix(near)
-        tops = np.column_stack([np.full(o, -np.inf), self._values])
+        tops = np.tile([-np.inf, np.inf], (o, 1))
+        tops[: len(self._values), 1] = self._values
         fields = np.column_stack([np.maximum(-most, -self._shares), np.minimum(most, 1.0 - self._shares)])
         answers = np.tile([-far, far], (len(self._answers) * width, 1))
         cost = np.zeros(d + o + len(answers))
@@ -228,14 +228,14 @@ class _Steps:
     def _matrix(self, blocks: list[_Rows]) -> Any:
         from scipy import sparse  # noqa: PLC0415
 
-        shared = np.vstack([np.column_stack([rows.fields, -rows.objectives]) for rows in blocks])
+        shared = np.vstack([np.column_stack([rows.fields, -rows.shared]) for rows in blocks])
         return sparse.hstack([sparse.csr_matrix(shared), sparse.block_diag([rows.own for rows in blocks])], "csr")
 
     @staticmethod
     def _within(rows: _Rows, most: float, far: float) -> _Rows:
         """The rows that changes within a box can reach."""
         reach = most * np.abs(rows.fields).sum(axis=1) + far * np.abs(rows.own).sum(axis=1)
-        chosen = (rows.left <= reach) | rows.objectives.any(axis=1)
+        chosen = (rows.left <= reach) | rows.shared.any(axis=1)
         return _Rows(*(each[chosen] for each in rows))
 
     @staticmethod
@@ -247,9 +247,11 @@ class _Steps:
         ends = [(of(high, low) - of(low, low)) / way for high, low, way in self._ends]
         return np.stack(ends, axis=1)
 
-    def _rows(self, fields: Floats, own: Floats, left: Floats, name: Objective | None = None) -> _Rows:
+    def _rows(
+        self, fields: Floats, own: Floats, left: Floats, name: Objective | None = None, shared: Floats | None = None
+    ) -> _Rows:
         """Rows for coordinates in the metric, where lengths that fields fix move by themselves."""
-        tops = np.zeros((len(left), len(self._values)))
+        tops = np.zeros((len(left), self._shared)) if shared is None else shared
         if name is not None:
             tops[:, self._judge.minimise.index(name)] = 1.0
         return _Rows(fields + own @ self._direct, own * self._scale, tops, left)
@@ -291,6 +293,48 @@ class _Steps:
             whole = np.array([of_robot("length", self._robot)])
             listed.append(self._rows(change, np.zeros((1, q.size)), -whole, "length"))
         return listed
+
+    def _of_actuators(self, q: Floats) -> list[_Rows]:
+        """Rows of the tensions of an answer, and of the values of its actuators and of those of the straight robot."""
+        listed = []
+        if "tension" in self._judge.minimise:
+            listed.append(self._both(*self._of_lines(_tensions, q), name="tension"))
+        if "travel" in self._judge.minimise:
+            value, slopes, change = self._of_lines(_values, q)
+            m, o = len(value), len(self._values)
+            largest, least = np.eye(m, self._shared, o), np.eye(m, self._shared, o + m)
+            ends = np.concatenate([largest, -least])
+            listed.append(self._both(value, slopes, change, shared=ends))
+            rest = _values(self._robot, straight(self._robot)[None])[0]
+            change = self._by_fields(lambda robot, _: _values(robot, straight(robot)[None])[0])
+            listed.append(self._both(rest, 0.0 * slopes, change, shared=ends))
+            listed.append(self._rows(0.0 * change, 0.0 * slopes, np.zeros(m), "travel", least - largest))
+        return listed
+
+    def _both(self, value: Floats, own: Floats, fields: Floats, **bound: Any) -> _Rows:
+        """Rows of values (m,) that have a bound to both sides."""
+        fields, own, left = (np.concatenate([each, -each]) for each in (fields, own, -value))
+        return self._rows(fields, own, left, **bound)
+
+    def _of_lines(self, of: Any, q: Floats) -> tuple[Floats, Floats, Floats]:
+        """What `of` says of all actuators (m,), and its derivatives (m, 3 n) by the answer and (m, d) by the shares."""
+        steps = H * np.where(self._scale > 0.0, self._scale, 1.0)
+        places = q + np.concatenate([np.diag(steps), -np.diag(steps)]).reshape(-1, *q.shape)
+        above, below = np.split(of(self._robot, places), 2)
+        slopes = ((above - below) / (2.0 * steps[:, None])).T
+        return of(self._robot, q[None])[0], slopes, self._by_fields(lambda robot, _: of(robot, q[None])[0])
+
+
+def _values(robot: Robot, q: Floats) -> Floats:
+    """Values (k, m) of all actuators in configurations (k, n, 3)."""
+    return robot.drive.values(q)
+
+
+def _tensions(robot: Robot, q: Floats) -> Floats:
+    """Tensions (k, m) of all elastic actuators in configurations (k, n, 3)."""
+    elastic = robot.drive.elastic
+    assert elastic is not None
+    return elastic.balance(q).tensions
 
 
 def _parameters(robot: Robot, other: Robot) -> Floats:

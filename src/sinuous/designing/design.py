@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -76,6 +77,7 @@ class Cut(NamedTuple):
     reason: str
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Design(ShortRepr):
     """Robots for a set of tasks.
 
@@ -97,20 +99,15 @@ class Design(ShortRepr):
     seconds : float
     """
 
-    def __init__(
-        self,
-        minimise: tuple[Objective, ...],
-        front: tuple[Found, ...],
-        deciding: str | None,
-        changes: tuple[Change, ...],
-        cut: tuple[Cut, ...],
-        tried: int,
-        most_done: int,
-        tasks: int,
-        seconds: float,
-    ) -> None:
-        self.minimise, self.front, self.deciding, self.changes = minimise, front, deciding, changes
-        self.cut, self.tried, self.most_done, self.tasks, self.seconds = cut, tried, most_done, tasks, seconds
+    minimise: tuple[Objective, ...]
+    front: tuple[Found, ...]
+    deciding: str | None
+    changes: tuple[Change, ...]
+    cut: tuple[Cut, ...]
+    tried: int
+    most_done: int
+    tasks: int
+    seconds: float
 
     @property
     def solved(self) -> bool:

@@ -29,6 +29,14 @@ class Range(NamedTuple):
     low: float
     high: float
 
+    def value(self, share: float) -> float:
+        """The value at a share of the range."""
+        return self.low + share * (self.high - self.low)
+
+    def share(self, value: float) -> float:
+        """At which share of the range a value lies."""
+        return (value - self.low) / (self.high - self.low)
+
 
 class Choices(NamedTuple):
     """A field with some values."""
@@ -88,10 +96,7 @@ class Space:
 
     def values(self, combination: tuple[Any, ...], shares: Floats) -> dict[str, Any]:
         """Values of all fields at shares (d,) of the ranges."""
-        inner = {
-            each.field: each.low + float(share) * (each.high - each.low)
-            for each, share in zip(self.ranges, shares, strict=True)
-        }
+        inner = {each.field: each.value(float(share)) for each, share in zip(self.ranges, shares, strict=True)}
         return inner | {each.field: value for each, value in zip(self.choices, combination, strict=True)}
 
     def robot(self, combination: tuple[Any, ...], shares: Floats, refuse: bool = False) -> Robot | None:
@@ -111,7 +116,7 @@ class Space:
             value = _value_of(own, each.field)
             if not isinstance(value, int | float) or not each.low <= value <= each.high:
                 return None
-            shares.append((value - each.low) / (each.high - each.low))
+            shares.append(each.share(value))
         values = tuple(_value_of(own, each.field) for each in self.choices)
         found = next((i for i, each in enumerate(self.combinations) if list(each) == list(values)), None)
         return None if found is None else (found, np.array(shares))
@@ -126,7 +131,7 @@ class Space:
         for each in self.ranges:
             key = each.field.rpartition(".")[2]
             if re.fullmatch(r"base\.position\[\d\]", each.field):
-                values[each.field] = 0.5 * (each.low + each.high)
+                values[each.field] = each.value(0.5)
                 moved += (0.5 * (each.high - each.low)) ** 2
             elif each.field == "radius" or (each.field.startswith("segments") and key in ENDS):
                 ends = each.low, each.high

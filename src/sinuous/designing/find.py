@@ -275,11 +275,11 @@ def _changes(judge: Judge, found: Candidates, i: int) -> Iterator[Change]:
     space, names = judge.space, list(judge.tasks)
     combination = space.combinations[int(found.combination[i])]
     for place, each in enumerate(space.ranges):
-        value = each.low + float(found.shares[i, place]) * (each.high - each.low)
+        value = each.value(float(found.shares[i, place]))
         step = PERCENT * (abs(value) or each.high - each.low)
         for other in (value - step, value + step):
             shares = found.shares[i].copy()
-            shares[place] = (other - each.low) / (each.high - each.low)
+            shares[place] = each.share(other)
             judged = judge.judge(space.robot(combination, shares), begin=found.answers[i])
             counts = np.isfinite(judged.objectives).all()
             objectives = _signed(judge.minimise, judged.objectives) if counts else None

@@ -86,6 +86,10 @@ def _of_shapes(name: Objective, robot: Robot, q: Floats) -> float:
     if name == "tension":
         elastic = robot.drive.elastic
         return math.inf if elastic is None else float(np.abs(elastic.balance(q).tensions).max())
-    straight = np.array([[0.0, 0.0, 0.5 * sum(segment.length)] for segment in robot.segments])
-    values = robot.to_actuators(np.concatenate([q, straight[None]]))
+    values = robot.to_actuators(np.concatenate([q, straight(robot)[None]]))
     return float(np.ptp(values, axis=0).max())
+
+
+def straight(robot: Robot) -> Floats:
+    """The straight configuration (n, 3), of mean lengths."""
+    return np.array([[0.0, 0.0, 0.5 * sum(segment.length)] for segment in robot.segments])

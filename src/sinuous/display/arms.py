@@ -10,10 +10,14 @@ from sinuous.checks import Floats
 from sinuous.display.style import tones
 from sinuous.robot.robot import Robot
 from sinuous.statics.body import body_of
+from sinuous.statics.equilibrium import Equilibrium, under_load
 from sinuous.statics.rest import bodies_at
 
 KEPT = 16
 """Robots whose thicker bodies are kept."""
+
+FORCE_LENGTH = 0.25
+"""Length of the line of the largest force, in lengths of the robot."""
 
 
 class Arm(NamedTuple):
@@ -61,35 +65,48 @@ class Arm(NamedTuple):
 
 
 class MovingArm(NamedTuple):
-    """A body that moves; see `Arm`.
+    """A body that moves.
 
     Attributes
     ----------
-    robot : Robot
+    begin : Arm
+        Where it begins.
     q : ndarray (T, m, 3)
-        Configurations, linear between neighbouring ones.
+        Configurations of the body, linear between neighbouring ones.
     times : ndarray (T,)
         Increasing.
-    solved, ghost : bool
-    number : int
-    owner : Robot or None
+    drives : ndarray (T, n, 3) or None
+        Those of its robot that loads bend into these; of a body that shows the loads.
     """
 
-    robot: Robot
+    begin: Arm
     q: Floats
     times: Floats
-    solved: bool = True
-    ghost: bool = False
-    number: int = 0
-    owner: Robot | None = None
+    drives: Floats | None = None
+
+    @property
+    def ghost(self) -> bool:
+        """Whether it is drawn see-through."""
+        return self.begin.ghost
 
     def at(self, share: float) -> Arm:
         """Where it is after this share of its time."""
+        return self.begin._replace(q=self._between(self.q, share))
+
+    def forces_at(self, share: float) -> list[Floats]:
+        """Lines of what pulls it after this share of its time; see `forces_of`."""
+        if self.drives is None or self.begin.owner is None:
+            return []
+        return forces_of(self.begin.owner, self._between(self.drives, share))
+
+    def _between(self, values: Floats, share: float) -> Floats:
+        """Values (T, ...) after this share of the time."""
         begin, end = self.times[0], self.times[-1]
         now = begin + share * (end - begin)
         i = int(np.clip(np.searchsorted(self.times, now, side="right") - 1, 0, len(self.times) - 2))
         part = (now - self.times[i]) / (self.times[i + 1] - self.times[i])
-        return Arm(self.robot, (1.0 - part) * self.q[i] + part * self.q[i + 1], *self[3:])
+        value: Floats = (1.0 - part) * values[i] + part * values[i + 1]
+        return value
 
 
 class Body(NamedTuple):
@@ -118,6 +135,16 @@ def arms_of(robot: Robot, q: Floats, solved: bool = True, number: int = 0, loade
     """Yield the bodies of a robot in a single configuration (n, 3)."""
     for body in bodies_of(robot, q[None], loaded):
         yield Arm(body.robot, body.q[0], solved, body.ghost, number, robot)
+
+
+def forces_of(robot: Robot, q: Floats, shape: Equilibrium | None = None) -> list[Floats]:
+    """Lines (2, 3) of forces and payloads on a robot in a configuration (n, 3), as long as they are strong."""
+    own = under_load(robot, q) if shape is None else shape
+    forces = [] if own is None else list(own.forces())
+    largest = max((float(np.linalg.norm(force)) for _, force in forces), default=0.0)
+    if largest == 0.0:
+        return []
+    return [np.stack([place - force * (FORCE_LENGTH * robot.mean_length / largest), place]) for place, force in forces]
 
 
 @lru_cache(maxsize=KEPT)

@@ -116,7 +116,7 @@ def _feet(obstacles: Sequence[Obstacle], bounds: Bounds, reach: float) -> list[F
 def _places(contents: Contents) -> Floats:
     """Points (m, 3) that must be seen: whole bodies with their bases, targets, paths."""
     found: list[Floats] = [place[None] for _, place in contents.targets]
-    found += contents.paths + contents.forces
+    found += contents.paths + contents.forces_at(0.0) + contents.forces_at(1.0)
     on_the_way = [moving.at(share) for moving in contents.moving for share in np.linspace(0.0, 1.0, SAMPLES).tolist()]
     for arm in [*contents.arms, *on_the_way]:
         robot, q = arm.robot, arm.q

@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.display.arms import Arm, Body, MovingArm, arms_of, bodies_of
+from sinuous.display.arms import Arm, Body, MovingArm, arms_of, bodies_of, forces_of
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.motion import Motion
@@ -22,7 +22,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
-from sinuous.statics.equilibrium import Equilibrium, under_load
+from sinuous.statics.equilibrium import Equilibrium
 
 Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
 Things = Thing | Sequence[Thing | Sequence[Thing]]
@@ -30,9 +30,6 @@ Things = Thing | Sequence[Thing | Sequence[Thing]]
 
 MOST_ARMS = 100
 """Robots in a picture."""
-
-FORCE_LENGTH = 0.25
-"""Length of the line of the largest force, in lengths of the robot."""
 
 STRAIGHT = 0.03
 """How far a tip may be off a straight line that is drawn as its way, as a share of its length."""
@@ -70,7 +67,7 @@ class Contents:
     routes, paths : list of ndarray (k, 3)
         Lines: routes that led to a solution, and the positions of waypoints.
     forces : list of ndarray (2, 3)
-        Lines that end where forces and payloads act, along these.
+        Lines that end where forces and payloads act on bodies that stand still, along these.
     answers : list of Solution or Motion
         What the caption is about.
     """
@@ -103,7 +100,8 @@ class Contents:
     def add_way(self, robot: Robot, q: Floats, times: Floats, solved: bool) -> None:
         """Take a robot that moves through configurations (T, n, 3)."""
         for body in bodies_of(robot, q):
-            self.moving.append(MovingArm(body.robot, body.q, times, solved, body.ghost, len(self.robots), robot))
+            begin = Arm(body.robot, body.q[0], solved, body.ghost, len(self.robots), robot)
+            self.moving.append(MovingArm(begin, body.q, times, q if robot.hangs and not body.ghost else None))
         self.robots.append(robot)
 
     def add_target(self, target: Target, arm: Arm | None = None) -> None:
@@ -124,6 +122,10 @@ class Contents:
             return standing_at(self.obstacles)
         begin, end = self.moving[0].times[0], self.moving[0].times[-1]
         return standing_at(self.obstacles, float(begin + share * (end - begin)))
+
+    def forces_at(self, share: float) -> list[Floats]:
+        """Lines of forces and payloads after this share of the time of each motion."""
+        return [*self.forces, *(line for moving in self.moving for line in moving.forces_at(share))]
 
     @property
     def all_arms(self) -> list[Arm]:
@@ -235,16 +237,6 @@ def _add_arm(contents: Contents, robot: Robot, q: Floats, solved: bool, targets:
     contents.add_robot(robot, q, solved)
     for target in targets:
         contents.add_target(target, contents.arms[count])
-
-
-def forces_of(robot: Robot, q: Floats, shape: Equilibrium | None = None) -> list[Floats]:
-    """Lines (2, 3) of forces and payloads on a robot in a configuration (n, 3), as long as they are strong."""
-    own = under_load(robot, q) if shape is None else shape
-    forces = [] if own is None else list(own.forces())
-    largest = max((float(np.linalg.norm(force)) for _, force in forces), default=0.0)
-    if largest == 0.0:
-        return []
-    return [np.stack([place - force * (FORCE_LENGTH * robot.mean_length / largest), place]) for place, force in forces]
 
 
 def _add_motion(contents: Contents, motion: Motion) -> None:

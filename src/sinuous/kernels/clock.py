@@ -19,7 +19,7 @@ from typing import Any
 
 from numba import types
 
-from sinuous.kernels.compile import interpreted_as, kernel
+from sinuous.kernels.compile import interpreted_as, kernel, shared
 from sinuous.kernels.maths.vectors import Array
 from sinuous.work_time import looked, work_time
 
@@ -152,7 +152,7 @@ def resume(clock: Array, deadline: int) -> None:
     clock[LOOKS] = 0
 
 
-@kernel
+@shared
 def over(clock: Array) -> bool:
     """Read the time, and say whether it is over."""
     read = _nanoseconds(clock)

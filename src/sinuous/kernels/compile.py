@@ -57,6 +57,22 @@ def kernel(function: Function) -> Function:
     return _inner(function, _original(function), NO_WRAPPERS)
 
 
+def apart(function: Function) -> Function:
+    """The same kernel, never copied into its callers: for the case of a loop that is not the usual one.
+
+    Beside the code of a large case the usual one runs out of registers, and takes up to 1.7 times as long.
+    """
+    return _inner(function, _original(function), NO_WRAPPERS, "apart")
+
+
+def shared(function: Function) -> Function:
+    """The same kernel as machine code of its own, once for all entries that call it, instead of in each of them.
+
+    For what is large, and called by many, but seldom: what calls it cannot be optimised together with it.
+    """
+    return _inner(function, _original(function), NO_WRAPPERS, "shared")
+
+
 def inline(function: Function) -> Function:
     """The same kernel, copied into its caller: for the one place of the innermost loop that calls it.
 
@@ -99,14 +115,14 @@ def _entry(function: Any, file: str | None = None) -> Any:
     if MODE == "interpreted":
         interpret([function])
         return interpreted(function)
-    compiled = _stored(_original(function), "entry", once.Whole, {"no_cfunc_wrapper": True}, file)
+    compiled = _stored(_original(function), "entry", {"no_cfunc_wrapper": True}, file)
     compiled.interpreted = interpreted(function)
     _functions.append(function)
     return tiered(compiled, compiled.interpreted)
 
 
-def _inner(function: Any, original: Any, options: dict[str, Any]) -> Any:
-    compiled = functools.cache(lambda: _stored(original, "inner", once.Part, options))
+def _inner(function: Any, original: Any, options: dict[str, Any], kind: str = "inner") -> Any:
+    compiled = functools.cache(lambda: _stored(original, kind, options))
     _compiled[function] = KERNELS[function.__module__, function.__qualname__] = compiled
     if MODE == "interpreted":
         interpret([function])
@@ -164,15 +180,16 @@ def _original(function: Any) -> Any:
     return own
 
 
-def _stored(function: Any, kind: str, library: Any, options: dict[str, Any], file: str | None = None) -> Any:
-    """Compile a function into such a library, and keep its code on disk as what depends on this file and its imports.
+def _stored(function: Any, kind: str, options: dict[str, Any], file: str | None = None) -> Any:
+    """Compile a function, and keep its code on disk as what depends on this file and its imports.
 
-    By default that is the file of the function. What is made around something else is kept only when a file is named.
+    The `kind` is one of `once.LIBRARIES`. By default the file is that of the function. What is made around something
+    else is kept only when a file is named.
     """
     store = None if function.__closure__ and file is None else Store(function, kind, file)
     chosen = {**OPTIONS, **options}
     if once.tried():
-        chosen["pipeline_class"] = once.compiler(library, None if store is None else store.name)
+        chosen["pipeline_class"] = once.compiler(kind, None if store is None else store.name)
     compiled: Any = numba.njit(**chosen)(function)
     if store is not None:
         compiled._cache = store

@@ -119,15 +119,16 @@ def to_mesh(mesh: Mesh, points: Floats) -> Floats:
 
 def to_triangles(corners: Floats, points: Floats) -> Floats:
     """Distance (m,) of every point (m, 3) to the triangle (m, 3, 3) in the same row."""
-    sides = np.roll(corners, -1, axis=1) - corners
-    away = points[:, None] - corners
-    along = ((away * sides).sum(axis=-1) / np.maximum((sides**2).sum(axis=-1), 1e-300)).clip(0.0, 1.0)
-    to_edge = np.sqrt(((away - along[..., None] * sides) ** 2).sum(axis=-1)).min(axis=1)
-    normal = np.cross(sides[:, 0], sides[:, 1])
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-300)
-    above = (np.cross(sides, away) * normal[:, None]).sum(axis=-1) >= 0.0
-    to_plane = np.abs((away[:, 0] * normal).sum(axis=-1))
-    return np.asarray(np.where(above.all(axis=1), to_plane, to_edge))
+    corners = np.ascontiguousarray(np.moveaxis(corners, 0, -1))  # (3, 3, m): sums over the last axis are slow
+    sides = np.roll(corners, -1, axis=0) - corners
+    away = points.T - corners
+    along = ((away * sides).sum(axis=1) / np.maximum((sides**2).sum(axis=1), 1e-300)).clip(0.0, 1.0)
+    to_edge = np.sqrt(((away - along[:, None] * sides) ** 2).sum(axis=1).min(axis=0))
+    normal = np.cross(sides[0], sides[1], axis=0)
+    normal /= np.maximum(np.sqrt((normal**2).sum(axis=0)), 1e-300)
+    above = (np.cross(sides, away, axis=1) * normal).sum(axis=1) >= 0.0
+    to_plane = np.abs((away[0] * normal).sum(axis=0))
+    return np.asarray(np.where(above.all(axis=0), to_plane, to_edge))
 
 
 def _signs(corners: Floats, points: Floats, distances: Floats) -> Floats:

@@ -15,7 +15,7 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import kernel, shared
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -149,7 +149,7 @@ def excess(problem: Problem, q: Array) -> tuple[float, float]:
     return length, bend
 
 
-@kernel
+@shared
 def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float, float, float, bool, float]:
     """The check of an answer `q` (n, 3), the same for all methods.
 

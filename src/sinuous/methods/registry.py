@@ -88,17 +88,8 @@ def capabilities(method: Choice) -> Capabilities:
     return options_class(name_of(method)).capabilities
 
 
-def ready(method: Choice, robot: "Robot", scene: "Scene") -> Choice:
-    """Return the choice with all that is found out once for a robot in a scene: see `Options.ready`."""
-    chosen = method if isinstance(method, Options) else options_class(name_of(method))()
-    own = chosen.ready(robot, scene)
-    return method if own is chosen else own
-
-
-def prepare(
-    method: Choice, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences"
-) -> "Prepared":
-    """Prepare a chosen method.
+def ready(method: Choice, robot: "Robot", scene: "Scene", preferences: "Preferences") -> Choice:
+    """Return the choice with all that is found out once for a robot in a scene: see `Options.ready`.
 
     Raises
     ------
@@ -110,4 +101,13 @@ def prepare(
     chosen.capabilities.refuse_robot(name, robot)
     if preferences and not chosen.capabilities.preferences:
         raise InputError("prefer", f"not handled by the method {name}", preferences, "no preferences")
+    own = chosen.ready(robot, scene)
+    return method if own is chosen else own
+
+
+def prepare(
+    method: Choice, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences"
+) -> "Prepared":
+    """Prepare a method that is ready."""
+    chosen = method if isinstance(method, Options) else options_class(name_of(method))()
     return chosen.prepare(robot, scene, tolerance, preferences)

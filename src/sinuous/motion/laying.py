@@ -38,9 +38,13 @@ def depths_of(robot: Robot) -> tuple[float, float]:
     return low, high
 
 
-def lay(robot: Robot, curve: Curve, depths: Floats) -> Floats:
-    """Configurations (T, n, 3) within the limits of segments, along the curve, with the tip at `depths` (T,)."""
-    q = _first(robot, curve, depths)
+def lay(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) -> Floats:
+    """Configurations (T, n, 3) within the limits of segments, along the curve, with the tip at `depths` (T,).
+
+    From configurations `near` them every step is taken, so that they depend smoothly on all that is given; otherwise
+    those alone that bring places nearer.
+    """
+    q = _first(robot, curve, depths) if near is None else within_limits(robot, near)
     free = np.flatnonzero(movable(robot.segments))
     if len(free) == 0:
         return q
@@ -58,10 +62,10 @@ def lay(robot: Robot, curve: Curve, depths: Floats) -> Floats:
         tried = within_limits(robot, tried.reshape(q.shape))
         new, new_tangents = _residual(robot, curve, depths, tried)
         before, after = (residual**2).sum(axis=1), (new**2).sum(axis=1)
-        better = after < before
+        better = after < before if near is None else np.full(len(q), True)
         mu = np.where(better, EASE * mu, HARDEN * mu)
         q[better], residual[better], tangents[better] = tried[better], new[better], new_tangents[better]
-        if (np.where(better, before - after, 0.0) <= ENOUGH * before).all():
+        if near is None and (np.where(better, before - after, 0.0) <= ENOUGH * before).all():
             break
     return q
 

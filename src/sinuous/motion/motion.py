@@ -1,6 +1,6 @@
 """A motion: configurations at times, linear in q between them, and what is proved of all of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from functools import cached_property
 from itertools import pairwise
@@ -38,7 +38,9 @@ from sinuous.writing.documents import write_document
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from sinuous.arguments import LeaderParameter
     from sinuous.measures.following import Deviation
+    from sinuous.motion.leader_derivative import LeaderDerivative
     from sinuous.motion.trajectory import Trajectory
     from sinuous.problem.curve import Curve
     from sinuous.problem.problem import Problem
@@ -342,6 +344,39 @@ class Motion(NotebookMixin, Frozen):
         body, q = bodies_at(self.robot, tables.interpolate(self.times, self.q, when))
         return deviation(body, q, line_in_front(self.robot, curve))
 
+    def derivative(
+        self,
+        curve: "Rows | Curve",
+        depths: Vector,
+        wrt: "LeaderParameter | Sequence[LeaderParameter]" = ("advance",),
+    ) -> "LeaderDerivative":
+        """Derive the shapes of `follow_the_leader` by the curve, the advance, the base and the lengths.
+
+        Parameters
+        ----------
+        curve : array_like (K, 3) or Curve
+            That the motion follows.
+        depths : array_like (T,)
+            Increasing times of the motion at which it is derived. At the first and the last there is a kink.
+        wrt : str or sequence of str
+            Groups of parameters: `advance`, `curve`, `base`, `lengths`; see `sinuous.motion.leader_derivative`.
+
+        Raises
+        ------
+        InputError
+            When there is no such group, the motion follows another curve, or a depth is not on it.
+        """
+        from sinuous.measures.following import line_in_front  # noqa: PLC0415
+        from sinuous.motion.leader_derivative import LeaderDerivative, Question  # noqa: PLC0415
+
+        if not len(self.q):
+            raise InputError("motion", "has no knots", self, "a motion with knots")
+        when = checks.increasing("depths", depths, None)
+        if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
+            raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
+        q = tables.interpolate(self.times, self.q, when)
+        return LeaderDerivative(Question.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
+
     def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
         """Write times, configurations and the values of all actuators as CSV.
 
@@ -436,7 +471,7 @@ class Motion(NotebookMixin, Frozen):
             When it is not.
         """
         if not self.solved:
-            raise NotSolvedError(str(self), self)
+            raise NotSolvedError(f"{self.status} ({_sentence(self)})", self)
         return self
 
     @classmethod

@@ -20,7 +20,7 @@ from sinuous.motion.paced import paced
 from sinuous.motion.planning.find import find_path, find_timed_path, standing
 from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, Goals, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.motion.planning.walk import Walks
+from sinuous.motion.planning.walk import Walks, walks_in
 from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
@@ -234,13 +234,11 @@ class Planner:
         self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]
     ) -> tuple[ProvedPath, FixedGoal | Goals] | None:
         """Find a path along motions that a memory holds, and its goal; `None` where there is none, or no memory."""
-        memory, seed = self._options.memory, self._options.seed
-        graph = None if memory is None or self._robot.hangs else memory._shapes.graph  # proved without load
-        if graph is None or not len(graph):
+        seed = self._options.seed
+        with deadline.paused():  # what is kept of a graph is made once
+            work.walks = walks_in(self._options.memory, self._robot, work.scene, work.trees, work.walks)
+        if work.walks is None:
             return None
-        if work.walks is None or work.walks.graph is not graph:
-            with deadline.paused():  # what is kept of a graph is made once
-                work.walks = Walks(self._robot, work.scene, graph, work.trees)
         goals: FixedGoal | Goals
         if isinstance(end, np.ndarray):
             goals, path = FixedGoal(end), work.walks.to_configuration(begin, end, seed, deadline)

@@ -14,7 +14,8 @@ from sinuous.motion.knots import Entry, Knot, Line
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.find import find_path, find_timed_path
 from sinuous.motion.planning.query import Deadline, Goals, ProvedPath, Query, TimedQuery
-from sinuous.motion.planning.rrt_connect import load_trees
+from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
+from sinuous.motion.planning.walk import Walks, walks_in
 from sinuous.motion.report import Report
 from sinuous.motion.shortest import metric_of, shorten
 from sinuous.motion.times import Timetable, spread_times, with_start
@@ -83,6 +84,7 @@ class Tracker:
         self._follows: Solver | None = None
         self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
         self._tip = Tip(solver.robot)
+        self._walks: Walks | None = None
         self._approaches = start is not None
         self.blocked: Worst | None = None
         if start is not None:
@@ -288,8 +290,16 @@ class Tracker:
         if self._timetable is None:
             began = work_time()
             load_trees(robot, scene)
+            trees = RRTConnect(robot, scene)
+            self._walks = walks_in(options.memory, robot, scene, trees, self._walks)
             self._began += work_time() - began  # compiling is no planning
-            return find_path(Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time)))
+            query = Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time))
+            path = self._walk(query, goals, trees)
+            if path is None:
+                path = find_path(query, trees)
+                if path is not None and options.memory is not None and not robot.hangs:
+                    options.memory._learn_way(path.q)
+            return path
         return find_timed_path(
             TimedQuery(
                 robot=robot,
@@ -304,6 +314,14 @@ class Tracker:
                 deadline=Deadline(options.time),
             )
         )
+
+    def _walk(self, query: Query, goals: Goals, trees: RRTConnect) -> ProvedPath | None:
+        """Find a path to a waypoint along motions that a memory holds."""
+        if self._walks is None:
+            return None
+        targets = list(goals.solutions[0].problem.targets)
+        path = self._walks.to_targets(query.start, targets, goals.near, query.seed, query.deadline)
+        return None if path is None else trees.shorten(path.q, query.seed, query.deadline, SHORTCUTS)
 
     def _when(self) -> float:
         """When the robot is at the next waypoint, where obstacles move; otherwise 0."""

@@ -17,7 +17,7 @@ from sinuous.display.style import ARMS, INK, PATH, ROUTE, TARGET, TIP_PATH, UNSO
 from sinuous.errors import InputError
 from sinuous.pictures.files import MOVIES, check_picture
 from sinuous.pictures.paint import add, paint_arms, paint_walls, places_of, walls_of
-from sinuous.pictures.plot import as_view, draw_dots, draw_head, draw_lines, draw_surfaces, tip_paths
+from sinuous.pictures.plot import as_view, draw_dots, draw_forces, draw_head, draw_lines, draw_surfaces, tip_paths
 from sinuous.pictures.space import axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 from sinuous.scene.moving import Moving
 from sinuous.writing.documents import written
@@ -96,13 +96,15 @@ def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator
     still = [obstacle for obstacle in contents.obstacles if not isinstance(obstacle, Moving)]
     walls = paint_walls(walls_of(still, box), *bodies, view)
     draw_dots(axes, still, box)
-    draw_lines(axes, contents, box, tips=False)
+    draw_lines(axes, contents, box, moving=False)
     paths = tip_paths(contents)
     for share in np.linspace(0.0, 1.0, count).tolist():
         arms = [*contents.arms, *(moving.at(share) for moving in contents.moving)]
         there = [own for own in contents.obstacles_at(share) if not any(own is one for one in still)]
         moved = paint_walls(walls_of(there, box), *bodies, view) if there else []
         drawn = [add(axes, walls + moved + paint_arms(arms, box, view)), *draw_dots(axes, there, box)]
+        for moving in contents.moving:
+            drawn += draw_forces(axes, moving.forces_at(share))
         for path in paths:
             until = 1 + round(share * (len(path) - 1))
             drawn += axes.plot(*path[:until].T, color=TIP_PATH, linewidth=1.6, zorder=4)

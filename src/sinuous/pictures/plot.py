@@ -164,25 +164,30 @@ def draw_dots(axes: Any, obstacles: Iterable[Obstacle], box: Bounds) -> list[Any
     return drawn
 
 
-def draw_lines(axes: Any, contents: Contents, box: Bounds, *, tips: bool = True) -> None:
-    """Draw targets, paths, routes, forces, and where the tips of motions go."""
+def draw_lines(axes: Any, contents: Contents, box: Bounds, *, moving: bool = True) -> None:
+    """Draw targets, paths, routes and forces; of motions where the tips go, and the forces at their end."""
     for target in contents.targets:
         draw_target(axes, target, ARROW * box.span)
     for path in contents.paths:
         axes.plot(*path.T, color=PATH, linewidth=2.4, zorder=3, solid_capstyle="round")
-    for begin, end in contents.forces:
-        axes.quiver(*begin, *(end - begin), color=FORCE, linewidth=1.6, arrow_length_ratio=0.2, zorder=5)
+    draw_forces(axes, contents.forces_at(1.0) if moving else contents.forces)
     for route in contents.routes:
         axes.plot(*route.T, color=ROUTE, linewidth=1.3, linestyle=(0, (4, 2)), zorder=4)
-    for path in tip_paths(contents) if tips else ():
+    for path in tip_paths(contents) if moving else ():
         axes.plot(*path.T, color=TIP_PATH, linewidth=1.4, zorder=4)
+
+
+def draw_forces(axes: Any, forces: Iterable[Floats]) -> list[Any]:
+    """Draw arrows along lines (2, 3) to where forces act; return what was drawn."""
+    look = {"color": FORCE, "linewidth": 1.6, "arrow_length_ratio": 0.2, "zorder": 5}
+    return [axes.quiver(*begin, *(end - begin), **look) for begin, end in forces]
 
 
 def tip_paths(contents: Contents) -> list[Floats]:
     """Points (m, 3) that the tip of each motion goes through, evenly spaced in time."""
     shares = np.linspace(0.0, 1.0, ALONG_PATH + 1).tolist()
     ways = [moving for moving in contents.moving if not moving.ghost]
-    return [way.robot.tip(np.stack([way.at(share).q for share in shares]))[:, :3, 3] for way in ways]
+    return [way.begin.robot.tip(np.stack([way.at(share).q for share in shares]))[:, :3, 3] for way in ways]
 
 
 def draw_target(axes: Any, placed: PlacedTarget, size: float) -> None:

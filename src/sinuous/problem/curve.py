@@ -14,7 +14,7 @@ from sinuous.packing import read_only
 from sinuous.reprs import call
 
 if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline
     from scipy.spatial import cKDTree
 
 FINE = 16
@@ -129,7 +129,19 @@ class Curve(Frozen):
         return call("Curve", [f"{len(self.points)} points", f"length {self.length:g}"])
 
     def _parameter(self, along: Floats) -> Floats:
-        return np.interp(along - self.lead, self._along, self._fine)
+        found: Floats = self._by_length(np.clip(along - self.lead, 0.0, self._along[-1]))
+        return found
+
+    @cached_property
+    def _by_length(self) -> "CubicHermiteSpline":
+        """The parameter by the length along the spline: smooth and rising (slopes as of Fritsch & Carlson 1980)."""
+        from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415
+
+        secants = np.diff(self._fine) / np.diff(self._along)
+        steepest = 3.0 * np.minimum(np.append(secants, secants[-1]), np.append(secants[0], secants))
+        speeds = np.linalg.norm(self._spline(self._fine, 1), axis=-1)
+        slopes = np.divide(1.0, speeds, out=steepest.copy(), where=speeds * steepest > 1.0)
+        return CubicHermiteSpline(self._along, self._fine, slopes)
 
     @property
     def _axis(self) -> Floats:

@@ -1,7 +1,7 @@
-"""Sets of targets of one robot, one after the other: each set is to be met at once."""
+"""Sets of targets of one robot, one after the other: each set is to be met at once; and the problems that they make."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
-from sinuous.problem.target import KEYS, Goals, Target, Targets, is_place, target_list
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import KEYS, Goals, Target, Targets, Tolerance, is_place, target_list
 from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
 
 INSTEAD = "for positions use positions="
 """What to do with mere numbers."""
@@ -62,6 +64,36 @@ class ListedTargets:
 
 TargetSets = Goals | ListedTargets
 """Sets of targets: one of the tip in each, from arrays, or listed ones."""
+
+
+class ManyProblems(NamedTuple):
+    """m problems of one robot in one scene.
+
+    Attributes
+    ----------
+    robot : Robot
+    target_sets : TargetSets
+        The targets of each.
+    scene : Snapshot
+    tolerance : Tolerance
+        With numbers for all that is not said.
+    initial : ndarray (m, g, n, 3)
+        The initial configurations of each: g is 0 or 1.
+    """
+
+    robot: Robot
+    target_sets: TargetSets
+    scene: Snapshot
+    tolerance: Tolerance
+    initial: Floats
+
+    def problem(self, i: int) -> Problem:
+        """Return one of the problems."""
+        return Problem.prepared(self.robot, self.target_sets.targets(i), self.scene, self.tolerance)
+
+    def some(self, index: Any) -> "ManyProblems":
+        """Return some of the problems: by a slice, or numbers (k,)."""
+        return self._replace(target_sets=self.target_sets[index], initial=self.initial[index])
 
 
 def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Mapping[str, Any]) -> TargetSets:

@@ -9,6 +9,7 @@ each of them does to it.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from inspect import cleandoc
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -23,8 +24,8 @@ from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
 
-HEAD = "    Parameters\n    ----------\n"
-"""What stands above the parameters in a docstring."""
+HEAD = "Parameters\n----------\n"
+"""What stands above the parameters in a docstring, which Python takes the indentation from since 3.13."""
 
 UNLIMITED = (-math.inf, math.inf)
 
@@ -129,8 +130,8 @@ class Lines(Frozen):
 
     def __init_subclass__(cls) -> None:
         """Put the parameters of all lines before those of a kind of them."""
-        common = (Lines.__doc__ or "").partition(HEAD)[2].rstrip(" ")
-        cls.__doc__ = (cls.__doc__ or "").replace(HEAD, HEAD + common, 1)
+        common = cleandoc(Lines.__doc__ or "").partition(HEAD)[2]
+        cls.__doc__ = cleandoc(cls.__doc__ or "").replace(HEAD, HEAD + common + "\n", 1)
 
     @property
     def motors(self) -> Motors:

@@ -5,6 +5,7 @@ Gauss-Newton steps go on from there. Each is the solution of a small problem wit
 least-distance programming (Lawson & Hanson 1974, chapter 23), by nonnegative least squares.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -28,25 +29,30 @@ LEAST_MERIT = 1e-9
 """Squared residual below which the damping shrinks no more."""
 
 ROUNDING = 1e-13
-"""Damping, relative to the square of the derivatives, below which rounding could make their factors imaginary."""
+"""Least damping, relative to the square of the derivatives: without any, steps could be of any size."""
 
 MOST_COORDINATES = 600
-"""Coordinates (3 n) of the largest robot for which this is done: the cost grows with their cube."""
+"""Coordinates (3 n) of the largest robot for which this is done."""
+
+STEP_SECONDS = 1e-3
+"""About how long the first step takes."""
 
 
-def at_rest(problem: Problem, q: Floats, going_on: Callable[[], bool] = lambda: True) -> Floats:
+def at_rest(problem: Problem, q: Floats, left: Callable[[], float] = lambda: math.inf) -> Floats:
     """Return a configuration (n, 3) within the limits, near `q`, where the targets are missed by as little as possible.
 
-    Obstacles are not looked at. Before each step it is asked whether there is time for another.
+    Obstacles are not looked at. `left` says how many seconds there are: a step is begun where it should end in time.
     """
     robot, count = problem.robot, len(problem.robot)
-    if q.size > MOST_COORDINATES:
+    long = STEP_SECONDS
+    if q.size > MOST_COORDINATES or left() < long:
         return q
     unit = robot.mean_length / count
     scale = np.array([1.0, 1.0, unit])
     residual, limits, damping = residual_of(problem, q), list(limits_of(robot, q)), FIRST_DAMPING
     for _ in range(MOST_STEPS):
-        if not going_on():
+        before = left()
+        if before < long:
             break
         merit = float(residual.value @ residual.value)
         normals = np.array([normal(limit, unit) for limit in limits])
@@ -61,6 +67,7 @@ def at_rest(problem: Problem, q: Floats, going_on: Callable[[], bool] = lambda: 
         tried = _within(robot, q, limits, q + step.reshape(-1, 3) * scale)
         found = residual_of(problem, tried)
         gained = merit - float(found.value @ found.value)
+        long = max(long, before - left()) if before < math.inf else long
         if gained > 0.0:
             q, residual, limits, damping = tried, found, list(limits_of(robot, tried)), 0.1 * damping
             if gained < GAIN * merit:
@@ -72,17 +79,24 @@ def at_rest(problem: Problem, q: Floats, going_on: Callable[[], bool] = lambda: 
 
 def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Floats, slacks: Floats) -> Floats:
     """The step x (3 n,) with least `|rows x - residual|^2 + damping |x|^2` of those with `normals x <= slacks`."""
-    square = rows.T @ rows
-    root = np.linalg.cholesky(square + (damping + ROUNDING * np.trace(square)) * np.eye(len(square)))
-    free = np.linalg.solve(root, rows.T @ residual)
-    across = np.linalg.solve(root, normals.T).T
-    system = np.vstack([-across.T, across @ free - slacks])
+    turned, sizes, axes = np.linalg.svd(rows, full_matrices=False)
+    squares = sizes * sizes
+    damping += ROUNDING * squares.sum()
+
+    def shrunk(x: Floats) -> Floats:
+        """Return columns x (3 n, k) divided by the square root of `rows^T rows + damping`."""
+        along = axes @ x
+        found: Floats = (x - axes.T @ along) / np.sqrt(damping) + axes.T @ (along / np.sqrt(squares + damping)[:, None])
+        return found
+
+    free = axes.T @ (sizes / np.sqrt(squares + damping) * (turned.T @ residual))
+    across = shrunk(normals.T)
+    system = np.vstack([-across, free @ across - slacks])
     wanted = np.zeros(len(system))
     wanted[-1] = 1.0
     left = system @ nonnegative_least_squares(system, wanted) - wanted
     shift = -left[:-1] / left[-1] if left[-1] != 0.0 else np.zeros_like(free)
-    step: Floats = np.linalg.solve(root.T, free + shift)
-    return step
+    return shrunk((free + shift)[:, None])[:, 0]
 
 
 def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:

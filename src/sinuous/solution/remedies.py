@@ -400,14 +400,17 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
 
 
 def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
-    """Yield a longer mount and another place of the base, where that is blocked."""
+    """Yield a longer mount and another place of the base, where that is blocked.
+
+    A mount within the first segment is a sleeve; with a longer one nothing of the body would be checked.
+    """
     problem, robot = case.problem, case.problem.robot
-    longest = sum(segment.length[1] for segment in robot.segments)
+    longest = [segment.length[1] for segment in robot.segments]
 
     def mounted(more: float) -> Problem:
         return problem.changed(robot=robot.changed(mount=rounded(robot.mount + more)))
 
-    amount = trials.smallest(mounted, longest)
+    amount = trials.smallest(mounted, longest[0])
     if amount is not None:
         yield Remedy("mount", robot.mount, rounded(robot.mount + amount), problem=mounted(amount))
     slope = problem.scene.gradient(robot.base[:3, 3] + robot.mount * robot.base[:3, 2])
@@ -420,7 +423,7 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
         base[:3, 3] += by / size * slope
         return problem.changed(robot=robot.changed(base=base))
 
-    amount = trials.smallest(moved, longest)
+    amount = trials.smallest(moved, sum(longest))
     if amount is not None:
         free = moved(amount)
         after, note = free.robot.base[:3, 3].tolist(), f"{number(amount)} away"

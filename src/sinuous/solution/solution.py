@@ -473,7 +473,7 @@ class Solution(NotebookMixin):
             When it is not.
         """
         if not self.solved:
-            raise NotSolvedError(str(self), self)
+            raise NotSolvedError(self._in_a_line(), self)
         return self
 
     @classmethod
@@ -533,6 +533,11 @@ class Solution(NotebookMixin):
         numbers = {"position_error": self.position_error, "angle_error": self.angle_error, "clearance": self.clearance}
         parts = [f"{key}={value:.3g}" for key, value in numbers.items() if value is not None]
         return call("Solution", [str(self.status), *parts, duration(self.seconds)])
+
+    def _in_a_line(self) -> str:
+        """What errors say: how it ended, and why or what is farthest from being met."""
+        why = self.reason or self.worst
+        return f"{self.status} ({self.sentence})" + ("" if why is None else f": {why}")
 
     def __str__(self) -> str:
         parts = [f"Solution: {self.status} ({self.sentence})"]

@@ -28,11 +28,7 @@ from sinuous.kernels.tables import (
     Outcome,
 )
 from sinuous.notebook import NotebookMixin
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Tolerance
-from sinuous.problem.target_sets import TargetSets
-from sinuous.robot.robot import Robot
-from sinuous.scene.snapshot import Snapshot
+from sinuous.problem.target_sets import ManyProblems
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
@@ -42,36 +38,6 @@ if TYPE_CHECKING:
 
 Whole = NDArray[np.int64]
 Objects = NDArray[np.object_]
-
-
-class ManyProblems(NamedTuple):
-    """m problems of one robot in one scene.
-
-    Attributes
-    ----------
-    robot : Robot
-    target_sets : TargetSets
-        The targets of each.
-    scene : Snapshot
-    tolerance : Tolerance
-        With numbers for all that is not said.
-    initial : ndarray (m, g, n, 3)
-        The initial configurations of each: g is 0 or 1.
-    """
-
-    robot: Robot
-    target_sets: TargetSets
-    scene: Snapshot
-    tolerance: Tolerance
-    initial: Floats
-
-    def problem(self, i: int) -> Problem:
-        """Return one of the problems."""
-        return Problem.prepared(self.robot, self.target_sets.targets(i), self.scene, self.tolerance)
-
-    def some(self, index: Any) -> "ManyProblems":
-        """Return some of the problems: by a slice, or numbers (k,)."""
-        return self._replace(target_sets=self.target_sets[index], initial=self.initial[index])
 
 
 class Beyond(NamedTuple):
@@ -284,7 +250,8 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         failed = np.flatnonzero(~self.solved)
         if len(failed):
             first = int(failed[0])
-            raise NotSolvedError(f"{self!r}; the first is number {first}:\n{self[first]}", self[first])
+            solution = self[first]
+            raise NotSolvedError(f"{self!r}; the first is number {first}: {solution._in_a_line()}", solution)
         return self
 
     def __repr__(self) -> str:

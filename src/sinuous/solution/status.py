@@ -87,15 +87,24 @@ def status_of(outcome: Outcome) -> Status:
     return Status.LIMIT_BOUND if outcome.bound else Status.STALLED
 
 
-_IN_ORDER = np.array([_OF_CODES.get(code, Status.STALLED) for code in range(max(_OF_CODES) + 1)], object)
+_STATUSES = np.array(list(Status), object)
+_PLACE = {status: place for place, status in enumerate(Status)}
+_IN_ORDER = np.array([_PLACE[_OF_CODES.get(code, Status.STALLED)] for code in range(max(_OF_CODES) + 1)], np.uint8)
 
 
 def statuses_of(records: Floats) -> NDArray[np.object_]:
     """Return the statuses (m,) that records (m, 11 or more) stand for, as `status_of` does for one."""
+    result: NDArray[np.object_] = _STATUSES[places_of(records)]
+    return result
+
+
+def places_of(records: Floats) -> NDArray[np.uint8]:
+    """Return the places (m,) of these statuses among all, in the order of `Status`."""
     codes = records[:, CODE].astype(np.int64)
-    result: NDArray[np.object_] = _IN_ORDER[codes]
+    result: NDArray[np.uint8] = _IN_ORDER[codes]
     failed = codes == FAILED
     if failed.any():
-        result[failed & (records[:, BOUND] != 0.0)] = Status.LIMIT_BOUND
-        result[failed & ((records[:, CLEARANCE] < 0.0) | (records[:, SELF_CLEARANCE] < 0.0))] = Status.BLOCKED
+        result[failed & (records[:, BOUND] != 0.0)] = _PLACE[Status.LIMIT_BOUND]
+        crossed = (records[:, CLEARANCE] < 0.0) | (records[:, SELF_CLEARANCE] < 0.0)
+        result[failed & crossed] = _PLACE[Status.BLOCKED]
     return result

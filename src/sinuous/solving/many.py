@@ -8,13 +8,14 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
+from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, STARTS, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
+from sinuous.problem.target_sets import ManyProblems
 from sinuous.robot.robot import Robot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Beyond, ManyProblems, Solutions
+from sinuous.solution.solutions import Beyond, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
 from sinuous.solving.strategy import Strategy
@@ -50,14 +51,16 @@ class Many:
     strategy : Strategy
     workers : int
         Most threads.
+    starts : int
+        Most starts of a question.
     advance : callable
     """
 
     def __init__(
-        self, questions: ManyProblems, method: Prepared, strategy: Strategy, workers: int, advance: Advance
+        self, questions: ManyProblems, method: Prepared, strategy: Strategy, workers: int, starts: int, advance: Advance
     ) -> None:
         self._questions, self._method, self._strategy = questions, method, strategy
-        self._workers, self._advance = workers, advance
+        self._workers, self._starts, self._advance = workers, starts, advance
         self._answers = np.empty((len(questions.target_sets), answer_size(len(questions.robot))))
         self._repeats = np.zeros(len(self._answers), np.bool_)  # answers that hardly differ from what is remembered
         self._beyond: dict[int, Beyond] = {}
@@ -79,7 +82,7 @@ class Many:
                 starts = self._strategy.remembered(rows)
                 self._method.run_many(self._questions.scene, rows, starts, budget, answers)
                 self._repeats[first:last] = self._strategy.recalled(starts, answers)
-            self._advance(last - first - len(_undecided(answers)))
+            self._advance(last - first - len(self._open(answers)))
 
         least = AMONG_OBSTACLES if len(self._questions.scene) else FREE
         most = min(TOGETHER, len(self._answers) // (PARTS * self._workers))
@@ -101,7 +104,7 @@ class Many:
                 self._beyond[i] = Beyond(best.cell, best.route)
             self._advance(1)
 
-        Crew(one, self._workers).share(_undecided(self._answers), alone=0.0)
+        Crew(one, self._workers).share(self._open(self._answers), alone=0.0)
 
     def learn(self) -> None:
         """Keep what is solved for later questions, in the order of the targets, where there is a memory."""
@@ -110,14 +113,14 @@ class Many:
         new = self._answers[(self._answers[:, CODE] == SOLVED) & ~self._repeats, RECORD_WIDTH:]
         self._strategy.learn(new.reshape(-1, len(self._questions.robot), 3))
 
+    def _open(self, answers: Floats) -> list[int]:
+        """Which answers (m, 11 + 3 n) to the first call leave something to be tried, and starts to try it with."""
+        undecided = np.logical_or.reduce([answers[:, CODE] == code for code in UNDECIDED])
+        return np.flatnonzero(undecided & (answers[:, STARTS] < self._starts)).tolist()
+
     def solutions(self, resolver: ReSolver) -> Solutions:
         """Return what was found."""
         return Solutions(self._questions, self._answers, resolver, self._beyond)
-
-
-def _undecided(answers: Floats) -> list[int]:
-    """Which answers (m, 11 + 3 n) leave something to be tried."""
-    return np.flatnonzero(np.logical_or.reduce([answers[:, CODE] == code for code in UNDECIDED])).tolist()
 
 
 def _chunks(runs: list[tuple[int, int]], least: int, most: int) -> Iterator[tuple[int, int]]:

@@ -140,6 +140,8 @@ MEANT = {
     "guess": "initial, the configuration to begin from",
     "q0": "initial, the configuration to begin from",
     "timeout": "time, the budget in seconds",
+    "rates": "rates in the call that needs them, solver.step(..., rates=) or motion.timed(rates)",
+    "radius": "the radius of the robot's segments, or clearance, a distance that is kept besides",
 }
 """What is meant by options that are often guessed, and whose names are unlike."""
 

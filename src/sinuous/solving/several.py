@@ -197,7 +197,7 @@ class Distinct(Search):
         if found.code != SOLVED:
             return
         shape = self._shape(found.q)
-        if self._shapes and (_apart(np.array(self._shapes), shape) <= self._apart).any():
+        if self._shapes and (_distances(np.array(self._shapes), shape) <= self._apart).any():
             return
         self._shapes.append(shape)
         self.found.append(found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used))
@@ -209,7 +209,7 @@ class Distinct(Search):
         self._impossible = True
 
 
-def _apart(shapes: Floats, shape: Floats) -> Floats:
+def _distances(shapes: Floats, shape: Floats) -> Floats:
     """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
     distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
     return distances
@@ -256,13 +256,13 @@ class Several:
         searches, scattered = strategy.searches, strategy.scattered(question)
         yield strategy.opening(question)
         if searches is not None and not self.search.found:
-            yield from self._up_to_first(strategy, question._replace(several=False), scattered)
+            yield from self._for_one(strategy, question._replace(several=False), scattered)
         passages = None
         if self._curves is not None and self.search.classes is not None and searches is not None:
             passages = partial(Passages, searches, self._curves, solved=self.search.classes.has)
         yield from strategy.batches(question, scattered, passages)
 
-    def _up_to_first(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[Batch]:
+    def _for_one(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[Batch]:
         """Yield starts as `solve` follows them, one by one, until one is solved, or a share of time or starts is spent.
 
         What leads to one solution soonest is left out, or put off, where others are looked for beside it.

@@ -2,7 +2,6 @@
 
 import hashlib
 import threading
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.kernels.solve.recall import ANGLE_WEIGHT, compare, recall
 from sinuous.kernels.tables import (
     DIRECTION,
     GOAL,
@@ -24,11 +24,8 @@ from sinuous.robot.robot import Robot
 
 Whole = NDArray[np.int64]
 
-NEAREST = 4
-"""Shapes that are offered for one target: further ones seldom lead to a solution where these do not."""
-
-ANGLE_WEIGHT = 0.5
-"""Share of the robot's mean length that counts as far as 1 rad, where the nearest poses are looked for."""
+NEAREST = 8
+"""Shapes that are offered for one target: of these one often leads to a solution past all obstacles, in a few steps."""
 
 SPACING = 0.02
 """Shapes nearer than that to what is kept already are not kept: rad, and mean lengths of a segment."""
@@ -76,7 +73,7 @@ class Shapes:
         self._count, self.version = 0, 0
         self._q, self._poses = np.empty((0, n, 3)), np.empty((0, n, POSE_SIZE))
         self._edges: Whole = np.empty((0, 2), np.int64)
-        self._indices: dict[tuple[Asked, ...], PoseIndex] = {}
+        self._finder = Finder(robot.mean_length)
         self._graph: tuple[int, Graph] | None = None
 
     def __len__(self) -> int:
@@ -132,7 +129,7 @@ class Shapes:
             numbers = np.cumsum(shapes) - 1
             pairs = self._edges[edges & shapes[self._edges].all(axis=1)]
             self._q, self._poses = self._q[: self._count][shapes], self._poses[: self._count][shapes]
-            self._edges, self._count, self._indices = numbers[pairs], len(self._q), {}
+            self._edges, self._count, self._finder = numbers[pairs], len(self._q), Finder(self._robot.mean_length)
             self.version += 1
 
     def _forget(self, count: int) -> None:
@@ -149,17 +146,18 @@ class Shapes:
         """Say of shapes (m, n, 3) which differ from the kept one of the nearest tip."""
         if not (self._count and len(found)):
             return np.ones(len(found), np.bool_)
-        return ~self.alike(found, self.nearest(tip_rows(poses_of(self._robot, found)), 1)[:, 0])
+        return ~self.alike(found, self.nearest(tip_rows(poses_of(self._robot, found)), 1))[:, 0]
 
-    def alike(self, one: Floats, other: Floats) -> NDArray[np.bool_]:
-        """Whether configurations (..., n, 3) are hardly different from others: truth values (...)."""
-        found: NDArray[np.bool_] = np.abs((one - other) / self._scale).max(axis=(-2, -1)) <= SPACING
-        return found
+    def alike(self, one: Floats, others: Floats) -> NDArray[np.bool_]:
+        """Whether configurations (m, n, 3) are hardly different from others (m, k, n, 3): truth values (m, k)."""
+        apart = np.empty(others.shape[:2])
+        compare(one, others, self._scale, apart)
+        return apart <= SPACING
 
     def nearest(self, rows: Floats, count: int = NEAREST) -> Floats:
         """Return the shapes (m, k, n, 3) nearest to target sets (m, t, 15); k is at most `count`."""
         with self._lock:
-            return self._q[nearest_numbers(self._indices, self._robot, self._poses[: self._count], rows, count)]
+            return self._q[self._finder.nearest(self._poses[: self._count], rows, count)]
 
     @property
     def graph(self) -> "Graph":
@@ -193,7 +191,7 @@ class Graph:
 
     def __init__(self, robot: Robot, q: Floats, poses: Floats, edges: Whole) -> None:
         self._robot, self.q, self._poses, self.edges = robot, q, poses, edges
-        self._indices: dict[tuple[Asked, ...], PoseIndex] = {}
+        self._finder = Finder(robot.mean_length)
 
     def __len__(self) -> int:
         return len(self.q)
@@ -221,7 +219,7 @@ class Graph:
 
     def near(self, rows: Floats, count: int) -> Whole:
         """Return the numbers (m, k) of the shapes whose poses are nearest to target sets (m, t, 15)."""
-        return nearest_numbers(self._indices, self._robot, self._poses, rows, count)
+        return self._finder.nearest(self._poses, rows, count)
 
     def near_shapes(self, q: Floats, count: int) -> Whole:
         """Return the numbers (m, k) of the shapes whose tips are nearest to those of others (m, n, 3)."""
@@ -234,48 +232,40 @@ class Graph:
 
 
 class PoseIndex:
-    """Finds the nearest of the shapes for targets that ask for one kind of thing: a tree, and a tail beside it.
+    """A tree of poses, by what targets of one kind ask of them, from which likely ones are taken.
 
     Parameters
     ----------
     asked : tuple of Asked
     length : float
         Mean length of the robot, that distances count in.
+
+    Attributes
+    ----------
+    sorted : int
+        How many shapes, from the first on, are in the tree.
     """
 
     def __init__(self, asked: tuple[Asked, ...], length: float) -> None:
         self._asked, self._length = asked, length
-        self._features: Floats = np.empty((0, 0))
         self._tree: Any = None
-        self._sorted = 0
+        self.sorted = 0
 
-    def nearest(self, poses: Floats, rows: Floats, count: int) -> Whole:
-        """Return the numbers (m, count) of the shapes with poses (s, n, 12) nearest to target sets (m, t, 15)."""
-        self._grow(poses)
-        wanted = _joined([self._wanted(each, rows[:, i]) for i, each in enumerate(self._asked)])
-        near, tail = min(count, self._sorted), self._features[self._sorted :]
-        if near:
-            distances, found = (each.reshape(len(rows), near) for each in self._tree.query(wanted, near))
-            if not len(tail):
-                return np.asarray(found, np.int64)
-        apart = wanted[:, None] - tail
-        beside = np.einsum("msd,msd->ms", apart, apart)
-        if not near:
-            return np.asarray(beside.argsort(axis=1, kind="stable")[:, :count], np.int64)
-        numbers = np.broadcast_to(np.arange(self._sorted, len(self._features)), beside.shape)
-        order = _joined([distances, np.sqrt(beside)]).argsort(axis=1, kind="stable")[:, :count]
-        return np.asarray(_joined([found, numbers])[np.arange(len(rows))[:, None], order], np.int64)
+    def likely(self, poses: Floats, rows: Floats, count: int) -> Whole:
+        """Return the numbers (m, k) of shapes of the tree that are nearest to target sets (m, t, 15).
 
-    def _grow(self, poses: Floats) -> None:
-        """Take the shapes in that were added since."""
-        before = len(self._features)
-        if len(poses) > before:
-            added = _joined([self._offered(each, poses[before:]) for each in self._asked])
-            self._features = np.concatenate([self._features.reshape(before, added.shape[1]), added])
-        if len(poses) - self._sorted > max(TAIL, TAIL_SHARE * self._sorted):
+        k is at most `count`; `poses` (s, n, 12) are those of all shapes.
+        """
+        if len(poses) - self.sorted > max(TAIL, TAIL_SHARE * self.sorted):
             from scipy.spatial import cKDTree  # noqa: PLC0415
 
-            self._tree, self._sorted = cKDTree(self._features), len(self._features)
+            self._tree = cKDTree(np.concatenate([self._offered(each, poses) for each in self._asked], axis=1))
+            self.sorted = len(poses)
+        near = min(count, self.sorted)
+        if not near:
+            return np.empty((len(rows), 0), np.int64)
+        wanted = np.concatenate([self._wanted(each, rows[:, i]) for i, each in enumerate(self._asked)], axis=1)
+        return np.asarray(self._tree.query(wanted, near)[1], np.int64).reshape(len(rows), near)
 
     def _offered(self, asked: Asked, poses: Floats) -> Floats:
         """What poses (s, n, 12) of shapes are at one target: features (s, d)."""
@@ -289,36 +279,41 @@ class PoseIndex:
         return self._features_of(asked, rows[:, TARGET_POSITION : TARGET_POSITION + 3], rows[:, GOAL : GOAL + size])
 
     def _features_of(self, asked: Asked, places: Floats, turned: Floats) -> Floats:
-        """Features of which the distance is that of poses, in mean lengths: a small turn counts by its angle."""
-        _, position, orientation = asked
-        angles = ANGLE_WEIGHT / np.sqrt(2.0 if orientation == ROTATION else 1.0) * turned
-        found: Floats = _joined([places / self._length, angles]) if position else angles
-        return found
+        """Features of which the distance is that of poses, as kernels measure it: a small turn counts by its angle."""
+        angles = ANGLE_WEIGHT / np.sqrt(2.0 if asked[2] == ROTATION else 1.0) * turned
+        return np.concatenate([places / self._length, angles], axis=1) if asked[1] else angles
 
 
-def nearest_numbers(
-    indices: dict[tuple[Asked, ...], PoseIndex], robot: Robot, poses: Floats, rows: Floats, count: int
-) -> Whole:
-    """Return the numbers (m, k) of the poses (s, n, 12) nearest to target sets (m, t, 15); an index of a kind is kept.
+class Finder:
+    """Finds the nearest of shapes for any targets; an index is kept for every kind of these.
 
-    k is at most `count`.
+    Parameters
+    ----------
+    length : float
+        Mean length of the robot.
     """
-    chosen: Whole = np.empty((len(rows), min(count, len(poses))), np.int64)
-    if not chosen.size:
-        return chosen
-    kinds = [tuple((int(s), p > 0.0, int(o)) for s, p, o in each) for each in rows[:, :, KIND].tolist()]
-    for asked in set(kinds):
-        index = indices.get(asked)
-        if index is None:
-            index = indices[asked] = PoseIndex(asked, robot.mean_length)
-        some = [i for i, kind in enumerate(kinds) if kind == asked] if len(rows) > 1 else slice(None)
-        chosen[some] = index.nearest(poses, rows[some], chosen.shape[1])
-    return chosen
 
+    def __init__(self, length: float) -> None:
+        self._length = length
+        self._indices: dict[tuple[Asked, ...], PoseIndex] = {}
 
-def _joined(parts: Sequence[Any]) -> Any:
-    """Return columns beside each other; of one part, itself."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+    def nearest(self, poses: Floats, rows: Floats, count: int) -> Whole:
+        """Return the numbers (m, k) of the poses (s, n, 12) nearest to target sets (m, t, 15); k is at most `count`."""
+        found: Whole = np.empty((len(rows), min(count, len(poses))), np.int64)
+        if not found.size:
+            return found
+        scratch = np.empty(found.shape[1])
+        if len(poses) <= TAIL:
+            recall(poses, rows, self._length, found[:, :0], 0, found, scratch)
+            return found
+        kinds = [tuple((int(s), p > 0.0, int(o)) for s, p, o in each) for each in rows[:, :, KIND].tolist()]
+        for asked in set(kinds):
+            index = self._indices.setdefault(asked, PoseIndex(asked, self._length))
+            some = np.array([kind == asked for kind in kinds])
+            likely, part = index.likely(poses, rows[some], count), found[some]
+            recall(poses, rows[some], self._length, likely, index.sorted, part, scratch)
+            found[some] = part
+        return found
 
 
 def poses_of(robot: Robot, shapes: Floats) -> Floats:

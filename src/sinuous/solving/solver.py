@@ -22,7 +22,7 @@ from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
-from sinuous.problem.target_sets import TargetSets, read_target_sets
+from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes, Rates
@@ -33,7 +33,7 @@ from sinuous.solution.at_rest import at_rest
 from sinuous.solution.observed import GAIN
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import ManyProblems, Solutions
+from sinuous.solution.solutions import Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
 from sinuous.solving.classes.curves import Curves
@@ -125,7 +125,7 @@ class Solver:
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        method = registry.ready(chosen.method, robot, scene)
+        method = registry.ready(chosen.method, robot, scene, chosen.prefer)
         if method is not chosen.method:
             self.options = chosen = replace(chosen, method=method)
         self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
@@ -374,7 +374,7 @@ class Solver:
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
         with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
-            many = Many(questions, self._prepared, self._strategy, threads, bar.advance)
+            many = Many(questions, self._prepared, self._strategy, threads, self.options.most_starts, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
@@ -571,8 +571,9 @@ class Solver:
         search = FirstSolved(first, self.options.max_starts, seconds)
         resting = first.bound and self.method == OWN_METHOD and not len(problem.scene)
         if resting and search.open:
-            rested = at_rest(problem, first.q, lambda: search.open)
-            search.take(self._from_rest(first, problem, rested, search.seconds_left))
+            rested = at_rest(problem, first.q, lambda: search.seconds_left)
+            if rested is not first.q:
+                search.take(self._from_rest(first, problem, rested, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         return search.outcome

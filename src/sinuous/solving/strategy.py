@@ -199,7 +199,8 @@ class Strategy:
         repeats = np.zeros(len(answers), np.bool_)
         if self._memory is not None and len(rows):
             began = starts[rows, answers[rows, STARTS].astype(np.int64) - 1]
-            repeats[rows] = self._memory._shapes.alike(answers[rows, RECORD_WIDTH:].reshape(began.shape), began)
+            found = answers[rows, RECORD_WIDTH:].reshape(began.shape)
+            repeats[rows] = self._memory._shapes.alike(found, began[:, None])[:, 0]
         return repeats
 
     def learn(self, found: Floats, starts: Floats | None = None) -> None:
@@ -210,8 +211,7 @@ class Strategy:
         if self._memory is None:
             return
         if starts is not None and starts.shape[1]:
-            new: NDArray[np.bool_] = ~np.any(self._memory._shapes.alike(found[:, None], starts), axis=1)
-            self._memory._learn(found, new)
+            self._memory._learn(found, np.logical_not(self._memory._shapes.alike(found, starts).any(axis=1)))
         else:
             self._memory._learn(found)
 

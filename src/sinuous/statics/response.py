@@ -4,16 +4,14 @@ Each derivative is a central difference of equilibria that Newton's method finds
 three steps: exact to the second order of a step of 1e-4, in the scale of what changes.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import LoadParameter, Rows, Vector
+from sinuous.arguments import LoadParameter
 from sinuous.checks import Floats
-from sinuous.groups import check_asked, read_names, read_tangent
-from sinuous.reprs import ShortRepr
+from sinuous.groups import TWIST, ByGroups, Column, read_names
 from sinuous.robot.loads import Force, Load
 from sinuous.robot.stiffness import Stiffness
 from sinuous.statics.body import body_of
@@ -31,7 +29,6 @@ KINK = 1e-2
 ROUNDING = 1e-9
 """What states of equilibria are exact to."""
 
-TWIST = ("omega_x", "omega_y", "omega_z", "v_x", "v_y", "v_z")
 STIFFNESSES = ("bend", "twist", "stretch")
 
 
@@ -56,20 +53,13 @@ class Question(NamedTuple):
     initial: Floats | None
 
 
-class Column(NamedTuple):
-    """One parameter: what it is called, its scale, and how a question looks after it has changed by `h`."""
-
-    name: str
-    scale: float
-    changed: Any
-
-
-class Response(ShortRepr):
+class Response(ByGroups[LoadParameter]):
     """Derivatives of an equilibrium, by groups of parameters; as `Derivative` of an answer.
 
     Attributes
     ----------
     wrt : tuple of str
+        Columns of groups have `labels` like `loads[0].force_x`, `s1.stiffness.bend`.
     regular : bool
         Whether there is a derivative: not where the body is unstable, or a tendon just becomes slack.
     states : mapping of str to ndarray (N, 4, p)
@@ -82,52 +72,18 @@ class Response(ShortRepr):
 
     def __init__(self, found: "Equilibrium", wrt: LoadParameter | Iterable[LoadParameter]) -> None:
         known = [name for name in GROUPS if name not in DRIVES or name == found.question.drive]
-        self.wrt: tuple[LoadParameter, ...] = read_names(wrt, known)
-        self._shape = found.states.shape
-        self._columns = {name: tuple(GROUPS[name](found.question)) for name in self.wrt}
-        derived = {name: [_derive(found, column) for column in self._columns[name]] for name in self.wrt}
-        self.regular = found.stable and all(each.regular for listed in derived.values() for each in listed)
-        nothing = _State(*(np.empty((*shape, 0)) for shape in (self._shape, (6,), found.tensions.shape)))
+        columns = {name: tuple(GROUPS[name](found.question)) for name in read_names(wrt, known)}
+        derived = {name: [_derive(found, column) for column in listed] for name, listed in columns.items()}
+        regular = found.stable and all(each.regular for listed in derived.values() for each in listed)
+        nothing = _State(*(np.empty((*shape, 0)) for shape in (found.states.shape, (6,), found.tensions.shape)))
         self.states, self.tip, self.tensions = (
             {
                 name: np.concatenate([nothing[i], *(each.change[i][..., None] for each in derived[name])], axis=-1)
-                for name in self.wrt
+                for name in columns
             }
             for i in range(len(nothing))
         )
-
-    def labels(self, name: LoadParameter) -> tuple[str, ...]:
-        """What the columns of a group are called: `loads[0].force_x`, `s1.stiffness.bend`."""
-        check_asked(name, self.wrt)
-        return tuple(column.name for column in self._columns[name])
-
-    def vjp(self, cotangent: Rows) -> dict[LoadParameter, Floats]:
-        """Derivatives (p,) of `sum(cotangent * states)` by each group, for a cotangent (N, 4).
-
-        Raises
-        ------
-        InputError
-            When it has another shape.
-        """
-        given = checks.array("cotangent", cotangent, self._shape)
-        return {name: np.einsum("kc,kcp->p", given, self.states[name]) for name in self.wrt}
-
-    def jvp(self, tangent: Vector | Mapping[LoadParameter, Vector]) -> Floats:
-        """Motion (N, 4) of the states when the parameters begin to move along `tangent`; see `Derivative.jvp`.
-
-        Raises
-        ------
-        InputError
-            When a name was not asked for, or a tangent has another shape.
-        """
-        moved = np.zeros(self._shape)
-        for name, value in read_tangent(tangent, self.wrt).items():
-            moved += self.states[name] @ checks.array(f"tangent[{name!r}]", value, (len(self._columns[name]),))
-        return moved
-
-    def _shown(self) -> Iterator[str]:
-        yield ", ".join(self.wrt)
-        yield "regular" if self.regular else "kink"
+        super().__init__(columns, self.states, regular)
 
 
 class _State(NamedTuple):
@@ -241,18 +197,22 @@ def _of_stiffness(question: Question) -> Iterator[Column]:
 
 
 def _of_base(question: Question) -> Iterator[Column]:
+    return motions_of_base(question.robot, lambda robot: question._replace(robot=robot))
+
+
+def motions_of_base(robot: "Robot", put: Callable[["Robot"], Any]) -> Iterator[Column]:
+    """Columns of a small motion of the base; `put` puts the robot that has moved into the question."""
     from scipy.spatial.transform import Rotation  # noqa: PLC0415
 
-    robot = question.robot
     for i, name in enumerate(TWIST):
 
-        def changed(h: float, i: int = i) -> Question:
+        def changed(h: float, i: int = i) -> Any:
             base = robot.base.copy()
             if i < 3:
                 base[:3, :3] = Rotation.from_rotvec(h * np.eye(3)[i]).as_matrix() @ base[:3, :3]
             else:
                 base[i - 3, 3] += h
-            return question._replace(robot=robot.changed(base=base))
+            return put(robot.changed(base=base))
 
         yield Column(f"base.{name}", 1.0 if i < 3 else robot.mean_length, changed)
 

@@ -59,8 +59,7 @@ def record(contents: Contents) -> str:
             show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
         for i, path in enumerate(contents.paths):
             show_line(server.scene, f"/paths/{i}", path, TIP_PATH, bounds.span)
-        for i, force in enumerate(contents.forces):
-            show_line(server.scene, f"/forces/{i}", force, FORCE, 2.0 * bounds.span)
+        _show_forces(server, "forces", contents.forces, bounds.span)
         for i, route in enumerate(contents.routes):
             show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
@@ -98,25 +97,33 @@ def _show_moving(
     grain = 2.0 ** math.floor(math.log2(GRAIN * span))
     bodies = []
     for i, moving in enumerate(contents.moving):
-        robot = moving.robot
+        robot = moving.begin.robot
         opacity = GHOST if moving.ghost else None
         look = Look(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
-        colours = colours_of(moving.at(0.0))
+        colours = colours_of(moving.begin)
         body = Body(server.scene, f"/motions/{i}", robot, look)
         bodies.append((body, *frames_of(moving), colours))
         body.show(bodies[i][1][0], colours)
+        _show_forces(server, f"forces of {i}", moving.forces_at(0.0), span)
     times = max((own for _, _, own, _ in bodies), key=lambda each: each[-1])
     first = float(bodies[0][2][-1])
     others = any(isinstance(obstacle, Moving) for obstacle in contents.obstacles)
     recording = server.get_scene_serializer()
     for before, now in pairwise(times.tolist()):
         recording.insert_sleep(now - before)
-        for body, q, own_times, colours in bodies:
+        for i, (body, q, own_times, colours) in enumerate(bodies):
             body.show(q[min(int(np.searchsorted(own_times, now)), len(q) - 1)], colours)
+            forces = contents.moving[i].forces_at(min(1.0, now / own_times[-1]))
+            _show_forces(server, f"forces of {i}", forces, span)
         if others:
             show_obstacles(contents.obstacles_at(min(1.0, now / first)))
     recording.insert_sleep(float(times[-1] - times[-2]))
     return recording.as_html()
+
+
+def _show_forces(server: ViserServer, name: str, forces: Sequence[Floats], span: float) -> None:
+    for i, force in enumerate(forces):
+        show_line(server.scene, f"/{name}/{i}", force, FORCE, 2.0 * span)
 
 
 def _finished(page: str, contents: Contents) -> str:

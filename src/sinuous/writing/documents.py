@@ -10,6 +10,9 @@ from xml.etree.ElementTree import Element, ElementTree, indent
 
 from sinuous.errors import InputError
 
+ENDINGS = (".yaml", ".yml", ".json")
+"""How files of documents are called."""
+
 WIDTH = 120
 """Lists and mappings stand on one line up to this many letters."""
 
@@ -50,9 +53,12 @@ def write_document(file: str | Path, values: Any) -> None:
     Raises
     ------
     InputError
-        When the file cannot be written, or a text has no form in UTF-8.
+        When the name of the file has another ending than `ENDINGS`, it cannot be written, or a text has no form in
+        UTF-8.
     """
     path = Path(file)
+    if path.suffix and path.suffix.lower() not in ENDINGS:
+        raise InputError("file", "its ending names no format of documents", str(file), "one of " + ", ".join(ENDINGS))
     text = json.dumps(values, indent=1) + "\n" if path.suffix.lower() == ".json" else yaml_text(values)
     try:
         data = text.encode()

@@ -68,12 +68,9 @@ def sampled(case: Case) -> tuple[float, float]:
     """Least clearance and least self-clearance over many times and places."""
     robot, radii = case.robot, np.array(case.robot.radii)
     thick = np.append(np.repeat(radii, PLACES), radii[-1])
-    clearance = gap = math.inf
-    for t in np.linspace(0.0, 1.0, TIMES):
-        q = (1.0 - t) * case.q0 + t * case.q1
-        places, along = robot.backbone(q, PLACES), np.append(0.0, np.cumsum(np.repeat(q[:, 2] / PLACES, PLACES)))
-        if len(case.scene):
-            free = case.scene.distance(places) - thick
-            clearance = min(clearance, float(free[along >= robot.mount].min(initial=math.inf)))
-        gap = min(gap, float(gaps_of(sample_body(q, radii, PLACES)).min()))
-    return clearance, gap
+    t = np.linspace(0.0, 1.0, TIMES)[:, None, None]
+    q = (1.0 - t) * case.q0 + t * case.q1
+    along = np.pad(np.cumsum(np.repeat(q[:, :, 2] / PLACES, PLACES, axis=1), axis=1), ((0, 0), (1, 0)))
+    free = case.scene.distance(robot.backbone(q, PLACES)) - thick if len(case.scene) else np.full(along.shape, math.inf)
+    gap = min(float(gaps_of(sample_body(one, radii, PLACES)).min()) for one in q)
+    return float(free[along >= robot.mount].min(initial=math.inf)), gap

@@ -59,7 +59,7 @@ def prove(
 @pytest.mark.parametrize("slack", [1.0, SLACK])
 def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
     verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
-    for seed in range(150):
+    for seed in range(75):
         case = random_case(seed)
         (answer,) = prove(case, slack)
         clearance, gap = sampled_case(seed)
@@ -72,8 +72,8 @@ def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
         else:
             assert answer[UNTIL] < 1.0
             assert min(clearance, gap) < 0.02, seed
-    assert verdicts[CLEAR] > 50
-    assert verdicts[TOUCHING] > 15
+    assert verdicts[CLEAR] > 25
+    assert verdicts[TOUCHING] > 7
     assert verdicts[UNDECIDED] < 3
 
 
@@ -106,7 +106,7 @@ def test_bounds_are_half_of_what_is_known_of_the_ends() -> None:
 
 def test_an_overlap_is_where_it_is_said_to_be() -> None:
     looked = 0
-    for seed in range(150):
+    for seed in range(75):
         case = random_case(seed)
         (answer,) = prove(case)
         seen = answer[SEEN : SEEN + SEEN_WIDTH]
@@ -119,20 +119,20 @@ def test_an_overlap_is_where_it_is_said_to_be() -> None:
         place = case.robot.forward(q)[k, :3, 3]
         assert case.scene.distance(place) - case.robot.radii[k] < 1e-9
         assert q[: k + 1, 2].sum() >= case.robot.mount - 1e-9
-    assert looked > 10
+    assert looked > 5
 
 
 def test_the_bound_is_as_close_as_it_is_asked_for() -> None:
     """Sampled clearances are at least the true ones, so this needs room."""
     close = 0
-    for seed in range(150):
+    for seed in range(75):
         case = random_case(seed)
         (answer,) = prove(case)
         clearance, _ = sampled_case(seed)
         if answer[VERDICT] == CLEAR and math.isfinite(clearance):
             close += 1
             assert answer[SEEN + LOW] >= 0.95 * (1.0 - SLACK) * clearance - 0.03 or case.robot.mount > 0.0, seed
-    assert close > 20
+    assert close > 10
 
 
 def test_backwards_it_is_the_same_motion() -> None:
@@ -238,7 +238,7 @@ def test_the_proof_ends_by_its_deadline() -> None:
 def test_one_row_is_bounded_again_as_the_whole_proof_bounds_it(row: int) -> None:
     """From what a proof without a tight bound saw; the other row stays as it is."""
     bounded = tighter = 0
-    for seed in range(100):
+    for seed in range(75):
         case = random_case(seed)
         (loose,), (tight,) = prove(case, 1.0), prove(case)
         if loose[VERDICT] != CLEAR or tight[VERDICT] != CLEAR:

@@ -32,7 +32,7 @@ from tests.helpers import (
 from tests.kernels.step.test_targets import Case
 from tests.kernels.workspace import NEVER, make_clock
 
-SAMPLES = 200
+SAMPLES = 120
 SLACK = 0.1
 FINEST = 1e-7
 RADII = (0.2, 0.1, 0.15, 0.05)
@@ -110,18 +110,17 @@ def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> Non
     assert verdicts.count(TOUCHING) >= 3
 
 
-@pytest.mark.parametrize("slack", [0.5, 0.1, 0.001])
-def test_the_bound_comes_as_close_as_asked(slack: float) -> None:
+def test_the_bound_comes_as_close_as_asked() -> None:
     rng = np.random.default_rng(3)
     compared = 0
     for q in configurations(6, N, 60):
         scene = random_scene(rng, 3.0)
-        verdict, clearance, *_ = prove(q, scene, slack=slack)
-        _, finer, *_ = prove(q, scene, slack=1e-6)
-        if verdict == CLEAR:
-            compared += 1
-            assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-6 * finer + FINEST
-    assert compared > 10
+        verdict, finer, *_ = prove(q, scene, slack=1e-5)
+        for slack in (0.5, 0.1, 0.001) if verdict == CLEAR else ():
+            verdict, clearance, *_ = prove(q, scene, slack=slack)
+            compared += verdict == CLEAR
+            assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-5 * finer + FINEST
+    assert compared > 30
 
 
 def straight(length: float = 1.0) -> Floats:
@@ -271,9 +270,7 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
                 continue
             parts = (np.arange(2**depth) + 0.5) / 2**depth * (1 - start) + start
             places = [expm_chain(np.concatenate([q[:k], q[k : k + 1] * s]))[-1][:3, 3] for s in parts]
-            each = np.array([[Scene([o]).distance(p) for o in scene.obstacles] for p in places]).reshape(
-                len(places), -1
-            )
+            each = np.array([Scene([o]).distance(places) for o in scene.obstacles]).reshape(-1, len(places)).T
             gaps = RADII[k] + margin - each.ravel()
             expected = np.sort(gaps[gaps > 0.0])
             if abs(gaps).min(initial=1.0) < 1e-9 or len(expected) > PER_SEGMENT:
@@ -379,6 +376,6 @@ def test_nothing_is_clear_of_obstacles_with_huge_coordinates_that_it_overlaps(ki
         verdict = prove(q, Scene([obstacle]), slack=1.0)[0]
         assert verdict != CLEAR or away > Fraction(max(RADII))
         verdicts.append(verdict)
-        ample, away = large_obstacle(kind, size, max(RADII) + 1e-12 * size)
-        assert prove(q, Scene([ample]), slack=1.0)[0] == CLEAR
+    ample, _ = large_obstacle(kind, size, max(RADII) + 1e-12 * size)
+    assert prove(q, Scene([ample]), slack=1.0)[0] == CLEAR
     assert kind == "far" or size < 1e6 or CLEAR not in verdicts

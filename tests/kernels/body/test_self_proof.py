@@ -16,7 +16,7 @@ from tests.helpers import Floats, frames_of, random_pose, random_rotation
 from tests.kernels.workspace import make_clock
 from tests.self_gaps import gaps_of, sample_body
 
-SAMPLES, MOST_PLACES = 150, 1200
+SAMPLES, MOST_PLACES = 100, 800
 """Places of a segment; and of the whole body, at most."""
 
 FINEST = 1e-7
@@ -36,9 +36,9 @@ def prove(
     return self_proof.prove_self(shape, FINEST * float(q[:, 2].sum()), clock)
 
 
-def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
+def sampled(q: Floats, radii: Floats | Sequence[float], most: int = SAMPLES) -> tuple[float, float]:
     """Least gap by the definition, over many places; and by how much it may be above the truth."""
-    samples = min(SAMPLES, MOST_PLACES // len(q))
+    samples = min(most, MOST_PLACES // len(q))
     gaps = gaps_of(sample_body(q, np.asarray(radii, np.float64), samples))
     return float(gaps.min()), float(q[:, 2].max()) / samples
 
@@ -67,7 +67,7 @@ CASES = (
 def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[float, float], several: bool) -> None:
     rng = np.random.default_rng(n)
     verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
-    for _ in range(60):
+    for _ in range(30):
         radii = rng.uniform(*thick, n) if several else np.full(n, rng.uniform(*thick))
         if several and rng.random() < 0.3:
             radii[rng.integers(n)] = 0.0
@@ -83,7 +83,7 @@ def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[
             assert gap >= least - 2.0 * spacing
         else:
             assert abs(least) < 2.0 * spacing, "undecided though plain"
-    assert verdicts[CLEAR] > 10
+    assert verdicts[CLEAR] >= 5
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -93,7 +93,7 @@ def test_the_bound_is_as_close_as_it_is_said(seed: int) -> None:
     radii = np.full(5, rng.uniform(0.02, 0.2))
     q = curled(rng, radii, 2.5)
     verdict, gap, _ = prove(q, radii)
-    least, _ = sampled(q, radii)
+    least, _ = sampled(q, radii, 160)
     if verdict == CLEAR:
         tightest = float((np.hypot(q[:, 0], q[:, 1]) / q[:, 2]).max())
         circle = 2.0 / tightest * math.sin(0.5 * math.pi * tightest * radii[0]) - 2.0 * radii[0]
@@ -231,14 +231,14 @@ def test_a_wrist_may_bend_aside_beyond_a_thick_arm() -> None:
 def test_a_small_change_of_radius_changes_little() -> None:
     """Two rules say which places concern each other; where radii are nearly alike both find the same bodies clear."""
     rng, alike = np.random.default_rng(31), 0
-    for _ in range(150):
+    for _ in range(80):
         radius = rng.uniform(0.05, 0.3)
         q = curled(rng, np.full(5, radius), 2.8)
         one, gap, _ = prove(q, np.full(5, radius))
         other, _, _ = prove(q, radius * np.array([1.0, 0.99999, 1.0, 0.99999, 1.0]))
         assert one == other or abs(gap) < 1e-4
         alike += one == TOUCHING
-    assert 5 < alike < 145
+    assert 5 < alike < 75
 
 
 def test_more_than_the_thickness_allows_is_never_proved() -> None:
@@ -263,7 +263,7 @@ def test_segments_without_length_have_a_radius_where_they_are() -> None:
     """A stage that is drawn in, with another radius: a place that others may be near to, although it is a point."""
     rng = np.random.default_rng(23)
     clear = 0
-    for _ in range(150):
+    for _ in range(80):
         radii = rng.uniform(0.1, 0.3, 5)
         q = curled(rng, radii, 2.6)
         q[rng.integers(1, 5) :] = 0.0
@@ -274,7 +274,7 @@ def test_segments_without_length_have_a_radius_where_they_are() -> None:
             assert gap <= least + 1e-12, "the bound is above what was seen"
         else:
             assert least < 2.0 * spacing
-    assert clear > 50
+    assert clear > 25
 
 
 def coil(turns: int, pitch: float, pieces: int = 8) -> Floats:

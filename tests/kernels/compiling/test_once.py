@@ -96,6 +96,43 @@ def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
 
 
 @pytest.mark.usefixtures("fresh")
+def test_entries_call_the_machine_code_of_a_shared_kernel() -> None:
+    """An entry has the kernels that it calls in it; a shared one is there once, and only its name is in the entry."""
+    thrice, both = (compiling.entry(one.py_func) for one in (parts.thrice_the_longest, parts.longest_and_norm))  # type: ignore[attr-defined]
+    assert thrice(3.0, 4.0) == 27.0
+    assert both(3.0, 4.0) == 14.0
+    (result,) = store.KERNELS[parts.__name__, "longest"]().overloads.values()
+    for entry in (thrice, both):
+        (made,) = entry.overloads.values()
+        assert made.library.parts == [result.library]
+        assert made.library._final_module.get_function(result.fndesc.mangled_name).is_declaration
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_kernel_apart_is_called_not_copied() -> None:
+    for function, name, copied in ((parts.twice_the_norm, "norm", True), (parts.twice_the_shortest, "shortest", False)):
+        entry = compiling.entry(function.py_func)  # type: ignore[attr-defined]
+        assert entry(3.0, -4.0) == (10.0 if copied else 6.0)
+        (made,) = entry.overloads.values()
+        own = {one.name.split("5parts")[1] for one in made.library._final_module.functions if "5parts" in one.name}
+        assert any(one.startswith(f"{len(name)}{name}") for one in own) is not copied
+
+
+def test_code_that_numba_compiles_by_itself_can_call_what_calls_shared_kernels() -> None:
+    """Numba may keep it on disk, for processes that have no shared kernel: it is in that code, as everything is."""
+    longest = store.KERNELS[parts.__name__, "longest"]()
+
+    def twice(x: float) -> float:
+        return float(2.0 * longest(x, 4.0) + parts.thrice_the_longest(x, 4.0))
+
+    user = njit(twice)
+    assert user(3.0) == 45.0
+    (result,) = user.overloads.values()
+    declared = {one.name for one in result.library._final_module.functions if one.is_declaration}
+    assert not any("longest" in name for name in declared)
+
+
+@pytest.mark.usefixtures("fresh")
 def test_names_are_the_same_in_every_process() -> None:
     """Numba numbers functions as they come; kernels are called by what they depend on."""
     parts.twice_the_norm(3.0, 4.0)

@@ -110,7 +110,8 @@ def test_the_code_of_another_function_is_not_taken_for_it(folder: Path) -> None:
     assert len(list(folder.glob("*.code"))) == 2
     made: Any = compiling.entry(half)
     context = made.targetctx
-    names = {store.Store(f, kind).path(s, context.codegen()) for f in (half, third) for kind in "ab" for s in "xy"}
+    kinds, types = ("inner", "entry"), ("x", "y")
+    names = {store.Store(f, kind).path(s, context.codegen()) for f in (half, third) for kind in kinds for s in types}
     assert len(names) == 8
 
 
@@ -193,4 +194,37 @@ def test_processes_that_compile_at_once_do_not_break_each_other(tmp_path: Path) 
         "10.0",
         "0",
     ]
-    assert not list(tmp_path.glob("*.code.*"))
+    assert not [file for file in tmp_path.iterdir() if len(file.suffixes) > 2]
+
+
+USE_SHARED = """
+import sys
+from pathlib import Path
+from sinuous.kernels.compiling import store
+store.CACHE = Path(sys.argv[1])
+from sinuous.kernels.compile import compiled_form
+from tests.kernels.compiling import parts
+print(parts.thrice_the_longest(3.0, 4.0))
+loaded = parts.thrice_the_longest, compiled_form(parts.longest), compiled_form(parts.norm)
+print(*(sum(one.stats.cache_hits.values()) for one in loaded), "numba.np.linalg" in sys.modules)
+"""
+
+
+def test_an_entry_is_read_with_the_shared_kernels_that_it_calls(tmp_path: Path) -> None:
+    """What it takes to compile, half of a second, is imported only where something is compiled."""
+    command = [sys.executable, "-c", USE_SHARED, str(tmp_path)]
+
+    def said() -> tuple[str, str]:
+        ran = subprocess.run(command, cwd=Path(__file__).parents[3], capture_output=True, text=True, check=True)
+        value, hits = ran.stdout.splitlines()
+        return value + ran.stderr, hits
+
+    assert said() == ("27.0", "0 0 0 True")
+    assert said() == ("27.0", "1 1 0 False")
+    (file,) = tmp_path.glob("longest*.code")
+    file.unlink()
+    assert said() == ("27.0", "1 0 1 True")
+    (file,) = tmp_path.glob("longest*.code")
+    file.write_bytes(file.read_bytes()[:-1])
+    assert said() == (f"27.0sinuous: {file} is damaged, and compiled again\n", "1 0 1 True")
+    assert said() == ("27.0", "1 1 0 False")

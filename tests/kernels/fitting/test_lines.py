@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import ASIDE, SIDES, measure_line, respace_line, room_along, room_beside
+from sinuous.kernels.fitting.lines import ASIDE, SIDES, distances_along, measure_line, respace_line, widths_across
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -15,7 +15,7 @@ def test_distances_are_those_of_the_scene_up_to_a_reach(seed: int) -> None:
     scene = Scene([Box((0.0, 0.5, 1.0), (0.4, 0.3, 0.6)), Sphere((1.0, 0.0, 0.5), 0.3)])
     points, reach = rng.uniform(-2.0, 2.0, (200, 3)), 0.8
     found, true = np.empty(200), scene.distance(points)
-    room_along(scene.snapshot().group.copy(), points, reach, found)
+    distances_along(scene.snapshot().group.copy(), points, reach, found)
     near = true < reach
     assert near.any()
     assert not near.all()
@@ -25,7 +25,7 @@ def test_distances_are_those_of_the_scene_up_to_a_reach(seed: int) -> None:
 
 def beside(scene: Scene, line: Floats, radius: float, enough: float) -> Floats:
     room = np.empty(len(line))
-    room_beside(scene.snapshot().group.copy(), line, radius, enough, room)
+    widths_across(scene.snapshot().group.copy(), line, radius, enough, room)
     return room
 
 
@@ -36,7 +36,7 @@ def some_lines(seed: int) -> tuple[Scene, Floats]:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_room_beside_a_line_is_that_of_a_place_at_most_so_far_aside(seed: int) -> None:
+def test_the_width_across_a_line_is_that_of_a_place_at_most_so_far_aside(seed: int) -> None:
     scene, line = some_lines(seed)
     radius, enough = 0.1, 0.4
     found, own = beside(scene, line, radius, enough), scene.distance(line)

@@ -1,6 +1,7 @@
 """Routes over the cells of a grid, against SciPy's shortest paths on the whole of it; and closed rooms."""
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -231,6 +232,12 @@ def is_joined(where: Grid, scene: Scene) -> bool:
     return len(np.intersect1d(at_start, at_goal)) > 0
 
 
+@cache
+def is_world_joined(seed: int) -> bool:
+    """The same of a world, whatever the sizes of cells that are searched."""
+    return is_joined(of_sizes(1), world(seed))
+
+
 def of_sizes(levels: int, **changed: Any) -> Grid:
     clearance = RADIUS - HALF_DIAGONAL * HALVED
     changed = {"cell": HALVED, "start_radius": HALVED, "clearance": clearance, "inflation": 2.0} | changed
@@ -238,15 +245,15 @@ def of_sizes(levels: int, **changed: Any) -> Grid:
 
 
 @pytest.mark.parametrize("levels", [1, 3, 5])
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(12))
 def test_cells_of_all_sizes_lead_as_far_as_the_finest(seed: int, levels: int) -> None:
     scene, where = world(seed), of_sizes(levels)
     ended, met = explore(memory(1 << 16), where._replace(inflation=1e6, clearance_weight=0.0), scene)
-    assert ended == (FOUND if is_joined(where, scene) else CLOSED)
+    assert ended == (FOUND if is_world_joined(seed) else CLOSED)
     assert (met >= 0) == (ended == FOUND)
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(12))
 def test_both_directions_have_the_same_verdict(seed: int) -> None:
     scene, where = world(seed), of_sizes(5, reach=100.0, inflation=1e6, clearance_weight=0.0)
     assert explore(memory(1 << 16), where, scene)[0] == explore(memory(1 << 16), turned(where), scene)[0]
@@ -276,7 +283,7 @@ def test_a_mirror_changes_nothing(seed: int) -> None:
         assert cost(work, met) == pytest.approx(cost(other, met_there), rel=0.5)
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(12))
 def test_a_route_by_cells_of_all_sizes_is_clear_and_not_dear(seed: int) -> None:
     scene, where, work = world(seed), of_sizes(4)._replace(ample=RADIUS), memory(1 << 16)
     ended, met = explore(work, where, scene)

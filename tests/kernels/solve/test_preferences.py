@@ -99,6 +99,16 @@ def test_in_the_end_hardly_a_small_motion_is_better(wish: Preferences, share: fl
     assert np.mean(count) < steps
 
 
+@pytest.mark.parametrize(
+    ("number", "seed"), [(0, 12), (0, 38), (0, 125), (1, 177), (2, 56), (2, 88), (2, 197), (2, 300)]
+)
+def test_steps_that_end_at_limits_of_lengths_are_not_led_away_from_them(number: int, seed: int) -> None:
+    """They stopped, after many small steps, where 30 to 65 % of the gradient was left."""
+    wish, q, reference = PREFERENCES[number], shape(seed, 0.9), shape(seed + 1, 0.9)
+    best, *_ = preferred(problem_at(q), wish, q, reference, most=300)
+    assert free_gradient(wish, best, reference) < 0.05 * free_gradient(wish, q, reference)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_lengths_at_their_limit_do_not_hold_back_what_bends_wish(seed: int) -> None:
     """A near target holds all lengths at their least; then the gradient by bends alone is taken up by the target."""

@@ -116,6 +116,20 @@ def test_solved_is_solved_and_else_the_limits_are_kept() -> None:
     assert codes.count(FAILED) > 2
 
 
+def test_of_several_that_are_given_the_one_nearby_is_taken() -> None:
+    taken = 0
+    for seed in range(20):
+        q = shape(seed)
+        problem = Problem(ROBOT, target_at(q), SCENE)
+        if ok(problem, q):
+            found = solved(problem, (0, 4), [shape(seed + 500), q + 1e-3])
+            assert found.code == SOLVED
+            assert found.source == GIVEN
+            assert ok(problem, found.q)
+            taken += found.starts == 2 and np.abs(found.q - q).max() < 0.1
+    assert taken > 5
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_what_is_given_comes_first_and_a_solution_is_its_own_answer(seed: int) -> None:
     problem = Problem(ROBOT, target_at(shape(seed), 0))

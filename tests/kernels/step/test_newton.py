@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -132,7 +132,7 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: int = NEVER
     """Configuration, its norms, verdict and iterations of a descent."""
     states, work = make_states(problem), make_work(problem, deadline)
     put(states, 0, q)
-    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, 0.0)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, 0.0, False)
     return states.q[at].copy(), states.norms[at].copy(), verdict, used
 
 
@@ -147,7 +147,7 @@ def test_a_descent_that_wishes_for_clearance_keeps_it() -> None:
     for wish in (0.0, 0.15):
         states, work = make_states(problem), make_work(problem)
         put(states, 0, q)
-        at, verdict, _, clearance, _, _ = newton.descend(problem, states, 0, work, 60, wish)
+        at, verdict, _, clearance, _, _ = newton.descend(problem, states, 0, work, 60, wish, False)
         assert verdict == CLEAR
         assert robot.excess(states.q[at]) <= 1e-11
         clearances.append(clearance)
@@ -155,6 +155,7 @@ def test_a_descent_that_wishes_for_clearance_keeps_it() -> None:
     assert clearances[1] > 0.12
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 10**6), st.sampled_from([WIDE, TIGHT]))
 def test_the_merit_never_grows(seed: int, robot: Robot) -> None:
     """A descent that may take one step more is the same one, and its best is no worse."""
@@ -211,7 +212,7 @@ def test_what_was_never_linearised_whole_is_no_better_than_anything() -> None:
     states, work = make_states(problem), make_work(problem, 0)
     put(states, 0, q)
     work.clock[LOOKS] = STRIDE - 1
-    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, 60, 0.0)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, 60, 0.0, False)
     assert (verdict, used) == (MISSED, 0)
     assert states.norms[at, MERIT] == math.inf
     assert states.norms[at, POSITION] == pytest.approx(0.2, abs=1e-2)
@@ -227,7 +228,7 @@ def test_a_start_without_numbers_is_no_solution(number: float) -> None:
         q.reshape(-1)[place] = number
         states, work = make_states(problem), make_work(problem)
         put(states, 0, q)
-        at, verdict, _, _, _, _ = newton.descend(problem, states, 0, work, 0, 0.0)
+        at, verdict, _, _, _, _ = newton.descend(problem, states, 0, work, 0, 0.0, False)
         assert verdict == MISSED
         assert np.isfinite(states.q[at]).all()
         assert not WIDE.violations(states.q[at])
@@ -259,11 +260,32 @@ def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
     problem = kernel_problem(robot, Target((0.0, 0.0, 4.0 - 0.2)), [ball])
     states, work = make_states(problem), make_work(problem)
     put(states, 0, straight)
-    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0)
+    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0, False)
     assert verdict == CLEAR
     assert used > 0
     sampled = np.linalg.norm(robot.backbone(states.q[at], 200) - [0.05, 0.0, 2.0], axis=1).min() - 0.3 - 0.05
     assert 0.0 < clearance <= sampled + 1e-9
+
+
+def test_a_brief_descent_ends_in_a_proved_solution_nearby_or_gives_up_soon() -> None:
+    robot = Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.05)
+    q = np.array([(0.3, 0.2, 1.0), (-0.2, 0.4, 0.9), (0.1, -0.3, 1.1)])
+    there = robot.tip(q)[:3, 3]
+    beside, around = Sphere((1.5, 1.5, 1.0), 0.3), Sphere(tuple(there), 0.2)
+    for target, ball, start, expected in (
+        (Target(there), beside, q + 0.02, (CLEAR, 2)),
+        (Target(there), around, q, (MISSED, 4)),
+        (Target((0.0, 0.0, 9.0)), beside, q, (MISSED, 4)),
+    ):
+        problem = kernel_problem(robot, target, [ball])
+        states, work = make_states(problem), make_work(problem)
+        put(states, 0, start)
+        at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0, True)
+        assert verdict == expected[0]
+        assert used <= expected[1]
+        if verdict == CLEAR:
+            assert np.linalg.norm(robot.tip(states.q[at])[:3, 3] - there) <= problem.position_tolerance
+            assert 0.0 < clearance <= np.linalg.norm(robot.backbone(states.q[at], 200) - [1.5, 1.5, 1.0], axis=1).min()
 
 
 @given(st.integers(0, 10**6))

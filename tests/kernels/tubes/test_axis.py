@@ -1,6 +1,7 @@
 """Axes of tubes: beside the curve that a tube was made around, up to its mouth; and none where there is no tube."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,14 +33,15 @@ def walls(away: float, wide: float) -> list[Box]:
     return [Box((x, y, 1.0), (0.1 if x else wide, 0.1 if y else wide, 3.0)) for x, y in sides]
 
 
+@cache
 def curve(seed: int, samples: int) -> Floats:
     """Poses (m, 4, 4) along three bent arcs, anywhere."""
     robot = Robot([Segment((0.5, 1.5), 2.0)] * 3, base=random_pose(np.random.default_rng(seed)))
     frames = [robot.base]
     for k, coordinates in enumerate(BENT):
-        for share in np.linspace(0.0, 1.0, samples + 1)[1:]:
-            part = np.vstack([BENT[:k], share * coordinates])
-            frames.append(Robot([Segment((0.0, 1.5), 2.0)] * (k + 1), base=robot.base).tip(part))
+        shorter = Robot([Segment((0.0, 1.5), 2.0)] * (k + 1), base=robot.base)
+        shares = np.linspace(0.0, 1.0, samples + 1)[1:]
+        frames.extend(shorter.tip(np.vstack([BENT[:k], share * coordinates])) for share in shares)
     return np.array(frames)
 
 

@@ -79,6 +79,12 @@ def test_the_file_brings_it_back_and_others_are_refused(tmp_path: Path) -> None:
     refused("network", partial(sn.Network.load, tmp_path / "none.npz"), "cannot be read")
 
 
+def test_what_it_does_not_handle_is_refused_before_it_is_trained(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "train", lambda *_: pytest.fail("trained"))
+    robot = sn.Robot.uniform(2, (0.8, 1.2))
+    refused("prefer", lambda: sn.Solver(robot, method="learned", prefer=sn.Preferences(bends=1.0)), "learned")
+
+
 def test_what_is_no_network_is_refused() -> None:
     refused("network", lambda: Learned("arm.npz"))  # type: ignore[arg-type]
     refused("steps", lambda: Learned(network(), steps=-1))

@@ -102,9 +102,15 @@ def least_of(seed: int) -> float:
     return sampled(moving_case(seed))
 
 
-def prove(case: Moved, slack: float, seconds: float = 20.0) -> Floats:
-    robot = case.robot.changed(self_collision="allow")
-    answer: Floats = Prover(robot, case.scene.snapshot()).prove(case.knots, slack, seconds, case.times)[0]
+@cache
+def prover_of(seed: int) -> Prover:
+    case = moving_case(seed)
+    return Prover(case.robot.changed(self_collision="allow"), case.scene.snapshot())
+
+
+def prove(seed: int, slack: float, seconds: float = 20.0) -> Floats:
+    case = moving_case(seed)
+    answer: Floats = prover_of(seed).prove(case.knots, slack, seconds, case.times)[0]
     return answer
 
 
@@ -113,7 +119,7 @@ def test_the_proof_agrees_with_dense_sampling_in_time(slack: float) -> None:
     clear = touching = undecided = 0
     for seed in range(120):
         case = moving_case(seed)
-        answer, least = prove(case, slack), least_of(seed)
+        answer, least = prove(seed, slack), least_of(seed)
         if answer[VERDICT] == CLEAR:
             clear += 1
             assert least > 0.0, seed
@@ -137,7 +143,7 @@ def test_an_overlap_is_when_and_where_it_is_said_to_be() -> None:
     looked = 0
     for seed in range(80):
         case = moving_case(seed)
-        seen = prove(case, 0.1)[SEEN:]
+        seen = prove(seed, 0.1)[SEEN:]
         if not seen[LEAST] < 0.0:
             continue
         looked += 1

@@ -6,10 +6,20 @@ import pytest
 from sinuous import Chambers, Robot, Scene, Segment, Target, Tendons, packing
 from sinuous.checks import Floats
 from sinuous.kernels.chain.batch import frames_of
-from sinuous.kernels.tables import MOUNT, ROBOT_HEADER, SEGMENT_WIDTH, TARGET_SEGMENT, UNIT
+from sinuous.kernels.tables import (
+    DIRECTION,
+    FREE,
+    GOAL,
+    MOUNT,
+    ORIENTATION,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    TARGET_SEGMENT,
+    UNIT,
+)
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.parts import before, begin, beyond
+from sinuous.solving.routing.parts import along_tangent, before, begin, beyond, up_to
 from sinuous.solving.routing.turned import Groups
 from tests.helpers import kernel_groups
 
@@ -54,6 +64,21 @@ def test_what_is_beyond_begins_where_what_is_before_ends(count: int) -> None:
         assert np.allclose(begin(second), ends[count - 1, :3, 3])
         assert np.allclose(tip(second, q[count:]), ROBOT.tip(q)[:3, 3])
         assert second[2][MOUNT] == pytest.approx(max(0.0, 1.3 - q[:count, 2].sum()))
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_a_tangent_is_asked_for_where_no_target_says_one(count: int) -> None:
+    tangent = np.array([0.0, 0.6, 0.8])
+    part = up_to(groups(ROBOT), count)
+    led = along_tangent(part, tangent)
+    assert part[2][UNIT] == pytest.approx(sum(0.9 + 0.05 * k for k in range(count)))
+    assert np.array_equal(led[3][:, :ORIENTATION], part[3][:, :ORIENTATION])
+    at_end = np.isin(led[3][:, TARGET_SEGMENT], (-1.0, count - 1.0))
+    assert (led[3][at_end, ORIENTATION] == DIRECTION).all()
+    assert np.array_equal(led[3][~at_end], part[3][~at_end])
+    assert np.array_equal(led[3][at_end, GOAL : GOAL + 3], np.tile(tangent, (at_end.sum(), 1)))
+    assert (part[3][:, ORIENTATION] == FREE).all()  # what was given is not changed
+    assert all(np.array_equal(one, other) for one, other in zip(along_tangent(led, -tangent), led, strict=True))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])

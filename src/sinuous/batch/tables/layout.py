@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
 from sinuous.robot.robot import Robot
 from sinuous.solution.solutions import Solutions
-from sinuous.solution.status import Status
+from sinuous.solution.status import Status, places_of
 
 INVALID = "invalid"
 """Status of a row that is no target."""
@@ -88,13 +89,22 @@ class Layout:
         return block
 
     def fill(self, block: Block, rows: Any, found: Solutions, robot: Robot) -> None:
-        """Put what was found into rows of a block."""
-        block["status"][rows] = [CODES[status] for status in found.status.tolist()]
+        """Put what was found into rows of a block, by their numbers or all of them (a slice)."""
+        block["status"][rows] = places_of(found._answers)
         block["q"][rows] = found.q
         if self.actuators:
             block["actuators"][rows] = _actuators(robot, found.q)
         for name in (*ERRORS, *EFFORTS):
             block[name][rows] = getattr(found, name)
+
+    def records(self, block: Block, robot: Robot) -> Floats:
+        """What `Solutions` of the rows hold, as far as a table says it: whether, where, how clear of obstacles."""
+        solved, clear = block["status"] == CODES["solved"], block["clearance"] - robot.least_demanded[0]
+        answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(self.segments)))
+        answers[:, CODE] = np.where(solved, SOLVED, FAILED)
+        answers[:, CLEARANCE] = np.where(np.isnan(clear), np.inf, clear)
+        answers[:, RECORD_WIDTH:] = block["q"].reshape(len(solved), -1)
+        return answers
 
 
 def _actuators(robot: Robot, q: Floats) -> Floats:

@@ -30,7 +30,6 @@ class _Member:
         self._begin = self._data.tell()
         if self._dtype.kind not in "iuf":
             raise InputError(key, "", str(self._dtype), "an array of numbers")
-        checked_shape(key, self)
 
     def read(self, first: int, last: int) -> Floats:
         """Return rows (last - first, ...)."""
@@ -54,20 +53,23 @@ class _Member:
         return np.frombuffer(data, self._dtype)
 
 
-class NpzSource:
-    """An NPZ file with arrays by the names of `GoalArrays`; what else is in it is left alone."""
+class NpzRows:
+    """Arrays with equally many rows of an NPZ file.
 
-    def __init__(self, file: Path) -> None:
+    Parameters
+    ----------
+    file : Path
+    choose : callable
+        Of all names in the file those of the arrays that are read.
+    """
+
+    def __init__(self, file: Path, choose: Callable[[list[str]], list[str]]) -> None:
         self._file = file
         try:
             self._archive = archive = zipfile.ZipFile(file)
         except zipfile.BadZipFile:
             raise InputError("file", "is no NPZ file", str(file), "arrays as numpy.savez writes them") from None
-        names = [name.removesuffix(".npy") for name in archive.namelist()]
-        found = [key for key in KEYS if key in names]
-        if not found or len([key for key in found if key != "positions"]) > 1:
-            wanted = "arrays positions, directions, rotations or xyzw, or positions with one of the others"
-            raise InputError("arrays", "", ",".join(names), wanted)
+        found = choose([name.removesuffix(".npy") for name in archive.namelist()])
         self._members = {key: _Member(archive, key) for key in found}
         counts = {key: member.shape[0] for key, member in self._members.items()}
         if len(set(counts.values())) > 1:
@@ -78,15 +80,33 @@ class NpzSource:
         """Return rows `first` to `last`, the end not included."""
         return {key: member.read(first, last) for key, member in self._members.items()}
 
-    def fingerprint(self) -> str:
-        """Size and checksum of the file."""
-        return fingerprint_of(self._file)
-
     def close(self) -> None:
         """Close the file."""
         for member in self._members.values():
             member.close()
         self._archive.close()
+
+
+class NpzSource(NpzRows):
+    """An NPZ file with arrays by the names of `GoalArrays`; what else is in it is left alone."""
+
+    def __init__(self, file: Path) -> None:
+        super().__init__(file, _asked)
+        for key, member in self._members.items():
+            checked_shape(key, member)
+
+    def fingerprint(self) -> str:
+        """Size and checksum of the file."""
+        return fingerprint_of(self._file)
+
+
+def _asked(names: list[str]) -> list[str]:
+    """Which arrays say what is asked."""
+    found = [key for key in KEYS if key in names]
+    if not found or len([key for key in found if key != "positions"]) > 1:
+        wanted = "arrays positions, directions, rotations or xyzw, or positions with one of the others"
+        raise InputError("arrays", "", ",".join(names), wanted)
+    return found
 
 
 def write_npz(file: Path, blocks: Callable[..., Iterable[Block]], layout: Layout, rows: int) -> None:
@@ -118,4 +138,4 @@ def _write(
         header = {"descr": npy.dtype_to_descr(dtype), "fortran_order": False, "shape": shape}
         npy.write_array_header_2_0(member, header)
         for column in columns:
-            member.write(np.ascontiguousarray(column).tobytes())
+            member.write(np.ascontiguousarray(column).data.cast("B") if column.size else b"")

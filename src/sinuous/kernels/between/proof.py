@@ -30,7 +30,7 @@ from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import kernel, shared
 from sinuous.kernels.maths.vectors import Array, norm
 from sinuous.kernels.tables import RADIUS, SELF_RADIUS
 
@@ -276,7 +276,7 @@ def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[in
     return _prove_all(motion, sweep, aim, seen, True)
 
 
-@kernel
+@shared
 def _prove_all(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, looks: bool) -> tuple[int, float]:
     """The same; `looks`: whether the first configuration is looked at, where tight bounds are wanted."""
     seen[0, LOW] = seen[1, LOW] = math.inf

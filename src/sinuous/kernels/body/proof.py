@@ -18,7 +18,7 @@ from sinuous.kernels.body.chords import sag
 from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, look_here, near, price_among
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import kernel, shared
 from sinuous.kernels.fields.distances import Scene, beside_chord
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
@@ -76,7 +76,7 @@ def _by_tangents(
     return least
 
 
-@kernel
+@shared
 def prove(
     limits: Array, q: Array, frames: Array, scene: Scene, mount: float, slack: float, finest: float, scratch: Scratch
 ) -> tuple[int, float, int, float, int]:

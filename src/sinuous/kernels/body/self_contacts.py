@@ -9,7 +9,7 @@ import math
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
 from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
 from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import kernel, shared
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
@@ -44,7 +44,7 @@ def pair_width(segments: int) -> int:
     return WEIGHTS + 3 * segments
 
 
-@kernel
+@shared
 def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pairs: Array) -> tuple[int, float]:
     """Write a row for every two segments with a gap below `margin` (length) that concern each other.
 

@@ -10,7 +10,7 @@ from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, rounding_of
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
 from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
 from sinuous.kernels.clock import late, spend
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array
 
 PAIR_LOOKS = 16
@@ -20,7 +20,7 @@ Meeting = tuple[int, float, int, float]
 """Two places of the body: segment and fraction of it, segment and fraction; segments are -1 where none are known."""
 
 
-@kernel
+@shared
 def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, Meeting]:
     """Prove that the body does not run through itself, or find where it does.
 

@@ -2,6 +2,7 @@
 
 For each kernel Numba links all its callees, optimises the whole, emits machine code, and does so again in each of its
 callers. Here a kernel stays a `Part`, as Numba lowers it, and the entry, a `Whole`, links, optimises and emits.
+A kernel that is shared is a `Whole`, too: those that call it find its machine code by its name.
 
 Of Numba this takes the hook that lets a function have a compiler of its own (`pipeline_class`), and the methods of its
 `JITCodeLibrary` that are overridden below. `TRIED` lists the versions that this was tried with; with others
@@ -45,17 +46,16 @@ def tried() -> bool:
     return ".".join(numba.__version__.split(".")[:2]) in TRIED
 
 
-class Part(JITCodeLibrary):
-    """A kernel as Numba lowers it, neither optimised nor machine code.
+class _Library(JITCodeLibrary):
+    """Code that is optimised when all of it is there, not as it comes.
 
     Attributes
     ----------
-    parts : list of Part
-        The kernels that it calls.
+    parts : list of Part or Whole
+        Of a part, the kernels that it calls; of a whole, the shared kernels whose machine code it calls.
     """
 
-    parts: "list[Part]"
-    _shared_module: Any
+    parts: "list[Part | Whole]"
     _filled = False
 
     def add_ir_module(self, ir_module: Any) -> None:
@@ -69,13 +69,20 @@ class Part(JITCodeLibrary):
             module.name = self._final_module.name
             self._final_module, self._filled = module, True
 
+
+class Part(_Library):
+    """A kernel as Numba lowers it, neither optimised nor machine code."""
+
+    _shared_module: Any
+    _attributes: tuple[str, ...] = ()
+
     def finalize(self) -> None:
         """Keep what entries link; give the engine nothing but Numba's environment, for which it asks."""
         whole = self._final_module
         own = {function.name for function in whole.functions if function.linkage == llvm.Linkage.external}
         self.parts = []
         for library in dict.fromkeys(self._linking_libraries):
-            if isinstance(library, Part):
+            if isinstance(library, Part | Whole):
                 self.parts.append(library)
             else:
                 whole.link_in(library._get_module_for_linking(), preserve=True)
@@ -86,6 +93,8 @@ class Part(JITCodeLibrary):
         self._lighten(whole)
         for name in own:
             whole.get_function(name).linkage = "linkonce_odr"
+            for attribute in self._attributes:
+                whole.get_function(name).add_function_attribute(attribute)
         self._finalize_dynamic_globals()
         self._shared_module = whole
         self._final_module = llvm.parse_assembly(str(self._codegen._create_empty_module(self.name)) + _seen(whole))
@@ -94,16 +103,16 @@ class Part(JITCodeLibrary):
 
     def _get_module_for_linking(self) -> Any:
         """Return this part and all that it calls: for code of others, which Numba compiles by itself."""
+        return _linked(self)
+
+    def own_module(self) -> Any:
+        """Return this part alone."""
         self._ensure_finalized()
-        module = self._shared_module.clone()
-        for part in reached([self])[1:]:
-            module.link_in(part._shared_module, preserve=True)
-        return module
+        return self._shared_module
 
     def serialize_using_object_code(self) -> Any:
         """Return what is kept on disk: this part alone."""
-        self._ensure_finalized()
-        return self.name, "object", (self._get_compiled_object(), self._shared_module.as_bitcode())
+        return self.name, "object", (self._get_compiled_object(), self.own_module().as_bitcode())
 
     def _lighten(self, module: Any) -> None:
         """Take out what was lowered in vain: addresses of this process among it, which cannot be kept on disk."""
@@ -113,15 +122,36 @@ class Part(JITCodeLibrary):
         passes.run(module, llvm.create_pass_builder(self._codegen._tm, llvm.create_pipeline_tuning_options(1)))
 
 
-class Whole(JITCodeLibrary):
-    """An entry with all that it calls, optimised at once."""
+class Apart(Part):
+    """A kernel that is not copied into what calls it."""
+
+    _attributes = ("noinline",)
+
+
+class Whole(_Library):
+    """An entry, or a kernel that is shared, with all that it calls, optimised at once."""
 
     def finalize(self) -> None:
         """Link all parts, each once."""
-        for part in reached(self._linking_libraries):
-            self._final_module.link_in(part._shared_module, preserve=True)
-        self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, Part)]
+        found = reached(self._linking_libraries)
+        self.parts = [one for one in found if isinstance(one, Whole)]
+        for one in found:
+            if isinstance(one, Part):
+                self._final_module.link_in(one._shared_module, preserve=True)
+        self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, Part | Whole)]
         super().finalize()
+
+    def _get_module_for_linking(self) -> Any:
+        """Return this with all shared kernels that it calls: for code of others, which Numba compiles by itself."""
+        return _linked(self)
+
+    def own_module(self) -> Any:
+        """Return this alone."""
+        return super()._get_module_for_linking()
+
+    def serialize_using_object_code(self) -> Any:
+        """Return what is kept on disk: this alone."""
+        return self.name, "object", (self._get_compiled_object(), self.own_module().as_bitcode())
 
     def _optimize_final_module(self) -> None:
         """Optimise once; what was linked belongs to this entry alone.
@@ -131,7 +161,7 @@ class Whole(JITCodeLibrary):
         """
         for number, function in enumerate(list(self._final_module.functions)):
             if function.is_declaration:
-                if function.name.startswith("_ZN"):
+                if function.name.startswith("_ZN") and not self._codegen._engine.is_symbol_defined(function.name):
                     raise AssertionError(f"{function.name} is not there to be linked")
             elif function.linkage != llvm.Linkage.external:
                 function.linkage = "private"
@@ -142,28 +172,42 @@ class Whole(JITCodeLibrary):
         builder.getModulePassManager().run(self._final_module, builder)
 
 
-def reached(libraries: list[Any]) -> list[Part]:
-    """List the parts among these libraries, and all that they call in turn, each once."""
-    found: dict[Part, None] = {}
-    due = [library for library in reversed(libraries) if isinstance(library, Part)]
+LIBRARIES = {"inner": Part, "apart": Apart, "shared": Whole, "entry": Whole}
+"""Into which library each kind of function is compiled."""
+
+
+def reached(libraries: list[Any]) -> list[Part | Whole]:
+    """List the parts among these libraries, and all that they call in turn, each once: of shared ones those alone."""
+    found: dict[Part | Whole, None] = {}
+    due = [library for library in reversed(libraries) if isinstance(library, Part | Whole)]
     while due:
-        part = due.pop()
-        if part not in found:
-            found[part] = None
-            due += part.parts
+        one = due.pop()
+        if one not in found:
+            found[one] = None
+            due += one.parts if isinstance(one, Part) else ()
     return list(found)
 
 
-def as_part(library: Any, parts: list[Part]) -> Part:
-    """Return a library that was read from the disk as the part that it was, which calls these others."""
-    library.__class__ = Part
+def _linked(library: Part | Whole) -> Any:
+    """Return the module of a library, linked with those of all that it calls."""
+    module, found, due = library.own_module().clone(), {library}, [*library.parts]
+    while due:
+        one = due.pop()
+        if one not in found:
+            found.add(one)
+            due += one.parts
+            module.link_in(one.own_module(), preserve=True)
+    return module
+
+
+def as_was(library: Any, kind: str, parts: list[Part | Whole]) -> None:
+    """Let a library that was read from the disk be of the kind that it was, which calls these others."""
+    library.__class__ = LIBRARIES[kind]
     library.parts = parts
-    part: Part = library
-    return part
 
 
-def compiler(library: type[JITCodeLibrary], name: str | None) -> type[Compiler]:
-    """Return a compiler without needless passes, for one function whose code goes into such a library.
+def compiler(kind: str, name: str | None) -> type[Compiler]:
+    """Return a compiler without needless passes, for one function of such a kind, see `LIBRARIES`.
 
     With a `name` the symbol of the function is the same in every process. Numba counts instead, and what one process
     calls by a number another one calls by another.
@@ -174,7 +218,7 @@ def compiler(library: type[JITCodeLibrary], name: str | None) -> type[Compiler]:
             state = self.state
             if name is not None:
                 state.func_id.unique_id = name
-            state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library = LIBRARIES[kind](state.targetctx.codegen(), state.func_id.func_qualname)
             state.library.enable_object_caching()
             (pipeline,) = super().define_pipelines()
             manager = PassManager(pipeline.pipeline_name)

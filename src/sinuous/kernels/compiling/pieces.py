@@ -52,16 +52,16 @@ FEW = 30_000
 """Numbers of which work is soon done, interpreted."""
 
 PIECES = (
-    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 24),
-    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 31),
+    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 16),
+    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 25),
     Piece(
         "routes among obstacles",
         40,
         (
             "kernels.fitting.lines.measure_line",
             "kernels.fitting.lines.respace_line",
-            "kernels.fitting.lines.room_along",
-            "kernels.fitting.lines.room_beside",
+            "kernels.fitting.lines.distances_along",
+            "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.roadmap.enclosed.rays_met",
@@ -74,10 +74,11 @@ PIECES = (
             "kernels.fitting.settle.settle_chain",
         ),
     ),
-    Piece("batches of solves", 4, ("kernels.solve.search.search_many" + FREE,), waits=True),
-    Piece("batches of solves among obstacles", 5, ("kernels.solve.search.search_many",), waits=True),
+    Piece("batches of solves", 1, ("kernels.solve.search.search_many" + FREE,), 16, waits=True),
+    Piece("batches of solves among obstacles", 1, ("kernels.solve.search.search_many",), 25, waits=True),
     Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
     Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
+    Piece("starts of a memory", 1, ("kernels.solve.recall.recall", "kernels.solve.recall.compare"), most=FEW),
     Piece(
         "kinematics",
         1,

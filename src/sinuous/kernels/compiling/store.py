@@ -23,7 +23,7 @@ from numba.core.compiler import CompileResult
 
 from sinuous.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
-from sinuous.kernels.compiling.once import Part, as_part
+from sinuous.kernels.compiling.once import LIBRARIES, Part, Whole, as_was
 from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
 from sinuous.kernels.compiling.targets import Target, shipped
 
@@ -35,6 +35,9 @@ MOST_BYTES = 1_000_000_000
 
 DAY = 86400
 """Seconds between two looks whether files are old; and between two notes that one is used."""
+
+PART, CODE = ".part", ".code"
+"""What the names of files end in: of kernels that others link, and of machine code."""
 
 DIGEST_SIZE = hashlib.sha256().digest_size
 
@@ -83,6 +86,7 @@ class Store(NullCache):
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
+        self._machine_code = LIBRARIES[kind] is Whole
         self._file = file or function.__code__.co_filename
         self.module, self.called = function.__module__, function.__qualname__
         told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"
@@ -113,14 +117,13 @@ class Store(NullCache):
         data = _read(path) if unchanged(self._file) else None
         if data is None:
             return None
-        context.refresh()
         called, reduced = pickle.loads(data)
         parts = [_part(*one) for one in called or ()]
         if None in parts:
             return None
         result = CompileResult._rebuild(context, *reduced)
         if called is not None:
-            as_part(result.library, parts)
+            as_was(result.library, self._kind, parts)
             self._sign(result)
         return result
 
@@ -128,7 +131,7 @@ class Store(NullCache):
         """Keep the code for a signature, where that can be done."""
         library = result.library
         called = None
-        if isinstance(library, Part):
+        if isinstance(library, Part | Whole):
             self._sign(result)
             called = [getattr(part, "origin", None) for part in library.parts]
         if library.has_dynamic_globals or None in (called or ()):
@@ -145,7 +148,7 @@ class Store(NullCache):
     def find(self, signature: Any, codegen: Any) -> Path:
         """File of the code for a signature, where there is one, also among what is shipped; else where it would be."""
         own = self.path(signature, codegen)
-        if self._kind == "entry" and not own.exists():
+        if self._machine_code and not own.exists():
             for folder, target in shipped():
                 path = folder / self._file_name(signature, target)
                 if path.exists():
@@ -157,10 +160,10 @@ class Store(NullCache):
         return self._folder / self._file_name(signature, Target(*codegen.magic_tuple()))
 
     def _file_name(self, signature: Any, target: Target) -> str:
-        """Name of a file; a kernel is the same for all processors, only an entry is machine code."""
-        processor = [target.cpu, target.features] if self._kind == "entry" else ""
+        """Name of a file; what is linked by others is the same for all processors, only the rest is machine code."""
+        suffix, processor = (CODE, [target.cpu, target.features]) if self._machine_code else (PART, "")
         told = f"{self.name} {signature} {target.triple} {processor}"
-        return f"{self._function.__name__}.{hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]}.code"
+        return f"{self._function.__name__}.{hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]}{suffix}"
 
     def _sign(self, result: Any) -> None:
         """Write on a part by which name others find it again."""
@@ -185,7 +188,7 @@ def clear(folder: Path) -> int:
     for _, _, file in list(_files_in(folder)):
         with contextlib.suppress(OSError):
             file.unlink()
-            count += file.suffix == ".code"
+            count += file.suffix in (PART, CODE)
     return count
 
 
@@ -207,7 +210,7 @@ def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
 
 def _files_in(folder: Path) -> Iterator[tuple[float, int, Path]]:
     """When each file was used, its size, and where it is; also what a process left that was killed as it wrote."""
-    for file in (*folder.glob("*.code*"), *folder.glob("*.begun")):
+    for file in (*folder.glob(f"*{CODE}*"), *folder.glob(f"*{PART}*"), *folder.glob("*.begun")):
         with contextlib.suppress(OSError):
             found = file.stat()
             yield found.st_mtime, found.st_size, file

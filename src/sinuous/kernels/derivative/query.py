@@ -12,9 +12,10 @@ all rows of the targets alone would leave it as it is. Else the answer has a kin
 import math
 
 from sinuous.kernels.chain.kinematics import forward_with_columns
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.derivative.layout import (
     ANSWER,
+    ANSWER_HEADER,
     COLUMNS,
     COUNT,
     FACTOR,
@@ -31,6 +32,7 @@ from sinuous.kernels.derivative.layout import (
 from sinuous.kernels.derivative.rows import add_contacts, add_limits, add_self_contacts, add_targets, normalise
 from sinuous.kernels.derivative.sides import fill_sides, move_directly
 from sinuous.kernels.fields.distances import number_of
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
@@ -156,34 +158,6 @@ def _largest(sides: Array) -> float:
 
 
 @kernel
-def _derive(problem: Problem, asked: Array, lines: Array, desk: Desk, answer: Array) -> None:
-    """Fill the answer for `desk.q`.
-
-    Where targets are not quite met, Newton's way from there to where they are is derived as well: its first step D b
-    leaves what its second one adds, D' (b' - A' D b).
-    """
-    count, targets, residual, told = _find_rows(problem, desk)
-    status = told
-    fill_sides(problem.scene, problem, asked, lines, desk, count)
-    move_directly(problem, asked, desk.moved)
-    if factorise(problem.limits, desk, count, targets) > 0:
-        status |= SINGULAR
-    called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
-    if called > STILL * (1.0 + _largest(desk.sides[:count])):
-        status |= KINK
-    if residual > CONVERGED and status == 0:
-        _correct(problem, desk, count, targets)
-        count, targets, _, status = _find_rows(problem, desk)
-        fill_sides(problem.scene, problem, asked, lines, desk, count)
-        if factorise(problem.limits, desk, count, targets) > 0:
-            status |= SINGULAR
-        called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
-        if called > STILL * (1.0 + _largest(desk.sides[:count])):
-            status |= KINK
-    answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, targets, residual
-
-
-@kernel
 def _lay_out(
     robot: Array,
     scene: Array | None,
@@ -200,6 +174,45 @@ def _lay_out(
     desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
     copy(q, desk.q)
     return problem, desk
+
+
+@shared
+def _derive(
+    robot: Array,
+    scene: Array | None,
+    settings: Array,
+    targets: Array,
+    asked: Array,
+    lines: Array,
+    q: Array,
+    workspace: Array,
+    answer: Array,
+) -> None:
+    """Fill the answer for `q`; arguments as for `derive`.
+
+    Where targets are not quite met, Newton's way from there to where they are is derived as well: its first step D b
+    leaves what its second one adds, D' (b' - A' D b).
+    """
+    problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
+    count, met, residual, told = _find_rows(problem, desk)
+    status = told
+    fill_sides(problem.scene, problem, asked, lines, desk, count)
+    move_directly(problem, asked, desk.moved)
+    if factorise(problem.limits, desk, count, met) > 0:
+        status |= SINGULAR
+    called = settle(problem.limits, desk, count, met, desk.sides, desk.moved)
+    if called > STILL * (1.0 + _largest(desk.sides[:count])):
+        status |= KINK
+    if residual > CONVERGED and status == 0:
+        _correct(problem, desk, count, met)
+        count, met, _, status = _find_rows(problem, desk)
+        fill_sides(problem.scene, problem, asked, lines, desk, count)
+        if factorise(problem.limits, desk, count, met) > 0:
+            status |= SINGULAR
+        called = settle(problem.limits, desk, count, met, desk.sides, desk.moved)
+        if called > STILL * (1.0 + _largest(desk.sides[:count])):
+            status |= KINK
+    answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, met, residual
 
 
 @entry
@@ -220,8 +233,7 @@ def derive(
     obstacles. `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
     `lines` (p, 3): see `sides`. `workspace`: see `layout.desk_size`.
     """
-    problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    _derive(problem, asked, lines, desk, answer)
+    _derive(robot, scene, settings, targets, asked, lines, q, workspace, answer)
 
 
 @entry
@@ -243,10 +255,10 @@ def derive_many(
     also holds an answer, at its end.
     """
     answer = workspace[workspace.shape[0] - asked[ANSWER] :]
+    found, _ = cut(answer[ANSWER_HEADER:], moved.shape[1], moved.shape[2])
     for i in range(q.shape[0]):
-        problem, desk = _lay_out(robot, scene, settings, targets[i], asked, q[i], workspace, answer)
-        _derive(problem, asked, lines, desk, answer)
-        copy(desk.moved, moved[i])
+        _derive(robot, scene, settings, targets[i], asked, lines, q[i], workspace, answer)
+        copy(found, moved[i])
         status[i] = answer[STATUS]
 
 

@@ -8,7 +8,7 @@ from collections import namedtuple
 from typing import Any
 
 from sinuous.kernels.clock import TREE_LOOKS
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import apart, entry, kernel
 from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
@@ -58,7 +58,7 @@ def _own(scene: Scene, i: int, p: Vec) -> Vec:
     return vec_mat(away, get_mat(scene.table, i, PLACE + POSE_ROTATION))
 
 
-@kernel
+@apart
 def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     if scene.table[i, KIND] >= TREE:
         return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)

@@ -33,7 +33,7 @@ def measure_line(line: Array, along: Array) -> None:
 
 
 @entry
-def room_along(scene: Array, points: Array, reach: float, distances: Array) -> None:
+def distances_along(scene: Array, points: Array, reach: float, distances: Array) -> None:
     """Fill `distances` (K,) with those of `points` (K, 3) from the obstacles of the group `scene`, in the length unit.
 
     Beyond `reach` they may be anything that is not less.
@@ -44,7 +44,7 @@ def room_along(scene: Array, points: Array, reach: float, distances: Array) -> N
 
 
 @kernel
-def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
+def _width_across(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
     """Most distance from the obstacles in the plane across a line; away from the nearest one it is looked first."""
     most, which = closest(scene, place, enough, STEP)
     length = norm(ahead)
@@ -67,8 +67,8 @@ def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: fl
 
 
 @entry
-def room_beside(scene: Array, line: Array, radius: float, enough: float, room: Array) -> None:
-    """Fill `room` (K,) with the most distance from the obstacles across a `line` (K, 3), in the length unit.
+def widths_across(scene: Array, line: Array, radius: float, enough: float, widths: Array) -> None:
+    """Fill `widths` (K,) with the most distance from the obstacles across a `line` (K, 3), in the length unit.
 
     That is of places up to `ASIDE` radii aside. Along a wall it grows with every step aside, in a door it does not.
     Points that are farther apart than a radius have the least of what is nearer to them than to others: a wall between
@@ -79,12 +79,12 @@ def room_beside(scene: Array, line: Array, radius: float, enough: float, room: A
     for i in range(last + 1):
         place = get_vec(line, i, 0)
         ahead = sub(get_vec(line, min(i + 1, last), 0), get_vec(line, max(i - 1, 0), 0))
-        room[i] = _most_beside(obstacles, place, ahead, radius, enough)
+        widths[i] = _width_across(obstacles, place, ahead, radius, enough)
     for i in range(last):
         place = get_vec(line, i, 0)
         ahead = sub(get_vec(line, i + 1, 0), place)
         pieces = math.ceil(min(MOST_PIECES, norm(ahead) / radius)) if radius > 0.0 else 1
         for k in range(1, pieces):
             nearer = i if 2 * k <= pieces else i + 1
-            between = _most_beside(obstacles, add_scaled(place, k / pieces, ahead), ahead, radius, enough)
-            room[nearer] = min(room[nearer], between)
+            between = _width_across(obstacles, add_scaled(place, k / pieces, ahead), ahead, radius, enough)
+            widths[nearer] = min(widths[nearer], between)

@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.chain.single_arc import arc_length
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, closest
+from sinuous.kernels.fields.distances import Scene, look
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, norm, scale, sub
 
@@ -31,19 +31,25 @@ at its end (zero: from anywhere); the radius of the body and of its tightest tur
 
 @kernel
 def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
-    """Whether the line from `p` to point `i` of the guide is free."""
+    """Whether the line from `p` to point `i` of the guide is free.
+
+    Each obstacle is looked at by itself: what is far away from all of the line is passed in one look.
+    """
     line = sub(get_vec(guide.points, i, 0), p)
     length, clear = norm(line), SIGHT * guide.radius
-    gone, reach = 0.0, FIRST * guide.radius
-    for _ in range(LOOKS):
-        if gone >= length:
-            return True
-        d, _ = closest(scene, add_scaled(p, gone / length, line), clear + reach, STEP)
-        if d < clear:
+    for j in range(scene.table.shape[0]):
+        gone, reach = 0.0, FIRST * guide.radius
+        for _ in range(LOOKS):
+            if gone >= length:
+                break
+            d, _ = look(scene, j, add_scaled(p, gone / length, line), clear + reach, STEP)
+            if d < clear:
+                return False
+            gone += max(d - clear, FINEST * guide.radius)
+            reach = min(2.0 * reach, FARTHEST * guide.radius) if d - clear >= reach else reach
+        if gone < length:
             return False
-        gone += max(d - clear, FINEST * guide.radius)
-        reach = min(2.0 * reach, FARTHEST * guide.radius) if d - clear >= reach else reach
-    return gone >= length
+    return True
 
 
 @kernel

@@ -9,7 +9,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
@@ -152,14 +152,25 @@ def correct(
         tensions[:] = 0.0
     own = Shape(q, x, tensions, trial.kept, trial.record)
     e.settle(x, tensions, body, True, space, own.kept, own.record)
+    _correct(problem, drive, own, trial, body, space, step, record)
+
+
+@shared
+def _correct(
+    problem: Problem, drive: Drive, own: Shape, trial: Shape, body: Body, space: Space, step: Step, record: Array
+) -> None:
+    """Correct from a body at rest.
+
+    The compiler may not see where in the buffer everything is: it takes ten seconds to compute with that.
+    """
     _see(problem, drive, own, body, space, step, record)
     slow = 0
     for rounds in range(MOST_ROUNDS):
         record[ROUNDS], before = rounds, record[MERIT]
         if record[FOUND] == 0.0 or _enough(problem, record) or slow == PATIENCE:
             return
-        answer_drive(sections, of_lines, q, x, body, space, step.columns, step.pulls)
-        _find_step(problem, q, step, _derive(problem, drive, own, body, space, step))
+        answer_drive(drive.sections, drive.of_lines, own.q, own.x, body, space, step.columns, step.pulls)
+        _find_step(problem, own.q, step, _derive(problem, drive, own, body, space, step))
         if not _go(problem, drive, own, trial, body, space, step, record):
             return
         slow = slow + 1 if record[MERIT] > SLOW * before else 0

@@ -17,7 +17,15 @@ from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, self_proof, step
 from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
-from sinuous.kernels.tables import BENDS_WEIGHT, INITIAL_WEIGHT, LENGTH_SCALE, MAX_ITERATIONS, WISHED_CLEARANCE
+from sinuous.kernels.tables import (
+    BENDS_WEIGHT,
+    INITIAL_WEIGHT,
+    LENGTH_SCALE,
+    MAX_ITERATIONS,
+    MAX_LENGTH,
+    MIN_LENGTH,
+    WISHED_CLEARANCE,
+)
 
 Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 """Weights of staying at `reference` (n, 3) and of small bends; clearance wished for."""
@@ -89,8 +97,27 @@ def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
 
 
 @kernel
+def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds: bool) -> None:
+    """Measure motion by the cost. What `holds` lets lengths that a step has led to a limit stay there.
+
+    Otherwise corrections lead them away from it again, step after step, and none of these gains what it promises.
+    """
+    for k in range(q.shape[0]):
+        moves = not holds or problem.limits[k, MIN_LENGTH] < q[k, 2] < problem.limits[k, MAX_LENGTH]
+        measured.limits[k, LENGTH_SCALE] = loose * problem.limits[k, LENGTH_SCALE] if moves else 0.0
+
+
+@kernel
 def _correct(
-    problem: Problem, states: State, at: int, spare: int, work: Work, depth: int, wish: float, with_self: bool
+    problem: Problem,
+    measured: Problem,
+    states: State,
+    at: int,
+    spare: int,
+    work: Work,
+    depth: int,
+    wish: float,
+    with_self: bool,
 ) -> int:
     """Bring a state that left its targets a little back to them; returns where it is then, `at` or `spare`."""
     for _ in range(CORRECTIONS):
@@ -99,7 +126,7 @@ def _correct(
             return at
         rest(work)
         linearise(problem, state, work, depth, solids.EXACT, 0.0, with_self)
-        step(problem, state, work, EXACT)
+        step(measured, state, work, EXACT)
         move(problem, state, work, trial)
         linearise(problem, trial, work, depth, solids.EXACT, wish, with_self)
         at, spare = spare, at
@@ -122,9 +149,10 @@ def improve(
 
     `measured` is the problem where motion is measured by the cost. Self-contacts are looked at only `with_self`.
     """
-    at, free, spare = 0, 1, 2
+    at, free, spare, loose = 0, 1, 2, _loose(wishes)
     start = pick(states, at)
     copy(best, start.q)
+    _measure(problem, measured, best, loose, False)
     linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, with_self)
     least = cost(problem, start, wishes)
     share, enough = 1.0, 0.0
@@ -141,7 +169,9 @@ def improve(
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
         linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, with_self)
-        found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance, with_self)
+        _measure(problem, measured, trial.q, loose, share < 1.0)
+        found_at = _correct(problem, measured, states, free, spare, work, depth, wishes.clearance, with_self)
+        _measure(problem, measured, trial.q, loose, False)
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
         if late(work.clock):  # contacts are missing
@@ -188,8 +218,6 @@ def prefer(
     for i in range(robot.shape[0]):
         loosened[i] = robot[i]
     measured = read_problem(loosened, scene, settings, targets)
-    for k in range(best.shape[0]):
-        measured.limits[k, LENGTH_SCALE] *= _loose(wishes)
     copy(best, work.solved)
     begin(work.clock)
     began, used, most = now(work.clock), 0, int(settings[MAX_ITERATIONS])

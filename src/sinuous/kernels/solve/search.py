@@ -6,7 +6,7 @@ import numpy as np
 
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import allow, begin, late, now, over
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
@@ -42,6 +42,9 @@ from sinuous.kernels.tables import MERIT as RECORD_MERIT
 
 Numbers = tuple[int, int, int, int, float, float, float, float, bool, float, float]
 """The record of one search, see `sinuous.kernels.tables`."""
+
+BRIEF = 5
+"""Steps of Newton's method that meet targets nearby, where nothing is in the way."""
 
 DRAWS = 4
 """Random shapes that are looked at for one start."""
@@ -87,7 +90,9 @@ def _solve(
     """Solve one problem; fills `best` (n, 3) and returns the record.
 
     From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
-    What is solved in contact is led away from it up to the clearance `room`.
+    What is solved in contact is led away from it up to the clearance `room`. Where several are given, each is followed
+    briefly first: one mostly leads past everything in a few steps, and a descent in contact takes a hundred times as
+    long.
     What is impossible is asked after the first start: most problems are solved by then.
     """
     first, last, seed, seconds = budget
@@ -99,7 +104,7 @@ def _solve(
     status, total, source, least = FAILED, 0, GIVEN, math.inf
     off = turn = clearance = self_clearance = math.inf
     stopped = False
-    at, index = int(np.int64(0)), 0  # a mere 0 would have everything compiled once more, for it
+    at, index, brief = int(np.int64(0)), 0, g > 1  # a mere 0 would have everything compiled once more, for it
     while index < count:
         kind = GIVEN
         if index < g:
@@ -108,21 +113,19 @@ def _solve(
             kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
         at, verdict, used, seen, self_seen, bound = descend(
-            problem, states, at, work, iterations, wish if index <= g else 0.0
+            problem, states, at, work, BRIEF if brief else iterations, wish if index <= g else 0.0, brief
         )
         total += used
         state = pick(states, at)
-        if verdict == CLEAR or state.norms[MERIT] < least or index == 1:
+        if verdict == CLEAR or (state.norms[MERIT] < least and not brief) or index == 1:
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
             clearance, self_clearance = seen, self_seen
-            status, source, stopped = FAILED, kind, bound
+            status, source, stopped = UNPROVED if verdict == UNDECIDED else FAILED, kind, bound
             if verdict == CLEAR:
                 status = SOLVED
                 break
-            if verdict == UNDECIDED:
-                status = UNPROVED
-        if index == 1:
+        if index == 1 and not brief:
             impossible = verdict_of(problem)
             if impossible != POSSIBLE:
                 count = min(count, g + 1)
@@ -130,6 +133,8 @@ def _solve(
             if status == FAILED:
                 status = LATE
             break
+        if brief and index == g:
+            brief, index = False, 0
     if index == 0:
         impossible = verdict_of(problem)
     known = (off, turn, clearance, self_clearance, least)
@@ -140,6 +145,27 @@ def _solve(
         status = impossible
     spent = now(work.clock) - began
     return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
+
+
+@shared
+def _read_and_solve(
+    robot: Array,
+    scene: Array | None,
+    settings: Array,
+    targets: Array,
+    initial: Array,
+    budget: Budget,
+    workspace: Array,
+    best: Array,
+    begins: bool,
+) -> Numbers:
+    """Solve one problem; arguments as for `search`, and whether a call from Python begins with it."""
+    problem = read_problem(robot, scene, settings, targets)
+    states, work = carve(workspace, problem)
+    if begins:
+        begin(work.clock)
+    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
+    return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
 
 
 @entry
@@ -160,11 +186,7 @@ def search(
     the own starts to try, from the first up to, without it, the last; a seed; and seconds. `workspace` (w,) is scratch,
     see `states.workspace_size`. Fills `best` (n, 3) with the best configuration found and returns its record.
     """
-    problem = read_problem(robot, scene, settings, targets)
-    states, work = carve(workspace, problem)
-    begin(work.clock)
-    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
-    return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
+    return _read_and_solve(robot, scene, settings, targets, initial, budget, workspace, best, True)
 
 
 @entry
@@ -182,15 +204,9 @@ def search_many(
 
     `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 11 + 3 n): record and configuration of each.
     """
-    if targets.shape[0] == 0:
-        return
-    states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
-    begin(work.clock)
-    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
     for i in range(targets.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        best, record = answer_of(answers, i, problem.limits.shape[0])
-        found = _solve(problem, states, work, initial[i], budget, iterations, wish, room, best)
+        best, record = answer_of(answers, i, initial.shape[2])
+        found = _read_and_solve(robot, scene, settings, targets[i], initial[i], budget, workspace, best, i == 0)
         record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
         record[ANGLE_ERROR], record[CLEARANCE], record[SELF_CLEARANCE], record[BOUND] = found[5:9]
         record[RECORD_MERIT], record[SECONDS] = found[9:]

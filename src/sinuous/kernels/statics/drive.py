@@ -7,7 +7,7 @@ At an equilibrium `r(x; q) = 0`, so `dx/dq = -(dr/dx)^-1 dr/dq` (implicit functi
 
 import math
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.maths.vectors import Array, add, cross, dot, get_vec, mat_vec, scale
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.newton import TAUT, WANTED, Body, Space, along, answer_lines, carve, look
@@ -121,7 +121,7 @@ def differentiate(
     answer_drive(sections, of_lines, q, x, body, space, columns, pulls)
 
 
-@kernel
+@shared
 def answer_drive(
     sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Space, columns: Array, pulls: Array
 ) -> None:

@@ -1,6 +1,6 @@
 """Equilibria of a body of arcs: what Python calls."""
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.newton import (
@@ -57,7 +57,7 @@ def equilibrate(
     settle(x, tensions, body, descends, space, rest, record)
 
 
-@kernel
+@shared
 def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, rest: Array, record: Array) -> None:
     """Do that in a space that is laid out, whose first frame is the base; `rest` has 4 N + t numbers."""
     _start_taut(body.lines, tensions, space)

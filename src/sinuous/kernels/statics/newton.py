@@ -6,7 +6,7 @@ they are in the world, too.
 
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import kernel, shared
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.statics import layout as t
@@ -79,7 +79,7 @@ def room_for(arcs: int, lines: int, slopes: int) -> int:
     return fixed + (lines + 12) * max(lines + 1, 12) + 6 * lines
 
 
-@kernel
+@shared
 def look(x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space) -> tuple[int, Vec, Vec]:
     """Fill everything but the step in this state; see `factorise` for what is returned."""
     assemble(x, body.arcs, body.lines, tensions, share, space.frames, space.stages, space.slopes)

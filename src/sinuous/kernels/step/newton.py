@@ -272,9 +272,12 @@ def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int
 
 @kernel
 def descend(
-    problem: Problem, states: State, at: int, work: Work, most: int, wish: float
+    problem: Problem, states: State, at: int, work: Work, most: int, wish: float, brief: bool
 ) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
+
+    Where it is `brief`, the first step that gains little is the last one, as is the first proof, and no overlap is
+    taken for one that samples see alone.
 
     Steps also wish for the clearance `wish`: a robot that goes on from where it had it keeps it for nothing. Where they
     gain little, they do without: a wish moves the targets' rows by a hundred-millionth of what it is short of.
@@ -290,8 +293,8 @@ def descend(
     project_to_limits(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
     # Samples may see an overlap where there is none; then the proof decides.
-    loose = coarseness(problem.scene)
-    mode = solids.STEP if loose > 0.0 else solids.EXACT
+    coarse = coarseness(problem.scene)
+    mode, loose = solids.STEP if coarse > 0.0 else solids.EXACT, 0.0 if brief else coarse
     slow = iteration = 0
     bound = with_self = False
     while True:
@@ -310,12 +313,12 @@ def descend(
         if met(problem, state, loose):
             verdict, self_clearance = self_proof(problem, state, work)
             if verdict != CLEAR:
-                if with_self:
+                if with_self or brief:
                     return at, verdict, iteration, state.norms[SEEN], self_clearance, bound
                 with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
                 continue
             verdict, clearance = proof(problem, state, work)
-            if verdict == CLEAR or depth >= problem.step_depth + 6 or late(work.clock):
+            if verdict == CLEAR or brief or depth >= problem.step_depth + 6 or late(work.clock):
                 return at, verdict, iteration, clearance, self_clearance, bound
             if mode == solids.STEP:
                 mode, loose = solids.EXACT, 0.0
@@ -328,7 +331,11 @@ def descend(
             mode, loose = (solids.EXACT, 0.0) if sampled else (mode, loose)
             wish, looked_at, merit, slow, easing = 0.0, at, math.inf, 0, 1.0
             continue
-        if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):
+        if (
+            iteration >= most
+            or slow >= (1 if brief else PATIENCE)
+            or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0])
+        ):
             return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         iteration += 1
         rest(work)

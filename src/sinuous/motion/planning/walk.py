@@ -21,6 +21,7 @@ from sinuous.problem.target import Target, target_table
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
+from sinuous.solving.memory import Memory
 from sinuous.solving.shapes import POSE_SIZE, Graph, Whole
 
 CLOSEST, LINKS = 64, 2
@@ -56,7 +57,7 @@ class Walks:
     """
 
     def __init__(self, robot: Robot, scene: Snapshot, graph: Graph, trees: RRTConnect) -> None:
-        self.graph = graph
+        self.graph, self.scene = graph, scene
         self._robot, self._trees, self._prover = robot, trees, Prover(robot, scene)
         metric = lever_metric(robot)
         self._nodes = (graph.q * metric).reshape(len(graph), 3 * len(self._robot))
@@ -172,6 +173,20 @@ class Walks:
                 )
                 self._closed[self._motions[at]] = any_ = True
         return any_
+
+
+def walks_in(
+    memory: Memory | None, robot: Robot, scene: Snapshot, trees: RRTConnect, before: Walks | None
+) -> Walks | None:
+    """Return what walks along the motions of a memory in a scene: `before`, while both are the same.
+
+    There is none where a memory holds no motions, nor under load, for which none of them was proved.
+    """
+    graph = None if memory is None or robot.hangs else memory._shapes.graph
+    if graph is None or not len(graph):
+        return None
+    same = before is not None and before.graph is graph and before.scene is scene
+    return before if same else Walks(robot, scene, graph, trees)
 
 
 def is_clear(prover: Prover, one: Floats, other: Floats) -> bool:

@@ -142,13 +142,14 @@ def cuts_itself(vertices: Floats, faces: Integers) -> bool:
 def _cuts_itself(vertices: Floats, faces: Integers) -> bool:
     corners = vertices[faces] - 0.5 * (vertices[faces].min(axis=(0, 1)) + vertices[faces].max(axis=(0, 1)))
     extent = float(np.abs(corners).max())
-    normals = _normals(corners)
+    normals, sizes = _normals(corners), np.ptp(corners, axis=1).max(axis=1)
     touching: set[int] = set()
     for first, second in _box_pairs(corners, corners, NEIGHBOURS):
         once = first < second
-        common = (faces[first[once], :, None] == faces[second[once], None, :]).sum(axis=(1, 2))
-        i, j, common = first[once][common < 2], second[once][common < 2], common[common < 2]
-        size = np.maximum(np.ptp(corners[i], axis=1).max(axis=1), np.ptp(corners[j], axis=1).max(axis=1))
+        i, j = first[once], second[once]
+        common = np.sum([at == of for at in faces[i].T for of in faces[j].T], axis=0)
+        i, j, common = i[common < 2], j[common < 2], common[common < 2]
+        size = np.maximum(sizes[i], sizes[j])
         tiny = ROUNDED * size + PLACED * extent
         met = _planes_meet(corners, normals, i, j, tiny, common) & _planes_meet(corners, normals, j, i, tiny, common)
         i, j, common, small = i[met], j[met], common[met], (size**2 * tiny)[met]
@@ -164,9 +165,9 @@ def _cuts_itself(vertices: Floats, faces: Integers) -> bool:
 
 def _planes_meet(corners: Floats, normals: Floats, i: Integers, j: Integers, tiny: Floats, common: Integers) -> Flags:
     """Whether triangles `j` (m,) reach to both sides of the planes of triangles `i` (m,), but for a common corner."""
-    heights = np.einsum("mkx,mx->mk", corners[j] - corners[i, :1], normals[i])
+    heights = np.einsum("mkx,mx->km", corners[j] - corners[i, :1], normals[i])
     slack = np.where(common > 0, -tiny, tiny)
-    result: Flags = (heights.min(axis=1) <= slack) & (heights.max(axis=1) >= -slack)
+    result: Flags = (heights.min(axis=0) <= slack) & (heights.max(axis=0) >= -slack)
     return result
 
 
@@ -246,7 +247,9 @@ def _box_pairs(one: Floats, other: Floats, at_once: int = AT_ONCE) -> Iterator[t
             for low, high, at in zip(lows, highs, own, strict=True)
         )
         if len(i) * len(j) <= at_once:
-            meet = ((lows[0][i, None] <= highs[1][j]) & (highs[0][i, None] >= lows[1][j])).all(axis=-1)
+            meet: Flags = np.ones((len(i), len(j)), np.bool_)
+            for k in range(3):
+                meet &= (lows[0][i, k, None] <= highs[1][j, k]) & (highs[0][i, k, None] >= lows[1][j, k])
             a, b = np.nonzero(meet)
             yield i[a], j[b]
         else:  # halve the larger set by its longest side

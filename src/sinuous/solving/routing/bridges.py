@@ -19,6 +19,9 @@ from sinuous.solving.starts import Deadline
 OPEN = 3.5
 """Distance from the obstacles from which on an end is in the open, in radii of the body."""
 
+STARTS = 8
+"""Scattered starts of a bridge, at most: of wider beams more bridges are tried, not each one longer (cells)."""
+
 FREEDOM = 6
 """Least number of coordinates of a bridge between two poses: fewer meet both by chance only."""
 
@@ -27,7 +30,7 @@ End = tuple[int, int]
 
 
 def bridged(
-    groups: Groups, other: Groups, ahead: Grown, behind: Grown, starts: int, deadline: Deadline
+    groups: Groups, other: Groups, ahead: Grown, behind: Grown, width: int, deadline: Deadline
 ) -> Iterator[Floats]:
     """Yield chains (n, 3) of a part from the base, a bridge that scattered starts solve, and a part to the target.
 
@@ -37,8 +40,8 @@ def bridged(
         The problem, and the same the other way round, see `Groups`.
     ahead, behind : Grown
         Chains from the base and from the target that end in the open, or none that do.
-    starts : int
-        Scattered starts of each bridge, and about as many bridges.
+    width : int
+        Of the beams: about as many bridges are tried.
     deadline : callable
         See `Deadline`.
     """
@@ -46,18 +49,18 @@ def bridged(
     freedom = 2 * (segments[:, MAX_BEND] > 0.0) + (segments[:, MAX_LENGTH] > segments[:, MIN_LENGTH])
     pairs = [
         (one, two)
-        for one, two in product(_ends(ahead, starts), _ends(behind, starts))
+        for one, two in product(_ends(ahead, width), _ends(behind, width))
         if one[0] + two[0] > 0 and freedom[one[0] : n - two[0]].sum() >= FREEDOM
     ]
     pairs.sort(key=lambda pair: n - pair[0][0] - pair[1][0])
-    for one, two in pairs[: 2 * starts]:
+    for one, two in pairs[: 2 * width]:
         if deadline() <= 0.0:
             return
         (head, _), (tail, root) = ahead.chain(*one), behind.chain(*two)
         rest = beyond(groups, head)
         if len(tail) > 0:
             rest = ending(rest, n - len(head) - len(tail), behind.frames[two])
-        bridge = solved(rest, np.empty((0, int(rest[0][0]), 3)), starts, deadline)
+        bridge = solved(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
         if bridge is not None:
             yield joined(groups, np.concatenate([head, bridge]), rooted(other, root), tail)
 

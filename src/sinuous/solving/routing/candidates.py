@@ -14,12 +14,7 @@ from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SO
 from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.chains import Chains
-from sinuous.solving.routing.growth import (
-    LEG_POINTS,
-    divided,
-    gone_on,
-    leg_queries,
-)
+from sinuous.solving.routing.growth import LEG_POINTS, divided, leg_queries
 from sinuous.solving.routing.halves import Halves
 from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
@@ -88,13 +83,7 @@ class Candidates:
         Whether the base was found to lie in a tube that does not open.
     """
 
-    def __init__(
-        self,
-        searches: Searches,
-        question: Question,
-        query: Floats,
-        without: Collection[str] = (),
-    ) -> None:
+    def __init__(self, searches: Searches, question: Question, query: Floats, without: Collection[str] = ()) -> None:
         self.searches, self.question, self.query = searches, question, query
         self.known: list[Candidate] = []
         self.enclosed = False
@@ -216,9 +205,9 @@ class Candidates:
         """A batch without any start."""
         return along(np.empty((0, len(self._problem.robot), 3)), ())
 
-    def _is_new(self, *what: Floats) -> bool:
-        """Say whether something, a chain (n, 3) or what chains are grown along, did not come before."""
-        key = b"".join(array.tobytes() for array in what)
+    def _is_new(self, chain: Floats) -> bool:
+        """Say whether a chain (n, 3) did not come before."""
+        key = chain.tobytes()
         new = key not in self._tried
         self._tried.add(key)
         return new
@@ -240,32 +229,21 @@ class Candidates:
     def _search_legs(self, finest: bool) -> Floats | None:
         legs: list[Floats] = []
         for query in leg_queries(self._groups):
-            ways = [query]
-            if legs:
-                ways.insert(0, query.copy())  # else the body may arrive there from elsewhere, and go on to elsewhere
-                gone_on(ways[0], legs[-1])
-            leg = self._leg(ways, finest)
+            leg = self._leg(query, finest)
             if leg is None:
                 return None
             legs.append(respaced(leg, LEG_POINTS))
         return np.stack(legs)
 
-    def _leg(self, ways: list[Floats], finest: bool) -> Floats | None:
-        """Return the route (K, 3) of one leg, asked for in either way (28,); `None` where none is found.
-
-        Both are looked for around edges before any over cells, which take a hundred times as long.
-        """
-        for query in ways:
-            leg = self.around_edges(query)
-            leg = self.through_side_tubes(query) if leg is None else leg
-            if leg is not None:
-                return leg
-        for query in ways:
-            for plan in self.searches.leg_plans(finest):
-                found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
-                if found.routes:
-                    return found.routes[0]
-        return None
+    def _leg(self, query: Floats, finest: bool) -> Floats | None:
+        """Return the route (K, 3) of one leg (28,), around edges or over cells; `None` where none is found."""
+        leg = self.around_edges(query)
+        leg = self.through_side_tubes(query) if leg is None else leg
+        for plan in self.searches.leg_plans(finest) if leg is None else ():
+            found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
+            if found.routes:
+                return found.routes[0]
+        return leg
 
 
 def along(initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None) -> Batch:

@@ -5,6 +5,9 @@ is grown from the other end is lost there. So chains are grown from both ends, b
 (`kernels.growing`). Of k segments from the base and n - k from the target that nearly meet, one part is solved for the
 pose in which the other begins: two problems of half the segments are far easier than one of all. An arc does not care
 how it is turned about its tangent, so what is joined meets both ends.
+
+An elbow in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive with one of
+these. So, for some of its tangents, chains are also grown in two parts: up to the elbow, and from there.
 """
 
 import math
@@ -16,8 +19,8 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import POSE_POSITION, POSE_WIDTH, UNIT
 from sinuous.solving.routing.bridges import OPEN, bridged
-from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, settled
-from sinuous.solving.routing.parts import ending, solved
+from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, segments_of, settled
+from sinuous.solving.routing.parts import along_tangent, beyond, ending, solved, up_to
 from sinuous.solving.routing.roots import roots
 from sinuous.solving.routing.turned import Groups, joined, rooted, turned, turned_back
 from sinuous.solving.starts import Deadline
@@ -39,6 +42,10 @@ DEAR = 2.0
 
 TANGENT = slice(2, POSE_POSITION, 3)
 """The tangent (3,) in a pose (12,)."""
+
+
+TANGENTS = 4
+"""Most tangents of an elbow with which chains are led past it."""
 
 
 class _Joint(NamedTuple):
@@ -69,9 +76,20 @@ class Chains:
         self._segment = float(groups[2][UNIT]) / self._n
         self._roots = roots(groups, np.concatenate(list(legs)))
         self._other = turned(groups, self._roots[0]) if len(self._roots) else None
+        self._elbows = list[_Elbow]()
+        if len(legs) > 1:
+            first = up_to(groups, segments_of(groups)[0] + 1)
+            others = roots(first, legs[0])[:TANGENTS]
+            self._elbows += [_Elbow(groups, first, legs, other, deadline) for other in others]
 
     def of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
+        yield from self._past_all(width)
+        for elbow in self._elbows:
+            yield from elbow.of_width(width)
+
+    def _past_all(self, width: int) -> Iterator[Floats]:
+        """Yield chains (n, 3) of beams that lead past all targets."""
         if self._other is None:
             yield from self._given(self._wholes(self._ahead(width), self._groups))
             return
@@ -143,3 +161,34 @@ class Chains:
     def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Floats | None:
         """Return a chain like this one (k, 3) that ends against a pose (12,); `None` where none is found."""
         return solved(ending(groups, len(chain), end), chain[None], 0, self._deadline)
+
+
+class _Elbow:
+    """Chains in two parts: up to the first elbow, to pass it with one tangent, and from there as the first part ends.
+
+    Parameters
+    ----------
+    groups, before : tuple of ndarray
+        The problem, and that of the segments up to the elbow.
+    legs, deadline
+        See `Chains`.
+    root : ndarray (12,)
+        Pose of the elbow, against the tangent.
+    """
+
+    def __init__(self, groups: Groups, before: Groups, legs: Floats, root: Floats, deadline: Deadline) -> None:
+        self._groups, self._before, self._legs, self._deadline = groups, before, legs, deadline
+        self._heads = Chains(along_tangent(before, -root[TANGENT]), legs[:1], deadline)
+        self._head: Floats | None = None
+        self._tails: Chains | None = None
+
+    def of_width(self, width: int) -> Iterator[Floats]:
+        """Yield chains (n, 3); the second part is grown once the first one is proved."""
+        if self._tails is None:
+            heads = (solved(self._before, q[None], 0, self._deadline) for q in self._heads.of_width(width))
+            self._head = next((head for head in heads if head is not None), None)
+            if self._head is None:
+                return
+            self._tails = Chains(beyond(self._groups, self._head), self._legs[1:], self._deadline)
+        for tail in self._tails.of_width(width):
+            yield np.concatenate([self._head, tail])

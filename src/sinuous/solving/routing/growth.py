@@ -41,9 +41,6 @@ a robot of 20 segments."""
 LEG_POINTS = 160
 """Points of each leg of a route."""
 
-ARRIVAL = 5
-"""Points of a leg that its last tangent is taken over."""
-
 
 def _in_order(groups: Groups) -> dict[int, int]:
     """By each segment whose end is asked to be somewhere, from the base on, the number of the target that says so."""
@@ -114,14 +111,6 @@ def divided(groups: Groups, route: Floats, near: float) -> Floats | None:
         legs.append(respaced(np.vstack([points[:at], place]), LEG_POINTS))
         points = np.vstack([place, points[at + 1 :]])
     return np.stack([*legs, respaced(points, LEG_POINTS)])
-
-
-def gone_on(query: Floats, leg: Floats) -> None:
-    """Let the route of a query go on as the leg (K, 3) before it arrives, where no target says how."""
-    axis = slice(QUERY_AXIS, QUERY_AXIS + 3)
-    if not query[axis].any():
-        ahead = leg[-1] - leg[-1 - ARRIVAL]
-        query[axis] = ahead / np.linalg.norm(ahead)
 
 
 class Grown:

@@ -17,6 +17,7 @@ from sinuous.kernels.tables import (
     ANGLE_TOLERANCE,
     DIRECTION,
     FIRST_SEGMENT,
+    FREE,
     GOAL,
     HAS_POSITION,
     LAST_SEGMENT,
@@ -57,18 +58,29 @@ LOOSE, SLANT = 0.25, 0.08
 """How far from a gate the part before it may end: in radii of the body, and in rad."""
 
 
+def up_to(groups: Groups, count: int) -> Groups:
+    """Return the problem of the first `count` segments, without a tool, and of the targets that concern them."""
+    robot, scene, settings, targets = groups
+    told = _scaled(settings, segments_in(robot)[:count])
+    return first(robot, count), scene, told, targets[_segments(groups) < count]
+
+
+def along_tangent(groups: Groups, tangent: Floats) -> Groups:
+    """Return the problem to end with a unit tangent (3,), where no target says how."""
+    targets = groups[3].copy()
+    open_rows = (_segments(groups) == groups[0][0] - 1.0) & (targets[:, ORIENTATION] == FREE)
+    targets[open_rows, ORIENTATION], targets[open_rows, GOAL : GOAL + 3] = DIRECTION, tangent
+    return (*groups[:3], targets)
+
+
 def before(groups: Groups, row: Floats) -> Groups:
     """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
-    robot, scene, settings, targets = groups
-    count = int(row[TARGET_SEGMENT]) + 1
-    segments = segments_in(robot)
-    own = targets[_segments(groups) < count]
+    robot, scene, told, own = up_to(groups, int(row[TARGET_SEGMENT]) + 1)
     last = row.copy()
     last[TARGET_SEGMENT] = -1.0
-    told = _scaled(settings, segments[:count])
-    told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * ball_radius(segments))
+    told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * ball_radius(segments_in(groups[0])))
     told[ANGLE_TOLERANCE] = max(told[ANGLE_TOLERANCE], SLANT)
-    return first(robot, count), scene, told, np.vstack([own, last])
+    return robot, scene, told, np.vstack([own, last])
 
 
 def ending(groups: Groups, count: int, end: Floats) -> Groups:

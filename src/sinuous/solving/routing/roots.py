@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.lines import room_along
+from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.tables import (
     DIRECTION,
@@ -23,7 +23,7 @@ from sinuous.kernels.tables import (
     TARGET_POSITION,
     TARGET_SEGMENT,
 )
-from sinuous.poses import pose
+from sinuous.poses import least_rotation
 from sinuous.solving.routing.parts import segments_in
 from sinuous.solving.routing.turned import FLIP, Groups
 
@@ -76,16 +76,18 @@ def roots(groups: Groups, route: Floats) -> Floats:
     if len(ends) > 1:
         points = places[:, None] - radius * np.array(STEPS)[:, None] * ahead[:, None]
         distances = np.empty(points.size // 3)
-        room_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
+        distances_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
         lack = np.maximum(0.0, ENOUGH - distances.reshape(len(ends), -1) / radius)
         squares = lack * lack
         ranked = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable")
         order = [i for i in ranked.tolist() if lack[i, 0] <= IN_WALL] or ranked[:1].tolist()
     chosen: list[int] = []
     for i in order:
+        if len(chosen) == MOST:
+            break
         turns = np.arccos(np.clip(ahead[chosen] @ ahead[i], -1.0, 1.0))
         off = turns + np.linalg.norm(places[chosen] - places[i], axis=1) / (2.0 * radius)
-        if len(chosen) < MOST and (off > APART).all():
+        if (off > APART).all():
             chosen.append(i)
     return np.stack([np.append((ends[i] @ FLIP).ravel(), places[i]) for i in chosen])
 
@@ -111,19 +113,15 @@ def _ends(target: Floats, tool: Floats, tangent: Floats) -> Floats:
         return (target[GOAL : GOAL + 9].reshape(3, 3) @ held.T)[None]
     if target[ORIENTATION] == DIRECTION:
         rolls = np.arange(ROLLS) / ROLLS if aside or held[2, 2] < 1.0 else np.zeros(1)
-        ahead = pose(direction=target[GOAL : GOAL + 3])[:3, :3]
+        ahead = least_rotation(target[GOAL : GOAL + 3])
         return np.stack([ahead @ _spin(roll) @ held.T for roll in rolls])
     count = 2 * DIRECTIONS if aside else DIRECTIONS
     number = np.arange(count - 1) + 0.5
     height, turn = 1.0 - 2.0 * number / (count - 1), math.pi * (1.0 + math.sqrt(5.0)) * number
     level = np.sqrt(1.0 - height * height)
     around = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
-    return np.stack(
-        [
-            pose(direction=ahead)[:3, :3] @ _spin(GOLDEN * i if aside else 0.0)
-            for i, ahead in enumerate(np.vstack([tangent, around]))
-        ]
-    )
+    turned = [least_rotation(ahead) for ahead in np.vstack([tangent, around])]
+    return np.stack([each @ _spin(GOLDEN * i) for i, each in enumerate(turned)] if aside else turned)
 
 
 def _spin(turns: float) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.lines import room_along, room_beside
+from sinuous.kernels.fitting.lines import distances_along, widths_across
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
@@ -282,13 +282,15 @@ class Searches:
     def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
-        room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.needed_radii), distances)
+        distances_along(
+            problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.needed_radii), distances
+        )
         return distances
 
     def widths_across(self, problem: Problem, line: Floats) -> Floats:
         """Return the greatest distance (K,) from the obstacles across a line (K, 3); any beyond `WIDE` radii."""
         widths = np.empty(len(line))
-        room_beside(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, widths)
+        widths_across(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, widths)
         return widths
 
     def groups(self, problem: Problem) -> Groups:

@@ -451,6 +451,7 @@ class Robot(NotebookMixin, Frozen):
         Returns
         -------
         Equilibrium
+            A stable one where one is found nearby; else an unstable one, whose `stable` is false.
 
         Raises
         ------

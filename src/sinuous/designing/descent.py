@@ -229,7 +229,9 @@ class _Steps:
         from scipy import sparse  # noqa: PLC0415
 
         shared = np.vstack([np.column_stack([rows.fields, -rows.shared]) for rows in blocks])
-        return sparse.hstack([sparse.csr_matrix(shared), sparse.block_diag([rows.own for rows in blocks])], "csr")
+        return sparse.hstack(
+            [sparse.csr_array(shared), sparse.block_diag([sparse.csr_array(rows.own) for rows in blocks])], "csr"
+        )
 
     @staticmethod
     def _within(rows: _Rows, most: float, far: float) -> _Rows:

@@ -65,6 +65,8 @@ def test_either_part_is_long_enough_and_the_first_ends_in_the_narrow_place(at: i
 def test_there_is_no_place_in_the_open_nor_where_an_end_lies_in_it() -> None:
     asked = groups(Scene([]))
     assert not Halves(asked, LINE[None], np.full((1, LEG_POINTS), 10.0 * RADIUS)).any
+    assert not Halves(asked, np.zeros_like(LINE)[None], np.full((1, LEG_POINTS), 10.0 * RADIUS)).any
+    assert not Halves(asked, LINE[None], np.full((1, LEG_POINTS), np.inf)).any
     assert not Halves(asked, LINE[None], room(0, 30)).any
     assert not Halves(asked, LINE[None], room(130, LEG_POINTS - 1)).any
 

@@ -113,7 +113,7 @@ class Halves:
         own = looked[which]
         first, last = _run_about(own <= NARROW * max(0.0, own.min()), int(own.argmin()))
         spacing = lengths_along(legs[which])[-1] / (legs.shape[1] - 1)
-        deep = round(own.min() / spacing)
+        deep = round(min(max(0.0, own.min() / spacing), last - first)) if spacing > 0.0 else 0
         self._long = (last - first - deep) * spacing > segments_in(groups[0])[:, MAX_LENGTH].mean()
         self._at = skipped + (min(first + deep, last) if self._long else (first + last) // 2)
         self._end = skipped + last if self._long else self._at

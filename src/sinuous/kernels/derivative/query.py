@@ -176,6 +176,19 @@ def _lay_out(
     return problem, desk
 
 
+@kernel
+def _follow(problem: Problem, asked: Array, lines: Array, desk: Desk, count: int, targets: int) -> int:
+    """Move `desk.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
+    status = 0
+    fill_sides(problem.scene, problem, asked, lines, desk, count)
+    if factorise(problem.limits, desk, count, targets) > 0:
+        status |= SINGULAR
+    called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
+    if called > STILL * (1.0 + _largest(desk.sides[:count])):
+        status |= KINK
+    return status
+
+
 @shared
 def _derive(
     robot: Array,
@@ -194,24 +207,13 @@ def _derive(
     leaves what its second one adds, D' (b' - A' D b).
     """
     problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    count, met, residual, told = _find_rows(problem, desk)
-    status = told
-    fill_sides(problem.scene, problem, asked, lines, desk, count)
+    count, met, residual, status = _find_rows(problem, desk)
     move_directly(problem, asked, desk.moved)
-    if factorise(problem.limits, desk, count, met) > 0:
-        status |= SINGULAR
-    called = settle(problem.limits, desk, count, met, desk.sides, desk.moved)
-    if called > STILL * (1.0 + _largest(desk.sides[:count])):
-        status |= KINK
+    status |= _follow(problem, asked, lines, desk, count, met)
     if residual > CONVERGED and status == 0:
         _correct(problem, desk, count, met)
         count, met, _, status = _find_rows(problem, desk)
-        fill_sides(problem.scene, problem, asked, lines, desk, count)
-        if factorise(problem.limits, desk, count, met) > 0:
-            status |= SINGULAR
-        called = settle(problem.limits, desk, count, met, desk.sides, desk.moved)
-        if called > STILL * (1.0 + _largest(desk.sides[:count])):
-            status |= KINK
+        status |= _follow(problem, asked, lines, desk, count, met)
     answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, met, residual
 
 

@@ -12,6 +12,7 @@ these. So, for some of its tangents, chains are also grown in two parts: up to t
 
 import math
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -43,8 +44,7 @@ DEAR = 2.0
 TANGENT = slice(2, POSE_POSITION, 3)
 """The tangent (3,) in a pose (12,)."""
 
-
-TANGENTS = 4
+MOST_TANGENTS = 4
 """Most tangents of an elbow with which chains are led past it."""
 
 
@@ -76,17 +76,21 @@ class Chains:
         self._segment = float(groups[2][UNIT]) / self._n
         self._roots = roots(groups, np.concatenate(list(legs)))
         self._other = turned(groups, self._roots[0]) if len(self._roots) else None
-        self._elbows = list[_Elbow]()
-        if len(legs) > 1:
-            first = up_to(groups, segments_of(groups)[0] + 1)
-            others = roots(first, legs[0])[:TANGENTS]
-            self._elbows += [_Elbow(groups, first, legs, other, deadline) for other in others]
 
     def of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
         yield from self._past_all(width)
         for elbow in self._elbows:
             yield from elbow.of_width(width)
+
+    @cached_property
+    def _elbows(self) -> "list[_Elbow]":
+        """Ways to pass the first elbow, where there is one; made once chains past all targets are not enough."""
+        if len(self._legs) == 1:
+            return []
+        before = up_to(self._groups, segments_of(self._groups)[0] + 1)
+        ends = roots(before, self._legs[0])[:MOST_TANGENTS]
+        return [_Elbow(self._groups, before, self._legs, end, self._deadline) for end in ends]
 
     def _past_all(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that lead past all targets."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.assessing.moves import straight
+from sinuous.robot.segment import straight
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(3, length=(45, 70), max_bend=1.5, radius=4, name="three")
@@ -14,7 +14,7 @@ NEAR, INSIDE = sn.Target((0, 10, 165)), sn.Target((0, 60, 120))
 def test_a_row_is_what_planning_says() -> None:
     found = sn.assess(ROBOT, {"move": sn.Move(NEAR), "inside": sn.Move([INSIDE])}, [BALL])
     rows = {row.task: row for row in found.rows}
-    motion = sn.plan(ROBOT, straight(ROBOT), [NEAR], [BALL])
+    motion = sn.plan(ROBOT, straight(ROBOT.segments), [NEAR], [BALL])
     done = rows["move"].done
     assert (rows["move"].kind, done.status, done.share) == ("plan", "solved", 1.0)
     assert (done.clearance, done.duration) == (motion.clearance, 1.0)

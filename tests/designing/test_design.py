@@ -14,8 +14,8 @@ from sinuous.designing import descent, find
 from sinuous.designing.design import Design
 from sinuous.designing.fields import Space
 from sinuous.designing.judge import Judge
-from sinuous.designing.objectives import straight
 from sinuous.designing.search import Candidates, Search, front
+from sinuous.robot.segment import straight
 from sinuous.solution.verification import verify
 from tests.helpers import refused
 
@@ -74,7 +74,7 @@ def test_derivatives_lead_actuators_to_less_travel_and_tension(minimise: str, mo
     for robots in (96, 128):
         best = sn.design(template, TASKS, vary=varied, minimise=minimise, robots=robots, workers=1).best
         assert best is not None
-        shapes = np.array([*best.answers.values(), straight(best.robot)])
+        shapes = np.array([*best.answers.values(), straight(best.robot.segments)])
         if minimise == "travel":
             assert np.ptp(best.robot.to_actuators(shapes), axis=0).max() == pytest.approx(best.objectives["travel"])
         else:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.display.contents import straight
 from sinuous.display.curves import speeds_of
 from sinuous.errors import InputError
+from sinuous.robot.segment import straight
 from sinuous.solution.remedies import Remedy
 from sinuous.viewer.history import History
 from sinuous.viewer.model import Model, least_of
@@ -351,7 +351,7 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     page.accept(page.number, solvers.solve(page.question()))
     second = page.question_beside()
     assert second is not None
-    np.testing.assert_array_equal(second.initial, straight(ROBOT))
+    np.testing.assert_array_equal(second.initial, straight(ROBOT.segments))
     solution = solvers.solve(second)
     assert page.accept_beside(second.number, solution)
     page.place_target(0, np.array([0.9, 0.0, 2.0]))

@@ -3,17 +3,15 @@
 import warnings
 from typing import Any
 
-import numpy as np
-
 from sinuous import checks
 from sinuous.arguments import Rows
 from sinuous.assessing.tasks import Done, binds_of
-from sinuous.checks import Floats
 from sinuous.errors import SuspiciousInput
 from sinuous.frozen import Frozen
 from sinuous.motion.plan import plan
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 from sinuous.solving.solver import Solver
 
 
@@ -47,7 +45,7 @@ class Move(Frozen):
 
     def do(self, solver: Solver) -> Done:
         """Plan it."""
-        start = straight(solver.robot) if self.start is None else self.start
+        start = straight(solver.robot.segments) if self.start is None else self.start
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
             motion = plan(solver.robot, start, list(self.goal), solver.scene, **vars(solver.options))
@@ -57,9 +55,3 @@ class Move(Frozen):
         binds = binds_of(motion.solutions) or worst
         shapes = motion.q if motion.solved else None
         return Done(str(motion.status), float(motion.solved), *proved, motion.seconds, duration, binds, shapes)
-
-
-def straight(robot: Robot) -> Floats:
-    """Return the straight configuration (n, 3) with segments of mean length."""
-    lengths = [0.5 * (segment.length[0] + segment.length[1]) for segment in robot.segments]
-    return np.stack([np.zeros(len(lengths)), np.zeros(len(lengths)), lengths], axis=-1)

@@ -17,10 +17,11 @@ from sinuous.checks import Floats
 from sinuous.derivatives.parameters import plan_for
 from sinuous.derivatives.rows import KeptRows, metric
 from sinuous.designing.judge import Judge, Judged
-from sinuous.designing.objectives import Objective, of_robot, straight
+from sinuous.designing.objectives import Objective, of_robot
 from sinuous.kernels.derivative import layout as a
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
 
@@ -307,8 +308,8 @@ class _Steps:
             largest, least = np.eye(m, self._shared, o), np.eye(m, self._shared, o + m)
             ends = np.concatenate([largest, -least])
             listed.append(self._both(value, slopes, change, shared=ends))
-            rest = _values(self._robot, straight(self._robot)[None])[0]
-            change = self._by_fields(lambda robot, _: _values(robot, straight(robot)[None])[0])
+            rest = _values(self._robot, straight(self._robot.segments)[None])[0]
+            change = self._by_fields(lambda robot, _: _values(robot, straight(robot.segments)[None])[0])
             listed.append(self._both(rest, 0.0 * slopes, change, shared=ends))
             listed.append(self._rows(0.0 * change, 0.0 * slopes, np.zeros(m), "travel", least - largest))
         return listed

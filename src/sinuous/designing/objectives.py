@@ -10,6 +10,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 
 Objective = Literal["actuators", "length", "bend", "travel", "tension", "clearance", "uncovered"]
 """What may be minimised.
@@ -86,10 +87,5 @@ def _of_shapes(name: Objective, robot: Robot, q: Floats) -> float:
     if name == "tension":
         elastic = robot.drive.elastic
         return math.inf if elastic is None else float(np.abs(elastic.balance(q).tensions).max())
-    values = robot.to_actuators(np.concatenate([q, straight(robot)[None]]))
+    values = robot.to_actuators(np.concatenate([q, straight(robot.segments)[None]]))
     return float(np.ptp(values, axis=0).max())
-
-
-def straight(robot: Robot) -> Floats:
-    """The straight configuration (n, 3), of mean lengths."""
-    return np.array([[0.0, 0.0, 0.5 * sum(segment.length)] for segment in robot.segments])

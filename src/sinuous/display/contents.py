@@ -16,6 +16,7 @@ from sinuous.motion.motion import Motion
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 from sinuous.scene.moving import standing_at
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
@@ -138,13 +139,6 @@ class Contents:
         return (arm for arm in self.all_arms if not arm.ghost)
 
 
-def straight(robot: Robot) -> Floats:
-    """Configuration (n, 3) of a straight robot, each segment at its mean length."""
-    q = np.zeros((len(robot), 3))
-    q[:, 2] = [0.5 * sum(segment.length) for segment in robot.segments]
-    return q
-
-
 def gather(things: Iterable[Any]) -> Contents:
     """Sort what was given.
 
@@ -161,7 +155,7 @@ def gather(things: Iterable[Any]) -> Contents:
             targets.append(thing)
         elif isinstance(thing, Robot):
             if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
-                contents.add_robot(thing, straight(thing))
+                contents.add_robot(thing, straight(thing.segments))
         elif _is_array(thing):
             before = flat[i - 1][1] if i else None
             if not isinstance(before, Robot):
@@ -218,7 +212,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
 
 
 def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
-    _add_arm(contents, robot, straight(robot), True, targets)
+    _add_arm(contents, robot, straight(robot.segments), True, targets)
     contents.add_obstacles(scene.obstacles)
 
 
@@ -246,7 +240,7 @@ def _add_motion(contents: Contents, motion: Motion) -> None:
     if len(motion.q) > 1:
         contents.add_way(motion.robot, motion.q, motion.times, motion.solved)
     else:
-        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot)
+        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot.segments)
         contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):

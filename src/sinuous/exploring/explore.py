@@ -29,6 +29,7 @@ from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solving.many import read_workers
 from sinuous.solving.memory import Explored, Memory
@@ -177,9 +178,8 @@ def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[Expl
 def _starts(robot: Robot, given: Batch | None) -> Floats:
     """Shapes (m, n, 3) to be joined first."""
     if given is None:
-        lengths = [0.5 * sum(segment.length) for segment in robot.segments]
-        straight = np.array([[(0.0, 0.0, length) for length in lengths]])
-        return straight if violated_by(robot, straight[0]) is None else straight[:0]
+        start = straight(robot.segments)[None]
+        return start if violated_by(robot, start[0]) is None else start[:0]
     shapes = robot.configuration("starts", given).reshape(-1, len(robot), 3)
     for i, q in enumerate(shapes):
         violated = violated_by(robot, q)

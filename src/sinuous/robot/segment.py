@@ -192,3 +192,8 @@ def arc_parameters(q: Stack) -> tuple[Floats, Floats, Floats]:
             "q", "has a bent segment of length 0", x.tolist(), "a length greater than 0 where there is a bend"
         )
     return curvature, np.arctan2(x[..., 1], x[..., 0]), x[..., 2].copy()
+
+
+def straight(segments: Sequence[Segment]) -> Floats:
+    """Return the straight configuration (n, 3) of segments, each at its mean length."""
+    return np.array([(0.0, 0.0, 0.5 * sum(segment.length)) for segment in segments])

@@ -27,6 +27,7 @@ from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.at_rest import at_rest
@@ -686,7 +687,7 @@ class SolvesAgain:
 
 
 def _warm_solve(solver: Solver) -> None:
-    solver.solve(_beyond_reach(solver), _straight(solver), time=0.0)
+    solver.solve(_beyond_reach(solver), straight(solver.robot.segments), time=0.0)
     solver._strategy.load(anew=True)
 
 
@@ -701,7 +702,7 @@ def _warm_all(solver: Solver) -> None:
 
 
 def _warm_step(solver: Solver) -> None:
-    solver.step(_straight(solver), (0.0,) * 6, 1.0)
+    solver.step(straight(solver.robot.segments), (0.0,) * 6, 1.0)
 
 
 READY: dict[str, Callable[[Solver], None]] = {
@@ -715,12 +716,6 @@ READY: dict[str, Callable[[Solver], None]] = {
 
 def _uses(key: str, given: Sequence[str]) -> list[str]:
     return [checks.choice(key, use, tuple(READY)) for use in given]
-
-
-def _straight(solver: Solver) -> Floats:
-    """Straight, with mean lengths."""
-    lengths = [sum(segment.length) / 2.0 for segment in solver.robot.segments]
-    return np.array([(0.0, 0.0, length) for length in lengths])
 
 
 def _beyond_reach(solver: Solver) -> Target:

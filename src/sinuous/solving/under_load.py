@@ -16,6 +16,7 @@ from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
 from sinuous.robot.robot import LIMIT_ROUNDING, Robot, robot_group
+from sinuous.robot.segment import straight
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest, lines_that_follow, rolled, stretches_allowed, tensions_kept
@@ -213,8 +214,7 @@ def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome]
             break
     assert best is not None
     if math.isinf(best.position_error):  # no start has an equilibrium: a straight body may
-        straight = [[0.0, 0.0, 0.5 * sum(segment.length)] for segment in problem.robot.segments]
-        best = corrected(own, problem, given(np.array(straight)), seconds)
+        best = corrected(own, problem, given(straight(problem.robot.segments)), seconds)
     spent = work_time() - began
     code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

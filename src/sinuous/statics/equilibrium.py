@@ -14,6 +14,7 @@ from sinuous.frozen import Frozen
 from sinuous.kernels.statics import layout as t
 from sinuous.reprs import call
 from sinuous.robot.loads import Force, Load
+from sinuous.robot.segment import straight
 from sinuous.statics.body import KEPT, Tables, body_of, tables_of
 from sinuous.statics.response import Question, Response
 
@@ -276,7 +277,7 @@ def _pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], initial: Fl
     body = body_of(robot)
     own, q = body.lines, initial
     if q is None:
-        q = np.array([[0.0, 0.0, 0.5 * sum(segment.length)] for segment in robot.segments])
+        q = straight(robot.segments)
     tables = tables_of(robot, q, loads)
     tables.lines[:, t.HELD], tables.lines[:, t.VALUE] = 0.0, tensions[own.actuators]
     through = (np.arange(len(q)) >= own.sections[:, :1]) & (np.arange(len(q)) <= own.sections[:, 1:])

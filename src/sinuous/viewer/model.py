@@ -9,7 +9,6 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.display.contents import straight
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.methods.registry import name_of
 from sinuous.motion.job import Job
@@ -19,7 +18,7 @@ from sinuous.poses import least_rotation
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.rates import KEYS, Kept, Rates, least, scaled
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.robot.segment import Segment, straight
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Mover, Snapshot
@@ -125,8 +124,8 @@ class Model:
     def load(self, job: Job) -> None:
         """Begin anew with another problem."""
         self.job = job
-        self.q: Floats = straight(job.robot) if job.start is None else job.start
-        self._q_beside = straight(job.robot)
+        self.q: Floats = straight(job.robot.segments) if job.start is None else job.start
+        self._q_beside = straight(job.robot.segments)
         self.answer: Solution | None = None
         self.beside: Solution | None = None
         self.waypoint = 0

@@ -29,6 +29,9 @@ SIZE = (900, 560)
 PATIENCE = 300.0
 """Seconds: kernels may have to be compiled first, and on a busy machine software takes many to draw a picture."""
 
+REOPENED = 5e3
+"""Milliseconds after which a list is opened again."""
+
 
 @contextmanager
 def chromium() -> Iterator[Any]:
@@ -56,9 +59,21 @@ def opened(browser: Any, address: str) -> Any:
 
 
 def choose(tab: Any, label: str, entry: str) -> None:
-    """Choose an entry of a list."""
-    tab.get_by_role("combobox", name=label, exact=True).click()
-    tab.get_by_role("option", name=entry, exact=True).click()
+    """Choose an entry of a list; where the page is made anew meanwhile the list closes, and is opened again."""
+    from playwright.sync_api import TimeoutError as TooLate
+
+    option = tab.get_by_role("option", name=entry, exact=True)
+
+    def chosen() -> bool:
+        if not option.is_visible():
+            tab.get_by_role("combobox", name=label, exact=True).click()
+        try:
+            option.click(timeout=REOPENED)
+        except TooLate:
+            return False
+        return True
+
+    until(chosen, f"{entry!r} of {label!r}")
 
 
 def inputs(tab: Any, label: str) -> Any:

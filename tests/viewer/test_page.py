@@ -214,6 +214,7 @@ def test_an_actuator_is_pulled_and_taken_back(page: Page, fresh: Any) -> None:
     fresh.get_by_role("button", name="Redo").click()
     until(lambda: page.model.by_hand, "the tendon pulled again")
     fresh.get_by_role("button", name="Undo").click()
+    until(lambda: not page.model.by_hand, "what was before, again")
     fresh.locator(".badge", has_text="bent by hand").wait_for(state="detached")
     np.testing.assert_allclose(page.model.actuators, before, atol=0.01)
 

@@ -110,7 +110,7 @@ def test_what_is_beside_a_free_chord_is_no_nearer_than_its_bound(name: str, move
     own = Scene([mesh.placed(pose) if moved else mesh])
     scene, snapshot = kernel_scene(own), own.snapshot()
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    centers = (low + (high - low) * RNG.random((800, 3))) @ pose[:3, :3].T + pose[:3, 3]
+    centers = (low + (high - low) * RNG.random((500, 3))) @ pose[:3, :3].T + pose[:3, 3]
     away, bounds, short = snapshot.distance(centers), [], []
     for center, d, g in zip(centers, away, snapshot.gradient(centers), strict=True):
         chord = RNG.normal(size=3) * RNG.choice([0.01, 0.1, 1.0]) * max(d, 0.01)
@@ -122,5 +122,5 @@ def test_what_is_beside_a_free_chord_is_no_nearer_than_its_bound(name: str, move
             bounds.append(found)
         across = 0.02 * d * np.cross(g, chord) / np.linalg.norm(np.cross(g, chord))
         short.append(d <= 1e-3 or beside_chord(scene, 0, vec(center), vec(across), 0.0) > 0.998 * d)
-    assert len(bounds) > 60
+    assert len(bounds) > 35
     assert np.mean(short) > 0.9  # not where something else is as near, or a list is full

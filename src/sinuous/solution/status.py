@@ -57,7 +57,7 @@ CODES = {
     Status.NO_ROUTE: t.NO_ROUTE,
     Status.RATE_BOUND: t.RATE_BOUND,
 }
-"""Codes by which kernels say how a search ended; all other statuses are t.FAILED, for different reasons."""
+"""Codes by which kernels say how a search ended; all other statuses are FAILED, for different reasons."""
 
 _OF_CODES = {code: status for status, code in CODES.items()}
 

@@ -11,11 +11,22 @@ order and saves most of the roots.
 import math
 from collections import namedtuple
 
-from sinuous.kernels import tables as t
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import triangles
 from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, dot, sub
+from sinuous.kernels.tables import (
+    COUNT,
+    CUBE_HALF,
+    CUBES,
+    ITEM_KIND,
+    ITEMS,
+    LEVELS,
+    NODE_SIZE,
+    NODES,
+    TRIANGLE_SIZE,
+    TRIANGLES,
+)
 
 Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 """Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
@@ -25,12 +36,12 @@ Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 def tree_of(table: Array, i: int) -> Tree:
     """Tree of obstacle `i`."""
     return Tree(
-        int(table[i, t.NODES]),
-        int(table[i, t.LEVELS]),
-        int(table[i, t.ITEMS]),
-        int(table[i, t.COUNT]),
-        int(table[i, t.ITEM_KIND]),
-        table[i, t.CUBE_HALF],
+        int(table[i, NODES]),
+        int(table[i, LEVELS]),
+        int(table[i, ITEMS]),
+        int(table[i, COUNT]),
+        int(table[i, ITEM_KIND]),
+        table[i, CUBE_HALF],
     )
 
 
@@ -73,9 +84,9 @@ def cube_distance(local: Vec, half: float) -> float:
 @kernel
 def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
     """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
-    if tree.kind == t.TRIANGLES:
-        return triangles.square_distance(store, tree.items + t.TRIANGLE_SIZE * i, p, best)
-    if tree.kind == t.CUBES:
+    if tree.kind == TRIANGLES:
+        return triangles.square_distance(store, tree.items + TRIANGLE_SIZE * i, p, best)
+    if tree.kind == CUBES:
         return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
     at = tree.items + 4 * i
     away, radius = sub(p, read(store, at)), store[at + 3]
@@ -90,7 +101,7 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
     """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
     found = -1
-    if box_distance(store, tree.nodes + t.NODE_SIZE, p) >= best:
+    if box_distance(store, tree.nodes + NODE_SIZE, p) >= best:
         return found, best
     node, due = 1, 1  # a bit in `due` for every level: whether the sibling is still to be visited; the root's is 1
     first_leaf = 1 << tree.levels
@@ -103,8 +114,8 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
                 if d < best:
                     found, best = i, d
         else:
-            left = box_distance(store, tree.nodes + 2 * t.NODE_SIZE * node, p)
-            right = box_distance(store, tree.nodes + 2 * t.NODE_SIZE * node + t.NODE_SIZE, p)
+            left = box_distance(store, tree.nodes + 2 * NODE_SIZE * node, p)
+            right = box_distance(store, tree.nodes + 2 * NODE_SIZE * node + NODE_SIZE, p)
             if min(left, right) < best:
                 node = 2 * node + (1 if right < left else 0)
                 due = 2 * due + (1 if max(left, right) < best else 0)
@@ -117,7 +128,7 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
                 return found, best
             due ^= 1
             node ^= 1
-            descend = box_distance(store, tree.nodes + t.NODE_SIZE * node, p) < best
+            descend = box_distance(store, tree.nodes + NODE_SIZE * node, p) < best
 
 
 @kernel
@@ -190,5 +201,5 @@ def enclose(lows: Array, highs: Array, order: Array, levels: int, nodes: Array) 
                 for axis in range(3):
                     nodes[node, axis] = min(nodes[node, axis], nodes[child, axis])
                     nodes[node, axis + 3] = max(nodes[node, axis + 3], nodes[child, axis + 3])
-    for axis in range(t.NODE_SIZE):
+    for axis in range(NODE_SIZE):
         nodes[0, axis] = 0.0

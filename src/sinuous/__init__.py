@@ -32,8 +32,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _html(noun: Any) -> str:
-    html: str = import_module("sinuous.pictures.html").html(noun)
-    return html
+    return import_module("sinuous.pictures.html").html(noun)
 
 
 NotebookMixin._html_renderer = _html

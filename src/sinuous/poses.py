@@ -93,8 +93,7 @@ def _nearest_rotation(key: str, matrix: Floats) -> Floats:
     off = _off(matrix[None])
     if off[0] > ROTATION_SLACK:
         raise InputError(key, "", matrix.tolist(), "a rotation: orthonormal rows and determinant 1")
-    result: Floats = _exact(matrix[None], off)[0]
-    return result
+    return _exact(matrix[None], off)[0]
 
 
 def _nearest_rotations(key: str, matrices: Floats) -> Floats:
@@ -120,8 +119,7 @@ def _off(matrices: Floats) -> Floats:
 
 def _dots(a: Floats, b: Floats) -> Floats:
     """Products (m,) of rows (m, 3), summed in one order however many there are."""
-    result: Floats = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
-    return result
+    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
 def _exact(matrices: Floats, off: Floats) -> Floats:

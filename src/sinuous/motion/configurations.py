@@ -33,8 +33,7 @@ def distances(robot: Robot, q: Floats) -> Floats:
     lengths; a change of a length by itself.
     """
     steps = (q[1:] - q[:-1]) * lever_metric(robot)
-    result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
-    return result
+    return np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
 
 
 def lever_metric(robot: Robot) -> Floats:
@@ -55,8 +54,7 @@ def movable(segments: tuple[Segment, ...]) -> Floats:
     """Which coordinates (3 n,) can move."""
     bends = np.array([segment.max_bend > 0.0 and segment.length[1] > 0.0 for segment in segments])
     stretches = np.array([segment.length[0] < segment.length[1] for segment in segments])
-    result: Floats = np.stack([bends, bends, stretches], axis=1).ravel()
-    return result
+    return np.stack([bends, bends, stretches], axis=1).ravel()
 
 
 def within_limits(robot: Robot, q: Floats) -> Floats:
@@ -78,8 +76,7 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
     low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
     angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
     drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
-    result: Floats = within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
-    return result
+    return within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
 
 
 def violated_by(robot: Robot, q: Floats) -> Worst | None:

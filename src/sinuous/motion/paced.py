@@ -60,8 +60,7 @@ def paced(motion: Motion, rates: Rates | None, duration: float | None = None, *,
 
 def least_durations(robot: Robot, q: Floats, rates: Rates) -> Floats:
     """How long each step between knots (T, n, 3) takes at least (T - 1,); 0 where no speed is limited."""
-    least: Floats = 1.0 / largest(robot, rates.spread(robot), np.diff(q, axis=0))
-    return least
+    return 1.0 / largest(robot, rates.spread(robot), np.diff(q, axis=0))
 
 
 def _slower(robot: Robot, q: Floats, durations: Floats, rates: Rates) -> float:
@@ -138,16 +137,14 @@ class Pace(NamedTuple):
 
     def spread(self, shares: Floats) -> Floats:
         """Times at shares of the motion (T,)."""
-        times: Floats = self.begin + (1.0 if self.duration is None else self.duration) * shares
-        return times
+        return self.begin + (1.0 if self.duration is None else self.duration) * shares
 
     def waypoints(self, count: int, started: bool) -> Floats | None:
         """Times (m,) of waypoints where a duration is given: even ones."""
         steps = count - 1 + started
         if self.duration is None or steps == 0:
             return None
-        whole: Floats = np.linspace(0.0, self.duration, steps + 1)[int(started) :]
-        return whole
+        return np.linspace(0.0, self.duration, steps + 1)[int(started) :]
 
     def kept(self, motion: Motion) -> Motion:
         """Return the motion in times that keep the rates."""

@@ -104,8 +104,7 @@ class Problem(Frozen, _Open):
     @property
     def rows(self) -> Floats:
         """The targets as kernels read them (t, 15), read-only."""
-        rows: Floats = read_only(self._rows)
-        return rows
+        return read_only(self._rows)
 
     @classmethod
     def prepared(cls, robot: Robot, targets: tuple[Target, ...], scene: Snapshot, tolerance: Tolerance) -> "Problem":
@@ -117,8 +116,7 @@ class Problem(Frozen, _Open):
         problem.tolerance = tolerance
         problem._rows = target_table(robot, targets)
         problem.__class__ = cls  # closes it; five calls of `object.__setattr__` would cost 0.2 us
-        made: Problem = problem
-        return made
+        return problem
 
 
 def check_sizes(robot: Robot, scene: Scene | Snapshot) -> None:

@@ -253,8 +253,7 @@ class Target(Frozen):
     @property
     def table(self) -> Floats:
         """All this as kernels read it (1, 15), read-only."""
-        table: Floats = read_only(self._table)
-        return table
+        return read_only(self._table)
 
 
 Targets = Target | Vector | Rows | Sequence[Target]

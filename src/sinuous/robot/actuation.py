@@ -303,8 +303,7 @@ def _scales(matrix: Floats, segments: Sequence[Segment]) -> Floats:
     """Largest weight of each row; see `Actuation`."""
     unit = 0.5 * sum(sum(segment.length) for segment in segments)
     sizes = np.abs(matrix.reshape(len(matrix), len(segments), 3)) / (unit, unit, 1.0)
-    result: Floats = sizes.max(axis=(1, 2), initial=0.0)
-    return result
+    return sizes.max(axis=(1, 2), initial=0.0)
 
 
 ROUNDING = 1e-13

@@ -162,8 +162,7 @@ class Lines(Frozen):
     @property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
-        result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
-        return result
+        return self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
 
     def changed(self, **values: Any) -> Self:
         """Return the same lines with other values of some parameters."""

@@ -156,8 +156,7 @@ class Elastic(Frozen):
     def beyond(self, tensions: Floats) -> Floats:
         """By how much tensions (..., e) are outside their limits, as a stretch in the length unit; 0 within."""
         low, high = self.limits.T
-        result: Floats = np.maximum(0.0, np.maximum(low - tensions, tensions - high)) / self.springs.stiffness
-        return result
+        return np.maximum(0.0, np.maximum(low - tensions, tensions - high)) / self.springs.stiffness
 
     def shape(self, displacements: Floats, q: Floats) -> Floats:
         """Configurations (..., n, 3) for displacements (..., m) of all actuators; `q` says what rigid ones do."""
@@ -171,13 +170,11 @@ class Elastic(Frozen):
     def tensions(self, displacements: Floats, q: Floats) -> Floats:
         """Tensions (..., e) of elastic lines in configurations (..., n, 3), at displacements (..., m) of all."""
         elongation = displacements[..., self.places] - q.reshape(*q.shape[:-2], -1) @ self._jacobian.T
-        result: Floats = np.where(self.springs.pulls(elongation), self.springs.stiffness * elongation, 0.0)
-        return result
+        return np.where(self.springs.pulls(elongation), self.springs.stiffness * elongation, 0.0)
 
     def stretch(self, q: Floats) -> Floats:
         """By how much (..., e) lines are displaced more than rigid ones would be, in configurations (..., n, 3)."""
-        result: Floats = self.balance(q).tensions / self.springs.stiffness
-        return result
+        return self.balance(q).tensions / self.springs.stiffness
 
     def balance(self, q: Floats) -> Balance:
         """The least tensions that hold configurations (..., n, 3)."""
@@ -209,8 +206,7 @@ class Elastic(Frozen):
         """What coordinates that rigid actuators determine make of the displacements (N, e)."""
         others = np.array(q.reshape(len(q), -1))
         others[:, self._columns] = 0.0
-        result: Floats = others @ self._jacobian.T
-        return result
+        return others @ self._jacobian.T
 
     def _springs_at(self, q: Floats) -> Springs:
         """The springs of configurations (N, n, 3): a segment that rigid actuators lengthen is softer."""
@@ -253,8 +249,7 @@ def _determined(segments: Sequence[Segment], elastic: Floats, rigid: Floats) -> 
         problem = f"a rigid actuator moves {COORDINATES[c]}, which elastic ones pull at"
         raise InputError(f"segments[{k}]", problem, segments[k], "stiffness for all tendons and chambers, or for none")
     resists = np.array([segment.stiffness is not None for segment in segments])
-    result: NDArray[np.bool_] = pulled | (moves & ~driven & resists[:, None] & [True, True, False])
-    return result
+    return pulled | (moves & ~driven & resists[:, None] & [True, True, False])
 
 
 def _refuse_loose(segments: Sequence[Segment], springs: Springs, columns: NDArray[np.intp]) -> None:

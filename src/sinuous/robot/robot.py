@@ -396,8 +396,7 @@ class Robot(NotebookMixin, Frozen):
 
     def tip(self, q: Batch) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
-        result: Floats = self.forward(q)[..., -1, :, :] @ self.tool
-        return result
+        return self.forward(q)[..., -1, :, :] @ self.tool
 
     def backbone(self, q: Batch, samples: Whole = 20) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment."""
@@ -522,8 +521,7 @@ class Robot(NotebookMixin, Frozen):
         elastic = self.drive.elastic
         if elastic is None or not elastic.bounded:
             return np.ones(q.shape[:-2], np.bool_)
-        short: NDArray[np.bool_] = elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
-        return short
+        return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
 
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.

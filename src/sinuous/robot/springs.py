@@ -43,8 +43,7 @@ class Springs(NamedTuple):
 
     def pulls(self, elongation: Floats) -> NDArray[np.bool_]:
         """Which lines (N, m) transmit a force at these elongations (N, m)."""
-        result: NDArray[np.bool_] = ~self.one_sided | (elongation > 0.0)
-        return result
+        return ~self.one_sided | (elongation > 0.0)
 
     def hessian(self, pulls: NDArray[np.bool_]) -> Floats:
         """Second derivative (N, c, c) of the energy while these lines (N, m) pull."""
@@ -103,8 +102,7 @@ def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, c
         pulled = np.einsum("nkm,nm->nk", springs.pulls(there) * springs.stiffness * there, change)
         own = np.einsum("nc,nc->n", springs.resistance * (x - springs.rest), step)
         curve = np.einsum("nc,nc->n", springs.resistance * step, step)
-        result: Floats = own[:, None] + shares * curve[:, None] - pulled
-        return result
+        return own[:, None] + shares * curve[:, None] - pulled
 
     at = slopes(kinks)
     below = (at <= 0.0).sum(axis=1)
@@ -113,5 +111,4 @@ def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, c
     right = np.where(below < kinks.shape[1], kinks[rows, np.minimum(below, kinks.shape[1] - 1)], left + 1.0)
     ends = np.stack([left, right], axis=1)
     low, high = slopes(ends).T
-    share: Floats = left - low * (right - left) / np.where(high != low, high - low, 1.0)
-    return share
+    return left - low * (right - left) / np.where(high != low, high - low, 1.0)

@@ -87,8 +87,7 @@ def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Float
     def shrunk(x: Floats) -> Floats:
         """Return columns x (3 n, k) divided by the square root of `rows^T rows + damping`."""
         along = axes @ x
-        found: Floats = (x - axes.T @ along) / np.sqrt(damping) + axes.T @ (along / np.sqrt(squares + damping)[:, None])
-        return found
+        return (x - axes.T @ along) / np.sqrt(damping) + axes.T @ (along / np.sqrt(squares + damping)[:, None])
 
     free = axes.T @ (sizes / np.sqrt(squares + damping) * (turned.T @ residual))
     across = shrunk(normals.T)
@@ -113,5 +112,4 @@ def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) ->
     for limit, was in zip((each for each in now if each.constraint == "actuator"), lines, strict=True):
         if limit.slack < 0.0 < was.slack - limit.slack:
             share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))
-    result: Floats = before + share * (q - before)
-    return result
+    return before + share * (q - before)

@@ -79,8 +79,7 @@ _IN_ORDER = np.array([_PLACE[_OF_CODES.get(code, Status.STALLED)] for code in ra
 
 def statuses_of(records: Floats) -> NDArray[np.object_]:
     """Return the statuses (m,) that records (m, 11 or more) stand for, as `status_of` does for one."""
-    result: NDArray[np.object_] = _STATUSES[places_of(records)]
-    return result
+    return _STATUSES[places_of(records)]
 
 
 def places_of(records: Floats) -> NDArray[np.uint8]:

@@ -107,8 +107,7 @@ class Memory(ShortRepr):
         """
         most = checks.integer("count", count, 1, 10_000)
         rows = target_table(self.robot, target_list("targets", targets, self.robot))[None]
-        found: Floats = self._shapes.nearest(rows, most)[0]
-        return found
+        return self._shapes.nearest(rows, most)[0]
 
     def _serves(self, robot: Robot) -> bool:
         """Whether these are shapes of this robot, whatever clearances it demands."""

@@ -197,8 +197,7 @@ class Graph:
         graph = coo_array((np.ones(len(self.edges), np.bool_), self.edges.T), shape=(size, size))
         labels = connected_components(graph, directed=False)[1]
         order = np.argsort(-np.bincount(labels), kind="stable")
-        found: Whole = np.argsort(order)[labels] if size else np.empty(0, np.int64)
-        return found
+        return np.argsort(order)[labels] if size else np.empty(0, np.int64)
 
     @cached_property
     def neighbours(self) -> tuple[Whole, Whole, Whole]:
@@ -313,8 +312,7 @@ def poses_of(robot: Robot, shapes: Floats) -> Floats:
     """Return the poses (m, n, 12) of the ends of all segments, of the last one that of the tool."""
     frames = robot.forward(shapes)
     frames[:, -1] = frames[:, -1] @ robot.tool
-    poses: Floats = np.concatenate([frames[..., :3, :3].reshape(*frames.shape[:2], 9), frames[..., :3, 3]], axis=-1)
-    return poses
+    return np.concatenate([frames[..., :3, :3].reshape(*frames.shape[:2], 9), frames[..., :3, 3]], axis=-1)
 
 
 def tip_rows(poses: Floats) -> Floats:

@@ -515,8 +515,7 @@ class Solver:
         """
         limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
         seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
-        own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
-        return own
+        return self._control.step(q, twist, dt, target=target, **limits, **seen)
 
     def __repr__(self) -> str:
         parts = f"{len(self.robot)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"

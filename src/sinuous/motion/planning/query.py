@@ -230,8 +230,7 @@ class TimedQuery:
 
     def least(self, moves: Floats) -> Floats:
         """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound for any path."""
-        durations: Floats = 1.0 / self.speeds(moves)
-        return durations
+        return 1.0 / self.speeds(moves)
 
     def soonest(self, move: Floats) -> float:
         """Return a lower bound of the duration of any path from rest to rest whose ends differ by `move` (n, 3).

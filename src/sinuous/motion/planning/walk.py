@@ -123,8 +123,7 @@ class Walks:
 
     def _apart(self, q: Floats, nodes: Whole) -> Floats:
         moves = self._nodes[nodes] - (q * self._metric).ravel()
-        found: Floats = np.sqrt(np.einsum("mk,mk->m", moves, moves))
-        return found
+        return np.sqrt(np.einsum("mk,mk->m", moves, moves))
 
     def _joined(self, query: Query, goal: Floats, begins: list[Link], ends: list[Link]) -> ProvedPath | None:
         """Walk from one of the shapes that a start is joined to, to one that a goal is joined to."""

@@ -185,8 +185,7 @@ class _Surface(NamedTuple):
         """Whether triangles `j` (m,) reach to both sides of the planes of triangles `i`, but for a common corner."""
         heights = np.einsum("mkx,mx->km", self.corners[j] - self.corners[i, :1], self.normals[i])
         slack = np.where(common > 0, -tiny, tiny)
-        result: Flags = (heights.min(axis=0) <= slack) & (heights.max(axis=0) >= -slack)
-        return result
+        return (heights.min(axis=0) <= slack) & (heights.max(axis=0) >= -slack)
 
     def is_covered_twice(self, triangles: set[int]) -> bool:
         """Whether what is just below some triangles is inside more than once, or not at all.
@@ -270,5 +269,4 @@ def _edges_meet(edges: Floats, triangles: Floats, small: Floats) -> tuple[Flags,
 def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     """Six times the signed volume (m,) of tetrahedra with these corners (m, 3)."""
     (x, y, z), (u, v, w), (r, s, t) = (b - a).T, (c - a).T, (d - a).T
-    result: Floats = x * (v * t - w * s) + y * (w * r - u * t) + z * (u * s - v * r)
-    return result
+    return x * (v * t - w * s) + y * (w * r - u * t) + z * (u * s - v * r)

@@ -34,8 +34,7 @@ def rotation_matrix(key: str, value: Any) -> Floats:
         result = _from_quaternion(*checks.direction(key, value, 4).tolist())
     else:
         result = _nearest_rotation(key, checks.array(key, value, (3, 3)))
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def any_rotation(rotation: Orientation | None, xyzw: Vector | None) -> Floats | None:
@@ -74,8 +73,7 @@ def rotation_matrices(key: str, value: Any) -> Floats:
         result = _nearest_rotations(key, checks.rows(key, value, 3, 3))
     else:
         raise InputError(key, "", value, "3x3 rotation matrices or quaternions [w, x, y, z]")
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def _from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Floats:
@@ -196,8 +194,7 @@ def pose(
         result[:3, :3] = np.eye(3) if turned is None else turned
     if position is not None:
         result[:3, 3] = checks.vector("position", position)
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def is_pose(value: Any) -> bool:

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import VERDICT
@@ -45,9 +46,7 @@ def lever_metric(robot: Robot) -> Floats:
 def _levers_of(segments: tuple[Segment, ...]) -> Floats:
     lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in segments])
     levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
-    result = np.stack([levers, levers, np.ones(len(levers))], axis=-1)
-    result.flags.writeable = False
-    return result
+    return checks.closed(np.stack([levers, levers, np.ones(len(levers))], axis=-1))
 
 
 def movable(segments: tuple[Segment, ...]) -> Floats:

@@ -78,9 +78,7 @@ class Motors(Frozen):
 
 def _ordered(limits: Floats) -> Floats:
     """Sort each row, read-only: a gain below 0 turns limits round."""
-    result: Floats = np.sort(limits, axis=1)
-    result.flags.writeable = False
-    return result
+    return checks.closed(np.sort(limits, axis=1))
 
 
 def checked_gain(value: Any, count: int) -> float | Floats:

@@ -403,8 +403,7 @@ def _checked(key: str, values: Any, spacing: float) -> NDArray[Any]:
         if given.max() > 1 or given.min() < 0:
             raise InputError(key, "neither distances nor occupancy", int(given.max()), "floats, or only 0 and 1")
         result = given.astype(np.bool_)
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def _distances(key: str, given: NDArray[Any], spacing: float) -> Floats:

@@ -108,9 +108,7 @@ def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
 
 
 def _there(pose: Floats, point: Floats) -> Floats:
-    place: Floats = pose[:3, :3] @ point + pose[:3, 3]
-    place.flags.writeable = False
-    return place
+    return checks.closed(pose[:3, :3] @ point + pose[:3, 3])
 
 
 @dataclass(frozen=True, eq=False)

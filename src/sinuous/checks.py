@@ -48,6 +48,12 @@ def in_file(file: object) -> Iterator[None]:
         raise error.in_file(file) from None
 
 
+def instance(key: str, value: Any, kind: Any, expected: str) -> None:
+    """Refuse what is of no class, or union of classes, that is meant."""
+    if not isinstance(value, kind):
+        raise InputError(key, "", value, expected)
+
+
 def number(
     key: str,
     value: Any,

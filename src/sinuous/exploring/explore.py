@@ -133,8 +133,7 @@ def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[Expl
         When a worker fails again and again.
     """
     began = clock.perf_counter()
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
     refuse_unknown(given, ExploreArguments)
     own = {key: given.pop(key, default) for key, default in OWN.items()}

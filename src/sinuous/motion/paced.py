@@ -108,8 +108,7 @@ class Pace(NamedTuple):
         ------
         InputError
         """
-        if not (rates is None or isinstance(rates, Rates)):
-            raise InputError("rates", "", rates, "Rates")
+        checks.instance("rates", rates, Rates | None, "Rates")
         if rates:
             with checks.inside("rates"):
                 rates.check(robot)

@@ -11,7 +11,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError, warn_of
+from sinuous.errors import warn_of
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
@@ -169,8 +169,7 @@ class Planner:
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
         given: dict[str, Any] = dict(options)
         refuse_unknown(given, PlanArguments)
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
         self._pace = Pace.of(robot, **{key: given.pop(key) for key in ("rates", "duration", "begin") if key in given})
         self._scene, self._options = as_scene(scene), SolveOptions.of({"time": TIME, **given})

@@ -168,8 +168,7 @@ def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bo
 
 def wish(robot: Robot, method: Choice) -> Preferences:
     """Return what a robot on its way prefers by default, where the method takes preferences: some room."""
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
     return Room(clearance=robot.least_demanded[0] + ROOM * robot.mean_length / len(robot))

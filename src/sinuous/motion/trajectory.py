@@ -206,8 +206,7 @@ class Trajectory(NotebookMixin, Frozen):
 
 def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     """Pass the path of a motion as fast as rates and accelerations allow; see `Motion.timed`."""
-    if not isinstance(rates, Rates):
-        raise InputError("rates", "", rates, "Rates")
+    checks.instance("rates", rates, Rates, "Rates")
     if motion.scene.moves:
         raise InputError("motion", "obstacles move", motion, "one among obstacles that stand still: it has other times")
     limits, accelerations = rates.spread(motion.robot), None

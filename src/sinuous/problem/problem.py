@@ -5,7 +5,6 @@ from typing import Any, ClassVar, TypedDict, Unpack
 
 from sinuous import checks, packing
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only
 from sinuous.problem.preferences import Preferences
@@ -76,8 +75,7 @@ class Problem(Frozen, _Open):
         scene: SceneLike | Snapshot | None = None,
         tolerance: Tolerance | None = None,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         place = as_snapshot(scene)
         listed = target_list("targets", targets, robot)
         self._set(

@@ -184,13 +184,11 @@ class Robot(NotebookMixin, Frozen):
         gravity: Vector | None = None,
         payload: Payload | Iterable[Payload] | None = None,
     ) -> None:
-        if not isinstance(segments, Iterable):
-            raise InputError("segments", "", segments, "a list of Segment")
+        checks.instance("segments", segments, Iterable, "a list of Segment")
         listed = tuple(segments)
         checks.integer("segments", len(listed), 1, MOST_SEGMENTS)
         for k, segment in enumerate(listed):
-            if not isinstance(segment, Segment):
-                raise InputError(f"segments[{k}]", "", segment, "a Segment")
+            checks.instance(f"segments[{k}]", segment, Segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
         shared = {"radius": radius, "stiffness": stiffness, "mass": mass, "arcs": arcs}
@@ -200,15 +198,13 @@ class Robot(NotebookMixin, Frozen):
         names = segment_names(listed)
         carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
-        if not (actuators is None or isinstance(actuators, Actuators)):
-            raise InputError("actuators", "", actuators, "Actuators or nothing")
+        checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")
         radii = tuple(segment.radius for segment in listed)
         away = each_segment("clearance", clearance, names)
         apart = each_segment("self_clearance", self_clearance, names)
         if self_collision == "allow" and np.any(apart):
             raise InputError("self_clearance", "cannot be combined with self_collision: allow", self_clearance, "0")
-        if not (uncertainty is None or isinstance(uncertainty, Uncertainty)):
-            raise InputError("uncertainty", "", uncertainty, "Uncertainty or nothing")
+        checks.instance("uncertainty", uncertainty, Uncertainty | None, "Uncertainty or nothing")
         with checks.inside("uncertainty"):
             unsure = 0.0 if uncertainty is None else each_segment("bound", uncertainty.bound, names)
         needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))

@@ -111,8 +111,7 @@ class Segment(Frozen):
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
         kinds = ("tendons", tendons, Tendons), ("chambers", chambers, Chambers), ("stage", stage, Stage)
         for key, value, kind in kinds:
-            if value is not None and not isinstance(value, kind):
-                raise InputError(key, "", value, f"{kind.__name__} or nothing")
+            checks.instance(key, value, kind | None, f"{kind.__name__} or nothing")
         if chambers is not None:
             least, most = chambers.displacements.T
             low, high = max(low, float(least.max())), min(high, float(most.min()))

@@ -63,8 +63,7 @@ class Memory(ShortRepr):
     """
 
     def __init__(self, robot: Robot, megabytes: Number = MEGABYTES, learns: Truth = True) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         self.robot = robot
         self.megabytes = checks.number("megabytes", megabytes, above=0.0)
         self.learns = checks.truth("learns", learns)

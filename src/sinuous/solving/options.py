@@ -87,8 +87,7 @@ class SolveOptions:
 
     def __post_init__(self) -> None:
         prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
-        if not isinstance(prefer, Preferences):
-            raise InputError("prefer", "", prefer, "Preferences")
+        checks.instance("prefer", prefer, Preferences, "Preferences")
         registry.name_of(self.method)
         if not isinstance(self.memory, Memory | None):
             raise InputError("memory", "", self.memory, "a Memory")

@@ -281,8 +281,7 @@ class Solver:
         return [Solution(problem, outcome, outcome.seconds, *own, named) for outcome, named in several.best()]
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
-        if not isinstance(within, Changes):
-            raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
+        checks.instance("within", within, Changes, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
         began = work_time()
@@ -724,8 +723,7 @@ def _beyond_reach(solver: Solver) -> Target:
 
 def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:
     """Check what a solver is made of, and warn of what looks wrong."""
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
     if chosen.memory is not None:

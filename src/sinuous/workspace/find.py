@@ -11,7 +11,6 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -103,8 +102,7 @@ def reach(
     began = clock.perf_counter()
     refuse_unknown(options, ReachArguments, "spacing", "directions")
     given: dict[str, Any] = {"max_starts": 1, "routes": False, **options}
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     workers = read_workers(given.pop("workers", None))
     shown = checks.truth("progress", given.pop("progress", False))
     out = given.pop("out", None)

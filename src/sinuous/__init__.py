@@ -5,16 +5,16 @@ their modules, are listed in the stub beside this file, which type checkers read
 `sinuous.methods`; classes that are only returned are in their modules, like `sinuous.robot.rates.Changes`.
 """
 
+import pathlib
 import re
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from sinuous.notebook import NotebookMixin
 
 __version__ = "0.2.0.dev0"
 
-_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+_STUB = pathlib.Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 _HOME = {name: home for home, name in re.findall(r"^from (sinuous\.\S+) import (\w+)", _STUB, re.MULTILINE)}
 
 __all__ = [*_HOME, "__version__"]  # noqa: PLE0604

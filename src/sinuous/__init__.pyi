@@ -40,7 +40,7 @@ from sinuous.pictures.workspace import plot_reach as plot_reach
 from sinuous.poses import pose as pose
 from sinuous.problem.curve import Curve as Curve
 from sinuous.problem.path import Path as Path
-from sinuous.problem.preferences import Preferences as Preferences
+from sinuous.problem.problem import Preferences as Preferences
 from sinuous.problem.problem import Problem as Problem
 from sinuous.problem.target import Target as Target
 from sinuous.problem.target import Tolerance as Tolerance
@@ -52,11 +52,11 @@ from sinuous.robot.loads import Force as Force
 from sinuous.robot.loads import Payload as Payload
 from sinuous.robot.rates import Rates as Rates
 from sinuous.robot.robot import Robot as Robot
+from sinuous.robot.robot import Uncertainty as Uncertainty
 from sinuous.robot.segment import Segment as Segment
+from sinuous.robot.segment import Stiffness as Stiffness
 from sinuous.robot.segment import arc_parameters as arc_parameters
 from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
-from sinuous.robot.stiffness import Stiffness as Stiffness
-from sinuous.robot.uncertainty import Uncertainty as Uncertainty
 from sinuous.scene.grids import Field as Field
 from sinuous.scene.grids import Grid as Grid
 from sinuous.scene.meshes.mesh import Mesh as Mesh

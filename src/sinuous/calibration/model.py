@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from sinuous.calibration.measurements import Place
 from sinuous.calibration.parameters import Table, Values, lines_of
 from sinuous.checks import Floats
+from sinuous.robot.elastic import Springs
 from sinuous.robot.robot import Robot
-from sinuous.robot.springs import Springs
 
 ANY = 1e300
 """By how much values of rigid actuators may contradict each other: by anything, for that is what is fitted."""

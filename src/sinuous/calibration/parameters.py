@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from sinuous.checks import Floats
 from sinuous.robot.actuators import Lines
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.segment import Segment, Stiffness
 
 GroupName = Literal[
     "base", "device", "stretch", "stiffness", "rest", "offsets", "lengths", "circles", "angles", "gains", "tool"

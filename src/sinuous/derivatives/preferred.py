@@ -18,8 +18,7 @@ from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, RADIUS_OF
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, SELF_CLEARANCE
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Preferences, Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import limits_of
 

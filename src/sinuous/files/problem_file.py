@@ -17,8 +17,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
 from sinuous.gc_pause import gc_paused
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.reprs import text

@@ -15,8 +15,7 @@ from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Preferences, Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene

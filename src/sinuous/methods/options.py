@@ -15,7 +15,7 @@ from sinuous.reprs import ShortRepr
 
 if TYPE_CHECKING:
     from sinuous.methods.prepared import Compiled, Prepared
-    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.problem import Preferences
     from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene

@@ -17,7 +17,7 @@ from sinuous.words import suggested
 
 if TYPE_CHECKING:
     from sinuous.methods.prepared import Prepared
-    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.problem import Preferences
     from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene

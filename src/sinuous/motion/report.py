@@ -12,7 +12,7 @@ from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot, demanding
-from sinuous.scene.entries import entries_of
+from sinuous.scene.scene import entries_of
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status

@@ -14,7 +14,7 @@ from sinuous.motion.report import MOST_WAYPOINTS
 from sinuous.motion.times import Timetable
 from sinuous.motion.tracker import Tracker
 from sinuous.problem.path import Path
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.robot.rates import Rates

@@ -25,11 +25,37 @@ from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, some_
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
-from sinuous.robot.segment import Segment, segment_names
-from sinuous.robot.stiffness import Stiffness
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.segment import Segment, Stiffness, segment_names
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
+
+
+class Uncertainty(Frozen):
+    """A bound of the error of a model, as a calibration found it. Proofs thicken the body by it.
+
+    Parameters
+    ----------
+    bound : float or array_like (n,)
+        Distance by which places of the body may be off: of all segments, or one each.
+    level : float, optional
+        Share of the measurements for which it held.
+
+    Raises
+    ------
+    InputError
+        When the bound is negative, or the level is not between 0 and 1.
+    """
+
+    bound: float | tuple[float, ...]
+    level: float
+
+    def __init__(self, bound: OneEach, level: Number = 0.95) -> None:
+        self._set(bound=checks.one_each("bound", bound, None, "segment"))
+        self._set(level=checks.number("level", level, above=0.0, high=1.0))
+
+    def __str__(self) -> str:
+        return f"at {100.0 * self.level:.3g} %"
+
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain

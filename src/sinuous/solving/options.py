@@ -8,7 +8,7 @@ from sinuous import checks
 from sinuous.arguments import Number, OneEach, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot, demanding
 from sinuous.solving.attempts import read_without

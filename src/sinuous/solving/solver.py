@@ -18,8 +18,7 @@ from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.calibration.bodies import holds
 from sinuous.calibration.fit import begun, extended, fitted, moved, predict
 from sinuous.calibration.measurements import Place, read
 from sinuous.calibration.model import derivatives, model, predicted
@@ -294,6 +295,12 @@ def test_suggested_settings_determine_more_than_random_ones() -> None:
 
     drawn = [spread(settings(elastic(DRAWN), 12, seed)) for seed in range(5)]
     assert spread(suggested) > float(np.mean(drawn))
+
+
+def test_settings_are_suggested_that_hold_the_load() -> None:
+    heavy = HANGING.changed(payload=sn.Payload(1.0))
+    assert not holds(heavy, settings(heavy, 50)).all()
+    assert holds(heavy, sn.suggest(heavy, 10, fit=["payload"])).all()
 
 
 def test_bad_measurements_are_refused() -> None:

@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.calibration.measurements import Place
 from sinuous.checks import Floats
@@ -47,6 +48,22 @@ class Free:
         return self.robot.tip(self.q)
 
 
+def _drives(robot: Robot, actuators: Floats) -> "zip[tuple[Floats, Floats]]":
+    """Configurations (n, 3) without load, and displacements (m,), at each of the values (N, m)."""
+    return zip(shapes(robot, actuators), robot.drive.motors.displacements(actuators), strict=True)
+
+
+def _rests(robot: Robot, actuators: Floats) -> list[Rest]:
+    return [Rest(robot, q, None, displacements) for q, displacements in _drives(robot, actuators)]
+
+
+def holds(robot: Robot, actuators: Floats) -> NDArray[np.bool_]:
+    """At which values (N, m) of its actuators a robot holds its weight and payload (N,)."""
+    if not robot.hangs:
+        return np.ones(len(actuators), np.bool_)
+    return np.array([rest.states is not None for rest in _rests(robot, actuators)], np.bool_)
+
+
 class Loaded:
     """Bodies under gravity and payload; their coordinates are the states of their arcs, (N, 4) each.
 
@@ -57,16 +74,11 @@ class Loaded:
     """
 
     def __init__(self, robot: Robot, actuators: Floats) -> None:
-        self.robot, self._actuators = robot, actuators
-        self.rests = [Rest(robot, q, None, pulled) for q, pulled in self._drives(robot)]
+        self.robot, self._actuators, self.rests = robot, actuators, _rests(robot, actuators)
         for rest, values in zip(self.rests, actuators, strict=True):
             if rest.states is None:
                 problem = "no stable equilibrium was found under gravity and payload at these values"
                 raise InputError("actuators", problem, values.tolist(), "a load that the robot can hold")
-
-    def _drives(self, robot: Robot) -> "zip[tuple[Floats, Floats]]":
-        """Configurations without load and displacements of each row."""
-        return zip(shapes(robot, self._actuators), robot.drive.motors.displacements(self._actuators), strict=True)
 
     @cached_property
     def _rolls(self) -> Floats:
@@ -109,7 +121,7 @@ class Loaded:
         states = self.rests[0].tables.states
         if not beside:
             return np.zeros((len(self.rests), states.size, 0))
-        others = [[tables_of(robot, q, (), pulled) for q, pulled in self._drives(robot)] for robot in beside]
+        others = [[tables_of(robot, q, (), d) for q, d in _drives(robot, self._actuators)] for robot in beside]
         rows = zip(self.rests, zip(*others, strict=True), strict=True)
         return np.array([rest.answers(tables, steps).reshape(len(beside), -1).T for rest, tables in rows])
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import HasArray, Names, Number, Rows, Stack, Whole
+from sinuous.calibration.bodies import holds
 from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
 from sinuous.calibration.fit import DRAWING, Fit, State, begun, errors, extended, fitted, left_out
 from sinuous.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
@@ -293,7 +294,8 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     Raises
     ------
     InputError
-        When actuators do not determine the shape of the robot, or an argument is not what it should be.
+        When actuators do not determine the shape of the robot, it cannot hold its load, or an argument is not what it
+        should be.
     """
     refuse_loose(robot)
     count = checks.integer("n", n, 1, 10_000)
@@ -304,6 +306,11 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     listed = tuple(each for name in names if (each := group(soft, name)).names)
     values = Values(listed, np.zeros(sum(len(each.names) for each in listed)))
     settings = _settings(soft, generator, max(CANDIDATES, 4 * count))
+    held = holds(soft, settings)
+    if held.sum() < count:
+        problem = f"no stable equilibrium was found in {(~held).sum()} of {len(held)} random shapes"
+        raise InputError("robot", problem, robot, "a load that the robot can hold")
+    settings = settings[held]
     tip = Place(len(robot) - 1, 1.0, np.array(robot.tool[:3, 3]))
     points, slopes = derivatives(model(soft, values, (tip,)), settings)
     pose = np.zeros((len(points), 1, 3, 6))

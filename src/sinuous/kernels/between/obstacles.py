@@ -201,7 +201,7 @@ def _decide(
         if _far(sweep, i, piece, max(enough, seen[LEAST] + piece.radius - piece.lag)):
             continue
         drift = drift_of(sweep, i, interval.h, piece.center, piece.reach) + scene.table[i, ROUNDOFF]
-        enough = reach + drift + max(wanted(aim, seen), aim.rounding)
+        enough = reach + drift + wanted(aim, seen) + aim.rounding
         looks += price_of(scene, i)
         d, most = look_here(scene, i, piece.center, enough, BOUND)
         if d < enough and most - d > LOOSENESS * (piece.reach - piece.radius):

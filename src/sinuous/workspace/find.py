@@ -2,7 +2,7 @@
 
 import time as clock
 from pathlib import Path
-from typing import Any, NamedTuple, Unpack
+from typing import NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -26,17 +27,6 @@ from sinuous.workspace.grid import Voxels, directions_of, reach_of
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
 from sinuous.workspace.verdicts import Codes, Verdict
-
-
-class ReachArguments(SolveArguments, total=False):
-    """Options of `reach` as keyword arguments."""
-
-    low: Vector | None
-    high: Vector | None
-    workers: Whole | None
-    progress: Truth
-    out: str | Path | None
-
 
 SAMPLES = 6
 """Points of a segment at which it is looked for the obstacle that a body runs into."""
@@ -61,7 +51,13 @@ def reach(
     scene: SceneLike | None = None,
     spacing: Number | None = None,
     directions: Whole | Rows = 26,
-    **options: Unpack[ReachArguments],
+    *,
+    low: Vector | None = None,
+    high: Vector | None = None,
+    workers: Whole | None = None,
+    progress: Truth = False,
+    out: str | Path | None = None,
+    **options: Unpack[SolveArguments],
 ) -> Reach:
     """Map what a robot reaches: the share of directions that is solved and proved in each voxel, and why not more.
 
@@ -100,21 +96,17 @@ def reach(
         problem, grid or version.
     """
     began = clock.perf_counter()
-    refuse_unknown(options, ReachArguments, "spacing", "directions")
-    given: dict[str, Any] = {"max_starts": 1, "routes": False, **options}
-    checks.instance("robot", robot, Robot, "a Robot")
-    workers = read_workers(given.pop("workers", None))
-    shown = checks.truth("progress", given.pop("progress", False))
-    out = given.pop("out", None)
-    out = None if out is None else Path(out)
-    voxels = Voxels.about(robot, spacing, given.pop("low", None), given.pop("high", None))
-    axes, place = directions_of(directions), as_scene(scene)
-    given = only_reading(given)
+    refuse_unknown(options, SolveArguments, "spacing", "directions", *(reach.__kwdefaults__ or ()))
+    if not isinstance(robot, Robot):
+        raise InputError("robot", "", robot, "a Robot")
+    count, shown = read_workers(workers), checks.truth("progress", progress)
+    voxels, axes, place = Voxels.about(robot, spacing, low, high), directions_of(directions), as_scene(scene)
+    given = only_reading({"max_starts": 1, "routes": False, **options})
     free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
-    checkpoint = None if out is None else Checkpoint(out, _record(solver, voxels, axes), "this map")
+    checkpoint = None if out is None else Checkpoint(Path(out), _record(solver, voxels, axes), "this map")
     if checkpoint is not None:
         checkpoint.open()
-    calls = Calls(workers, checkpoint)
+    calls = Calls(count, checkpoint)
     with code_first():
         taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]

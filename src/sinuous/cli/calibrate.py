@@ -7,7 +7,7 @@ import typer
 from sinuous import checks
 from sinuous.calibration.calibrate import calibrate
 from sinuous.calibration.table import read_table
-from sinuous.cli.options import SOLVED, check_writable
+from sinuous.cli.options import SOLVED, check_outputs
 from sinuous.files.nouns import read_robot
 from sinuous.files.results import json_line
 from sinuous.files.text import read_text
@@ -26,9 +26,7 @@ def calibrate_file(
     int
         0; what is wrong is raised.
     """
-    for option, target in (("--out", out), ("--plot", plot)):
-        if target is not None:
-            check_writable(option, target, [file, measured])
+    check_outputs([file, measured], out=out, plot=plot)
     robot = _robot_of(Path(file))
     table = read_table(Path(measured), [actuator.name for actuator in robot.actuators])
     names = None if fit is None else [name.strip() for name in fit.split(",")]

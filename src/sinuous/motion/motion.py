@@ -364,7 +364,8 @@ class Motion(NotebookMixin, Frozen):
         Raises
         ------
         InputError
-            When there is no such group, the motion follows another curve, or a depth is not on it.
+            When there is no such group, the motion follows another curve, a depth is not on it, or the robot is under
+            load.
         """
         from sinuous.measures.following import line_in_front  # noqa: PLC0415
         from sinuous.motion.leader_derivative import LeaderDerivative, Question  # noqa: PLC0415

@@ -4,6 +4,7 @@ import math
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import packing
 from sinuous.checks import Floats
@@ -104,15 +105,12 @@ class Rest:
 
     @cached_property
     def arcs(self) -> Floats:
-        """Configuration (N, 3) of the body as a robot of arcs: bends turned so that none is twisted."""
-        assert self.states is not None
-        states, result = self.states, np.empty((len(self.states), 3))
-        turns = self.rolls - states[:, t.TWIST]
-        cosine, sine = np.cos(turns), np.sin(turns)
-        result[:, 0] = cosine * states[:, 0] - sine * states[:, 1]
-        result[:, 1] = sine * states[:, 0] + cosine * states[:, 1]
-        result[:, 2] = states[:, t.LENGTH]
-        return result
+        """Configuration (N, 3) of the body as a robot of arcs, see `unrolled`."""
+        return unrolled(self.found[0])
+
+    def beside(self, coordinates: NDArray[np.intp], steps: Floats) -> Floats:
+        """The same (c, N, 3) at drives of which one of the coordinates (c,) is a small step (c,) away: linear in it."""
+        return unrolled(self.found[0] + steps[:, None, None] * self.slopes[coordinates])
 
     @property
     def shown(self) -> Floats:
@@ -148,6 +146,18 @@ def lines_that_follow(robot: Robot, q: Floats) -> Floats:
     stretch = drive.stretch(q + steps.reshape(-1, *q.shape))
     follow = drive.jacobian + (stretch[1:] - stretch[0]).T / STEP
     return lengths_of_lines(own, drive.displacements(q) + stretch[0] - follow @ q.ravel(), follow)
+
+
+def unrolled(states: Floats) -> Floats:
+    """Bodies (..., N, 3) as robots of arcs, in states (..., N, 4): bends turned so that none is twisted."""
+    twists = states[..., t.TWIST]
+    turns = np.cumsum(twists, axis=-1) - twists
+    cosine, sine = np.cos(turns), np.sin(turns)
+    result = np.empty((*twists.shape, 3))
+    result[..., 0] = cosine * states[..., 0] - sine * states[..., 1]
+    result[..., 1] = sine * states[..., 0] + cosine * states[..., 1]
+    result[..., 2] = states[..., t.LENGTH]
+    return result
 
 
 class Way:
@@ -211,7 +221,8 @@ def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
     """The body of a robot and its shapes (T, N, 3) at drives (T, n, 3); the robot and `q` where nothing bends it."""
     if not robot.hangs:
         return robot, q
-    return longest_body(robot), np.array([Rest(robot, one).shown for one in q])
+    body = longest_body(robot)
+    return body, np.array([Rest(robot, one).shown for one in q]).reshape(-1, len(body), 3)
 
 
 def rolled(angle: float) -> Floats:

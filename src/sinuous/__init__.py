@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from sinuous import methods as methods
     from sinuous.assessing.assess import assess as assess
     from sinuous.assessing.assessment import Assessment as Assessment
-    from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
     from sinuous.assessing.tasks import Cover as Cover
     from sinuous.assessing.tasks import Follow as Follow
+    from sinuous.assessing.tasks import Move as Move
     from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.calibration.calibrate import calibrate as calibrate
     from sinuous.calibration.calibrate import suggest as suggest
@@ -100,9 +100,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "assessing.assess": ("assess",),
     "assessing.assessment": ("Assessment",),
-    "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
-    "assessing.tasks": ("Cover", "Follow"),
+    "assessing.tasks": ("Cover", "Follow", "Move"),
     "batch.solve": ("solve_batch",),
     "calibration.calibrate": ("calibrate", "suggest"),
     "calibration.calibration": ("Calibration",),

@@ -337,6 +337,12 @@ class Tolerance(Frozen):
         return Tolerance(RELATIVE_POSITION * robot.mean_length, self.angle) if self.position is None else self
 
 
+def meets(tolerance: Tolerance, off: float, turn: float) -> bool:
+    """Whether errors, a length and an angle, are within a tolerance with both numbers."""
+    assert tolerance.position is not None
+    return off <= tolerance.position and turn <= tolerance.angle
+
+
 def as_tolerance(tolerance: Tolerance | None) -> Tolerance:
     """Check tolerances; `None` stands for the defaults."""
     if tolerance is None:

@@ -3,10 +3,10 @@
 from sinuous import methods as methods
 from sinuous.assessing.assess import assess as assess
 from sinuous.assessing.assessment import Assessment as Assessment
-from sinuous.assessing.moves import Move as Move
 from sinuous.assessing.sweep import sweep as sweep
 from sinuous.assessing.tasks import Cover as Cover
 from sinuous.assessing.tasks import Follow as Follow
+from sinuous.assessing.tasks import Move as Move
 from sinuous.batch.solve import solve_batch as solve_batch
 from sinuous.calibration.calibrate import calibrate as calibrate
 from sinuous.calibration.calibrate import suggest as suggest

@@ -121,7 +121,7 @@ class ProblemFile(Frozen):
                 rates.check(robot)
         place = as_scene(scene)
         check_sizes(robot, place)
-        waypoints = () if goal is not None else _listed(robot, [target] if path is None else path, asked[0])
+        waypoints = () if goal is not None else read_waypoints(asked[0], [target] if path is None else path, robot)
         if times is not None and path is None:
             raise InputError("times", f"cannot be combined with {asked[0]}", times, "those of a path")
         self._set(
@@ -274,14 +274,11 @@ def made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
         return make(noun, {} if entries.get(key) is None else entries[key])
 
 
-def _listed(robot: Robot, path: Any, key: str) -> tuple[tuple[Target, ...], ...]:
-    """Check waypoints for this robot; `key` is what holds them, or the only one."""
+def read_waypoints(key: str, path: Any, robot: Robot | None = None) -> tuple[tuple[Target, ...], ...]:
+    """Check waypoints, of a robot where it is known; `key` is what holds them, or `target`, the only one."""
     if isinstance(path, (Target, str, bytes, dict)) or not np.iterable(path):
         raise InputError(key, "", path, "a list of targets")
-    result = []
-    for i, targets in enumerate(path):
-        place = f"{key}[{i}]" if key == "path" else key
-        result.append(target_list(place, targets, robot))
+    result = [target_list(key if key == "target" else f"{key}[{i}]", each, robot) for i, each in enumerate(path)]
     if not result:
         raise InputError(key, "", path, "at least one target")
     return tuple(result)

@@ -7,16 +7,20 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol
 
 import typer
 
 from sinuous import checks
-from sinuous.cli.options import as_typed
+from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
 from sinuous.errors import SuspiciousInput
 from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.results import json_line
 from sinuous.files.setting import Setting, read_setting
 from sinuous.progress import rich_progress
+from sinuous.robot.robot import Robot
+from sinuous.solving.memory import Memory
 
 PATIENCE = 0.5
 """Seconds of the process, from its start, after which a person wants to know what takes so long."""
@@ -72,6 +76,50 @@ def setting_of(file: str) -> Iterator[Setting]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)
         yield setting
+
+
+@contextmanager
+def remembered(file: Path | None, robots: Mapping[str, Robot]) -> Iterator[Memory | None]:
+    """Yield the memory in a file, or a new one where it is not there; in the end, write what is kept then.
+
+    `robots`: the one of each problem file, which all must be the robot of the memory. Without a file there is none.
+    """
+    if file is None:
+        yield None
+        return
+    with as_typed("memory"):
+        memory = Memory.load(file) if file.exists() else Memory(next(iter(robots.values())))
+        for robot in robots.values():
+            memory.check(robot)
+    check_writable("--memory", file, list(robots))
+    try:
+        yield memory
+    finally:
+        memory.save(file)
+
+
+@contextmanager
+def interruptible(kept: str) -> Iterator[None]:
+    """End the command where it is interrupted within, with one line that says what is kept."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"sinuous: interrupted; {kept}", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+class Summary(Protocol):
+    """What a long run comes to."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        ...
+
+
+def say(file: str, found: Summary, *, json: bool) -> None:
+    """Print what came of a file: a JSON object, or what is printed of it, with the file instead of its kind."""
+    told = str(found).split(": ", 1)[-1]
+    typer.echo(json_line({"file": file, **found.to_dict()}) if json else f"{file}: {told}")
 
 
 class Waiting:

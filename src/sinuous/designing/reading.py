@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sinuous import checks
-from sinuous.assessing.moves import Move
-from sinuous.assessing.tasks import Cover, Follow, Meet
+from sinuous.assessing.tasks import Cover, Follow, Meet, Move
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values

@@ -17,8 +17,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
 from sinuous.gc_pause import gc_paused
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.reprs import text
@@ -110,22 +109,19 @@ class ProblemFile(Frozen):
         self_clearance: OneEach | None = None,
         file: str = "",
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         asked = [key for key, value in (("target", target), ("path", path), ("goal", goal)) if value is not None]
         if len(asked) != 1:
             what = f"cannot be combined with {asked[1]}" if asked else "missing"
             raise InputError("target", what, target, "one of target, path, goal")
-        if not (prefer is None or isinstance(prefer, Preferences)):
-            raise InputError("prefer", "", prefer, "Preferences")
-        if not (rates is None or isinstance(rates, Rates)):
-            raise InputError("rates", "", rates, "Rates")
+        checks.instance("prefer", prefer, Preferences | None, "Preferences")
+        checks.instance("rates", rates, Rates | None, "Rates")
         if rates is not None:
             with checks.inside("rates"):
                 rates.check(robot)
         place = as_scene(scene)
         check_sizes(robot, place)
-        waypoints = () if goal is not None else _listed(robot, [target] if path is None else path, asked[0])
+        waypoints = () if goal is not None else read_waypoints(asked[0], [target] if path is None else path, robot)
         if times is not None and path is None:
             raise InputError("times", f"cannot be combined with {asked[0]}", times, "those of a path")
         self._set(
@@ -278,14 +274,11 @@ def made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
         return make(noun, {} if entries.get(key) is None else entries[key])
 
 
-def _listed(robot: Robot, path: Any, key: str) -> tuple[tuple[Target, ...], ...]:
-    """Check waypoints for this robot; `key` is what holds them, or the only one."""
+def read_waypoints(key: str, path: Any, robot: Robot | None = None) -> tuple[tuple[Target, ...], ...]:
+    """Check waypoints, of a robot where it is known; `key` is what holds them, or `target`, the only one."""
     if isinstance(path, (Target, str, bytes, dict)) or not np.iterable(path):
         raise InputError(key, "", path, "a list of targets")
-    result = []
-    for i, targets in enumerate(path):
-        place = f"{key}[{i}]" if key == "path" else key
-        result.append(target_list(place, targets, robot))
+    result = [target_list(key if key == "target" else f"{key}[{i}]", each, robot) for i, each in enumerate(path)]
     if not result:
         raise InputError(key, "", path, "at least one target")
     return tuple(result)

@@ -10,8 +10,7 @@ from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
 from sinuous.files.nouns import read_configuration, read_place, read_robot
 from sinuous.files.problem_file import DEMANDS, KEYS, made
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import check_sizes
+from sinuous.problem.problem import Preferences, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot, demanding

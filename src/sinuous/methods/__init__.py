@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sinuous.methods.dls import Dls as Dls
-    from sinuous.methods.fabrik.avoiding import FabrikAvoid as FabrikAvoid
+    from sinuous.methods.fabrik.reaching import FabrikAvoid as FabrikAvoid
     from sinuous.methods.fabrik.reaching import Fabrikc as Fabrikc
     from sinuous.methods.fabrik.reaching import Fabrikx as Fabrikx
     from sinuous.methods.learned.search import Learned as Learned

@@ -12,7 +12,6 @@ import math
 from collections import namedtuple
 from collections.abc import Callable
 
-from sinuous.checks import Floats
 from sinuous.kernels.clock import allow, begin, now, over
 from sinuous.kernels.compile import entry_around, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
@@ -39,10 +38,7 @@ from sinuous.kernels.tables import (
     STARTS,
     Budget,
 )
-from sinuous.methods.judge import Answer, Check, carve_check, check_size, finish
-from sinuous.methods.prepared import Compiled
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
+from sinuous.methods.judge import Answer, Check, carve_check, finish
 
 Start = namedtuple("Start", ["initial", "index", "first", "seed"])
 """One start of a search: the initial configurations (g, n, 3; rad and length unit); its place among all starts, of
@@ -166,9 +162,3 @@ def search_by(follow: Follow) -> Search:
             close_record(problem, check, total, index, late, answer)
 
     return entry_around(follow, search)
-
-
-def compiled_search(search: Search, scratch: int, options: Floats, robot: Robot, scene: Scene) -> Compiled:
-    """Return the search of a method that works on so many numbers, and has these options, for a robot and a scene."""
-    size = check_size(len(robot), len(scene)) + scratch
-    return Compiled(search, lambda _: size, options)

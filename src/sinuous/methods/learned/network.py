@@ -102,7 +102,7 @@ class Network(Frozen):
             When the file cannot be written.
         """
         named = zip(KINDS, self.layers, strict=True)
-        own = {f"{kind}_{i}": each for kind, layers in named for i, each in enumerate(layers)}
+        own: dict[str, Any] = {f"{kind}_{i}": each for kind, layers in named for i, each in enumerate(layers)}
         write_archive(file, network=FORMAT, robot=json.dumps(self.robot.to_dict()), **own)
 
     @classmethod

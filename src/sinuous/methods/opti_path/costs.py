@@ -10,9 +10,9 @@ Points themselves cost `w_obstacles v_i c(p_i)`, where v_i, the mean length of t
 
 import math
 from collections import namedtuple
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import ZERO, Vec, add, add_scaled, dot, norm, scale, sub
 from sinuous.methods.opti_path.bezier import (
     Arc,
@@ -26,40 +26,52 @@ from sinuous.methods.opti_path.bezier import (
 from sinuous.methods.opti_path.path import Aim, Path
 from sinuous.methods.opti_path.potential import Potential, potential_at
 
-Setting = namedtuple(
-    "Setting",
-    [
-        "gradient",
-        "disturbance",
-        "attenuation",
-        "exponent",
-        "orientation",
-        "length_weight",
-        "orientation_weight",
-        "obstacle_weight",
-        "schedule",
-        "cooling",
-        "metric",
-        "regularisation",
-        "largest_step",
-        "slope",
-        "influence",
-        "arcs_weight",
-        "samples",
-        "project",
-        "potential",
-        "spacing",
-        "iterations",
-        "blend",
-        "dead_band",
-        "bend_weight",
-        "bow",
-        "other_guess",
-        "restarts",
-        "settle",
-    ],
-)
-"""The options of the method, in the order of its class, as numbers."""
+Gradient = Literal["adjoint", "differences"]
+Exponent = Literal["adjacent", "literal"]
+OrientationCost = Literal["squared", "norm"]
+Schedule = Literal["constant", "length", "orientation", "cooling", "gated"]
+Metric = Literal["identity", "difference", "acceleration"]
+PotentialKind = Literal["grid", "exact"]
+
+
+class OptiPathArguments(TypedDict, total=False):
+    """Options of the method `opti_path` as keyword arguments, as type checkers see them; see `OptiPath`."""
+
+    gradient: Gradient
+    disturbance: float
+    attenuation: float
+    exponent: Exponent
+    orientation: OrientationCost
+    length_weight: float
+    orientation_weight: float
+    obstacle_weight: float
+    schedule: Schedule
+    cooling: float
+    metric: Metric
+    regularisation: float
+    largest_step: float
+    slope: float
+    influence: float
+    arcs_weight: float
+    samples: int
+    project: bool
+    potential: PotentialKind
+    spacing: float
+    iterations: int
+    blend: float
+    dead_band: float
+    bend_weight: float
+    bow: float
+    other_guess: bool
+    restarts: bool
+    settle: int
+
+
+if TYPE_CHECKING:
+    Setting = Any
+else:
+    Setting = namedtuple("Setting", OptiPathArguments.__annotations__)
+    """The options of the method, in the order of its class, as numbers."""
 
 ADJOINT, DIFFERENCES = 0.0, 1.0
 ADJACENT, LITERAL = 0.0, 1.0
@@ -120,22 +132,20 @@ def in_the_open(path: Path, k: int, length: float, u: float) -> bool:
 
 
 @kernel
-def body_cost(
-    scene: Scene, potential: Potential, setting: Setting, weights: Weights, path: Path, k: int, a: Vec, arc: Arc
-) -> float:
+def body_cost(potential: Potential, setting: Setting, weights: Weights, path: Path, k: int, a: Vec, arc: Arc) -> float:
     """Cost of the obstacles near an arc that begins at `a`."""
     count = int(setting.samples)
     total = 0.0
     for s in range(count):
         u = (s + 1.0) / (count + 1.0)
         if in_the_open(path, k, arc.length, u):
-            total += potential_at(scene, potential, add(a, offset(arc, u)))[0]
+            total += potential_at(potential, add(a, offset(arc, u)))[0]
     return weights.obstacles * setting.arcs_weight * arc.length * total / count if count > 0 else 0.0
 
 
 @kernel
 def body_pull(
-    scene: Scene, potential: Potential, setting: Setting, weights: Weights, path: Path, k: int, a: Vec, arc: Arc
+    potential: Potential, setting: Setting, weights: Weights, path: Path, k: int, a: Vec, arc: Arc
 ) -> tuple[Vec, Vec, Vec]:
     """Gradient of `body_cost` in the beginning, the chord and the first tangent of the arc."""
     count = int(setting.samples)
@@ -145,7 +155,7 @@ def body_pull(
         u = (s + 1.0) / (count + 1.0)
         if in_the_open(path, k, arc.length, u):
             r = offset(arc, u)
-            c, force = potential_at(scene, potential, add(a, r))
+            c, force = potential_at(potential, add(a, r))
             if c > 0.0:
                 total += c
                 more = pull_point(arc, u, r, force)

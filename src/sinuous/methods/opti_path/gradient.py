@@ -6,7 +6,7 @@ the paper, or what is here called adjacent: max(0, j - i - 1), so that both arcs
 
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, price
+from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, get_vec, put_vec, scale, sub
 from sinuous.methods.opti_path.bezier import arc_between, end_tangent, pull_tangent
 from sinuous.methods.opti_path.costs import (
@@ -43,21 +43,14 @@ def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, factors: tup
 
 
 @kernel
-def arc_price(scene: Scene, setting: Setting, obstacles: bool) -> int:
+def arc_price(potential: Potential, setting: Setting, obstacles: bool) -> int:
     """Looks that the costs of an arc cost, see `kernels.clock`."""
-    return SEGMENT_LOOKS + (int(setting.samples) * price(scene) if obstacles else 0)
+    return SEGMENT_LOOKS + (int(setting.samples) * price(potential.scene) if obstacles else 0)
 
 
 @kernel
 def gradient_backwards(
-    scene: Scene,
-    potential: Potential,
-    setting: Setting,
-    weights: Weights,
-    aim: Aim,
-    path: Path,
-    obstacles: bool,
-    clock: Array,
+    potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool, clock: Array
 ) -> None:
     """Fill `update` and `avoid` in one sweep from the last arc to the first, or till the time of the clock is over.
 
@@ -72,7 +65,7 @@ def gradient_backwards(
         put_vec(path.update, k, 0, ZERO)
         put_vec(path.avoid, k, 0, ZERO)
     later = later_avoid = ZERO
-    looks = arc_price(scene, setting, obstacles)
+    looks = arc_price(potential, setting, obstacles)
     for k in range(n - 1, -1, -1):
         if spend(clock, looks):
             break
@@ -83,18 +76,17 @@ def gradient_backwards(
         later = add_scaled(on_tangent, setting.attenuation, carried)
         if obstacles:
             a = get_vec(path.points, k, 0)
-            place, own, on_tangent = body_pull(scene, potential, setting, weights, path, k, a, arc)
+            place, own, on_tangent = body_pull(potential, setting, weights, path, k, a, arc)
             turned, carried = pull_tangent(arc, later_avoid)
             _collect(path.avoid, k, own, place, turned, factors)
             later_avoid = add_scaled(on_tangent, setting.attenuation, carried)
             if k > 0 and in_the_open(path, k, arc.length, 0.0):
-                force = scale(weights.obstacles * speed(path, k), potential_at(scene, potential, a)[1])
+                force = scale(weights.obstacles * speed(path, k), potential_at(potential, a)[1])
                 put_vec(path.avoid, k, 0, add(get_vec(path.avoid, k, 0), force))
 
 
 @kernel
 def _costs_from(
-    scene: Scene,
     potential: Potential,
     setting: Setting,
     weights: Weights,
@@ -117,36 +109,29 @@ def _costs_from(
         t = end_tangent(arc)
         shape += factor * shape_cost(setting, weights, aim, path, k, arc)
         if obstacles:
-            body += factor * body_cost(scene, potential, setting, weights, path, k, a, arc)
+            body += factor * body_cost(potential, setting, weights, path, k, a, arc)
     if obstacles and in_the_open(path, i, 1.0, 0.0):
-        body += weights.obstacles * speed(path, i) * potential_at(scene, potential, place)[0]
+        body += weights.obstacles * speed(path, i) * potential_at(potential, place)[0]
     return shape, body
 
 
 @kernel
 def gradient_by_differences(
-    scene: Scene,
-    potential: Potential,
-    setting: Setting,
-    weights: Weights,
-    aim: Aim,
-    path: Path,
-    obstacles: bool,
-    clock: Array,
+    potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool, clock: Array
 ) -> None:
     """Fill `update` and `avoid` by central differences: every coordinate of every point, both ways, all later arcs.
 
     It ends when the time of the clock is over.
     """
     step = setting.disturbance * aim.unit
-    looks = 2 * arc_price(scene, setting, obstacles)
+    looks = 2 * arc_price(potential, setting, obstacles)
     for i in range(1, path.arcs.shape[0]):
         p = get_vec(path.points, i, 0)
         for c in range(3):
             if spend(clock, looks * (path.arcs.shape[0] - i + 1)):
                 return
             shift = (step if c == 0 else 0.0, step if c == 1 else 0.0, step if c == 2 else 0.0)
-            more = _costs_from(scene, potential, setting, weights, aim, path, obstacles, (i, add(p, shift)))
-            less = _costs_from(scene, potential, setting, weights, aim, path, obstacles, (i, sub(p, shift)))
+            more = _costs_from(potential, setting, weights, aim, path, obstacles, (i, add(p, shift)))
+            less = _costs_from(potential, setting, weights, aim, path, obstacles, (i, sub(p, shift)))
             path.update[i, c] = 0.5 * (more[0] - less[0]) / step
             path.avoid[i, c] = 0.5 * (more[1] - less[1]) / step

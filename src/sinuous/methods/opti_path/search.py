@@ -83,9 +83,9 @@ def descend(problem: Problem, check: Check, work: Work, weights: Weights, aim: A
     """Move the points of a traced path one step down; how far the most moved."""
     path, _, setting, potential = work
     if setting.gradient == ADJOINT:
-        gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles, check.clock)
+        gradient_backwards(potential, setting, weights, aim, path, obstacles, check.clock)
     else:
-        gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles, check.clock)
+        gradient_by_differences(potential, setting, weights, aim, path, obstacles, check.clock)
     if obstacles and setting.project != 0.0:
         project(path)
     return move(setting, path, aim.unit)
@@ -163,7 +163,7 @@ def follow(
     path, q = carve_path(scratch, problem.limits.shape[0])
     setting, aim = read_setting(options), read_aim(problem)
     want(problem.limits, setting.dead_band, problem.mount, path)
-    potential = read_potential(options[OPTIONS:], setting.slope, setting.influence * aim.unit)
+    potential = read_potential(problem.scene, options[OPTIONS:], setting.slope, setting.influence * aim.unit)
     work = Work(path, q, setting, potential)
     source = begin_path(problem, check, work, aim, start)
     if source < 0:

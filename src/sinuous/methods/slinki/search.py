@@ -30,15 +30,11 @@ from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import ARC, MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold
-from sinuous.methods.fabrik.reaching import carve, descend
-from sinuous.methods.fabrik.reaching import scratch_size as fabrik_size
+from sinuous.methods.fabrik.reaching import Aside, carve, descend, scratch_size
 from sinuous.methods.judge import Answer, Check, has_obstacles, offer
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import NO_START, Start, compiled_search, own_number, search_by
+from sinuous.methods.search import NO_START, Start, own_number, search_by
 from sinuous.methods.slinki.lattice import PER_NODE, Tree, carve_tree, outlook, primitive, single
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 LAST = 2
 """Segments that FABRIKc reaches with."""
@@ -57,11 +53,6 @@ Goal = namedtuple("Goal", ["place", "tangent", "aimed"])
 
 Growth = namedtuple("Growth", ["bends", "directions", "lengths", "weight"])
 """Primitives of a segment, as bends, directions and lengths; and the weight of what a node may still cost."""
-
-
-def scratch_size(n: int, nodes: int) -> int:
-    """Numbers (float64) of the scratch for n segments and a tree of so many nodes."""
-    return 3 * (n + 1) + PER_NODE * nodes + fabrik_size(n)
 
 
 @kernel
@@ -179,7 +170,7 @@ def grow(
             lay_up(tree, node, check.frames, work.q)
             arc_from(check.frames, first, goal.place, work.q)
             fold(problem.limits, work.chain, check.frames, True, work.q)
-            effort += descend(problem, check, work, int(options[0]))
+            effort += descend(problem, check, work, int(options[0]), Aside(0, 0.0, 0.0))[0]
             if offer(problem, check, work.kept, ARC, answer):
                 return looked + effort, True
         if over(check.clock):
@@ -224,6 +215,7 @@ class Slinki(Options):
         Weight of what a node may still cost against what it costs; 1 searches widely, more goes straight ahead.
     """
 
+    compiled_search = staticmethod(search)
     method: ClassVar[str] = "slinki"
     capabilities: ClassVar[Capabilities] = Capabilities("Chiang et al. 2021", obstacles=True, initial=False)
 
@@ -234,6 +226,6 @@ class Slinki(Options):
     lengths: int = count(3, 1, 100)
     weight: float = number(10.0, low=0.0)
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search; see `Options.compiled`."""
-        return compiled_search(search, scratch_size(len(robot), self.nodes), self.vector(), robot, scene)
+    def scratch(self, segments: int) -> int:
+        """Return the size of the scratch; see `Options.scratch`."""
+        return 3 * (segments + 1) + PER_NODE * self.nodes + scratch_size(segments)

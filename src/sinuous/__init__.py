@@ -44,9 +44,9 @@ if TYPE_CHECKING:
     from sinuous.motion.track import track as track
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
-    from sinuous.pictures.assessment import plot_assessment as plot_assessment
-    from sinuous.pictures.calibration import plot_calibration as plot_calibration
-    from sinuous.pictures.design import plot_design as plot_design
+    from sinuous.pictures.charts import plot_assessment as plot_assessment
+    from sinuous.pictures.charts import plot_calibration as plot_calibration
+    from sinuous.pictures.charts import plot_design as plot_design
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
     from sinuous.pictures.workspace import plot_reach as plot_reach
@@ -119,11 +119,9 @@ _HOMES = {
     "motion.track": ("track",),
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
-    "pictures.calibration": ("plot_calibration",),
-    "pictures.design": ("plot_design",),
+    "pictures.charts": ("plot_assessment", "plot_calibration", "plot_design"),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
-    "pictures.assessment": ("plot_assessment",),
     "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),

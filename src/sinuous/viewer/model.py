@@ -177,8 +177,24 @@ class Model:
 
     @property
     def window(self) -> tuple[float, float]:
-        """The first and the last time that can be shown; the same where nothing moves."""
-        return window_of(self.job, self.motion)
+        """The first and the last time of a motion, or else of all obstacles that move and of the waypoints.
+
+        They are the same where nothing moves. Motions begin at 0, unless somebody says otherwise: that is among them.
+        """
+        if self.motion is not None:
+            return float(self.motion.times[0]), float(self.motion.times[-1])
+        courses = self.scene.courses.values()
+        if not courses:
+            return 0.0, 0.0
+        ends = [0.0, *(float(time) for course in courses for time in (course.times[0], course.times[-1]))]
+        if self.job.is_path:
+            ends += [self._time_of(0), self._time_of(len(self.job.waypoints) - 1)]
+        return min(ends), max(ends)
+
+    def _time_of(self, waypoint: int) -> float:
+        """When a path is at a waypoint, 0 = first: at 0, 1, 2, ... with the start, unless they have times."""
+        job = self.job
+        return float(waypoint + (job.start is not None)) if job.times is None else float(job.times[waypoint])
 
     @property
     def targets(self) -> tuple[Target, ...]:
@@ -275,7 +291,7 @@ class Model:
         """Ask for another waypoint of the path, 0 = first; where obstacles move, at its time."""
         self.waypoint = checks.integer("waypoint", index, 0, len(self.job.waypoints) - 1)
         if self.scene.moves:
-            self.time = time_of(self.job, self.waypoint)
+            self.time = self._time_of(self.waypoint)
         self._asked_anew()
 
     def tolerate(self, position: float, angle: float) -> None:
@@ -328,9 +344,8 @@ class Model:
     def bend(self, segment: int, bend_x: float, bend_y: float, length: float) -> None:
         """Bend a segment (0 = first) by hand; the shape stays so until something else is asked."""
         k = checks.integer("segment", segment, 0, len(self.robot) - 1)
-        row = [checks.number(key, value) for key, value in (("bend_x", bend_x), ("bend_y", bend_y), ("length", length))]
         q = np.array(self.shown)
-        q[k] = row
+        q[k] = [checks.number(*each) for each in (("bend_x", bend_x), ("bend_y", bend_y), ("length", length))]
         self._bent(q)
 
     @property
@@ -425,6 +440,11 @@ class Model:
         self.job = changed(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
             self.show_motion(paced(self.motion, rates))
+
+    def offer(self, solutions: list[Solution]) -> None:
+        """Show distinct solutions to choose from, the first of them chosen."""
+        self.ghosts = solutions
+        self.choose(0)
 
     def choose(self, index: int) -> None:
         """Show one of the distinct solutions."""
@@ -572,24 +592,3 @@ def changed(job: Job, **parts: Any) -> Job:
     if job.waypoints:
         own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
     return Job(parts.pop("robot", job.robot), **{**own, **parts})
-
-
-def window_of(job: Job, motion: Motion | None) -> tuple[float, float]:
-    """Return the first and the last time of a motion, or else of all obstacles that move and of the waypoints.
-
-    Motions begin at 0, unless somebody says otherwise; so that time is among them.
-    """
-    if motion is not None:
-        return float(motion.times[0]), float(motion.times[-1])
-    courses = job.scene.snapshot().courses.values()
-    if not courses:
-        return 0.0, 0.0
-    ends = [0.0, *(float(time) for course in courses for time in (course.times[0], course.times[-1]))]
-    if job.is_path:
-        ends += [time_of(job, 0), time_of(job, len(job.waypoints) - 1)]
-    return min(ends), max(ends)
-
-
-def time_of(job: Job, waypoint: int) -> float:
-    """Return when a path is at a waypoint, 0 = first: at 0, 1, 2, ... with the start, unless they have times."""
-    return float(waypoint + (job.start is not None)) if job.times is None else float(job.times[waypoint])

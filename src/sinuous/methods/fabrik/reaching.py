@@ -38,8 +38,17 @@ from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold, unfold
-from sinuous.methods.fabrik.links import Chain, carve_chain, group, reach_back, reach_out
+from sinuous.methods.fabrik.links import (
+    Chain,
+    axis_of,
+    carve_chain,
+    end_goal,
+    fold,
+    group,
+    reach_back,
+    reach_out,
+    unfold,
+)
 from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
 from sinuous.methods.options import Options, count, flag, number
 from sinuous.methods.search import Start, begin_from, search_by

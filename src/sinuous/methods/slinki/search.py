@@ -29,7 +29,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import ARC, MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold
+from sinuous.methods.fabrik.links import axis_of, end_goal, fold
 from sinuous.methods.fabrik.reaching import Aside, carve, descend, scratch_size
 from sinuous.methods.judge import Answer, Check, has_obstacles, offer
 from sinuous.methods.options import Options, count, number

@@ -206,6 +206,12 @@ def calibrate(
     measured: Annotated[str, typer.Argument(metavar="MEASURED.csv", help="Columns: actuators, and x,y,z.")],
     fit: Annotated[str | None, typer.Option(help="What to fit, as base,offsets,stiffness; else it is chosen.")] = None,
     unit: Annotated[float, typer.Option(help="Length units of the robot in one of the measurements.")] = 1.0,
+    frame: Annotated[
+        str, typer.Option(help="Whose pose is fitted, and where gravity is known: base or device.")
+    ] = "base",
+    motion: Annotated[
+        Path | None, typer.Option(metavar="ROWS.csv", help="Rows of one motion: the robot has the bound of these.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="ROBOT.yaml", help="Write the calibrated robot.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw errors over rows and patterns.")] = None,
     json: Json = False,
@@ -213,7 +219,7 @@ def calibrate(
     """Fit a robot to measurements."""
     from sinuous.cli.calibrate import calibrate_file  # noqa: PLC0415
 
-    return calibrate_file(file, measured, fit, unit, out, plot, json=json)
+    return calibrate_file(file, measured, fit, unit, frame, motion, out, plot, json=json)
 
 
 @app.command()

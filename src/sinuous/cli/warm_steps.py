@@ -114,7 +114,8 @@ def _shapes_under_load() -> None:
     straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
     HEAVY.shape(straight)
     Solver.once(HEAVY, None).solve(TARGET)
-    _ = Rest(HEAVY, straight).slopes
+    rest = Rest(HEAVY, straight)
+    _ = rest.slopes, rest.answers([rest.tables], np.ones(1))
     Motion(HEAVY, [straight, straight + 0.01])
 
 

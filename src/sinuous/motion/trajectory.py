@@ -219,8 +219,6 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     most = checks.number("blend", blend, low=0.0)
     if most > 0.0 and accelerations is None:
         raise InputError("blend", "rates have no acceleration, and so no corner asks for one", most, "0")
-    if most > 0.0:
-        motion.robot.refuse_load()  # how far a corner leaves the way is known without load alone
     legs = legs_of(motion.robot, motion.q, motion.steps)
     if not len(legs.sizes):
         raise InputError("motion", "stands still", motion, "a motion that moves")

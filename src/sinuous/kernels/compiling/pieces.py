@@ -130,6 +130,7 @@ PIECES = (
             "kernels.statics.flexibility.soften",
             "kernels.statics.drive.lay_out",
             "kernels.statics.drive.differentiate",
+            "kernels.statics.answers.answer",
             "kernels.solve.loaded.correct",
         ),
         waits=True,

@@ -1,6 +1,8 @@
 """The state of the page of `sinuous view`, and how it changes: without a browser, and without threads."""
 
+import time as clock
 import warnings
+from collections.abc import Hashable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -35,6 +37,12 @@ ASKED = ("position", "direction", "rotation")
 MOST_SECONDS = 60.0
 """Longest budget that can be set on the page."""
 
+
+TOGETHER = 1.0
+"""Seconds within which changes of the same thing are one step: somebody drags it."""
+
+MOST_STEPS = 1000
+"""Steps that are kept."""
 
 LONGEST, SHORTENED = 30.0, 20.0
 """A motion that takes longer than the first is played in so many seconds as the second."""
@@ -78,6 +86,38 @@ class Moment(NamedTuple):
         """Whether people decided the same; what was found for it may differ."""
         same = self.job is other.job and self[1:5] == other[1:5]
         return same and (self.q is other.q or not self.by_hand)
+
+
+class History:
+    """The moments of a page before every step, and those that were taken back."""
+
+    def __init__(self) -> None:
+        self._past: list[Moment] = []
+        self._taken_back: list[Moment] = []
+        self._last: tuple[Hashable, float] = None, 0.0
+
+    def note(self, key: Hashable, before: Moment) -> None:
+        """Keep the moment before a change of what `key` stands for."""
+        now = clock.monotonic()
+        if key != self._last[0] or now - self._last[1] > TOGETHER:
+            self._past = [*self._past[1 - MOST_STEPS :], before]
+        self._last = key, now
+        self._taken_back = []
+
+    def undo(self, now: Moment) -> Moment:
+        """Return the moment before the last step; that of now where there is none."""
+        return self._step(self._past, self._taken_back, now)
+
+    def redo(self, now: Moment) -> Moment:
+        """Return the moment that was taken back last; that of now where there is none."""
+        return self._step(self._taken_back, self._past, now)
+
+    def _step(self, begin: list[Moment], end: list[Moment], now: Moment) -> Moment:
+        if not begin:
+            return now
+        end.append(now)
+        self._last = None, 0.0
+        return begin.pop()
 
 
 class Model:

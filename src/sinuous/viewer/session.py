@@ -21,8 +21,7 @@ from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
 from sinuous.solving.memory import Memory
 from sinuous.viewer.edits import is_quick
-from sinuous.viewer.history import History
-from sinuous.viewer.model import Model, Moment, pace
+from sinuous.viewer.model import History, Model, Moment, pace
 from sinuous.viewer.saving import loaded
 from sinuous.viewer.solvers import QUICK, Question, Solvers, serving
 from sinuous.viewer.workers import Worker

@@ -74,9 +74,7 @@ class Panel:
         self._status = gui.add_html("")
         group = gui.add_tab_group()
         self._sections, places = [], dict[str, Any]()
-        for name, build, made_for in (
-            PARTS if session.model.targets else [part for part in PARTS if part[0] != "Target"]
-        ):
+        for name, build, made_for in (part for part in PARTS if part[0] != "Target" or session.model.targets):
             tab = places[name] = places.get(name) or group.add_tab(name)
             own = Fields(gui, session), partial(build, session), partial(made_for, session)
             self._sections.append(Section(tab, *own))

@@ -5,8 +5,9 @@ import pytest
 import scipy.optimize
 
 from sinuous import Problem, Robot, Target, pose
-from sinuous.solution.at_rest import at_rest, nonnegative_least_squares
+from sinuous.solution.at_rest import at_rest
 from sinuous.solution.constraints import limits_of
+from sinuous.solution.least_distance import nonnegative_least_squares
 from sinuous.solution.residual import residual_of
 from tests.helpers import Floats, random_pose
 

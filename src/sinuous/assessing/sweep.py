@@ -39,8 +39,7 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
     InputError
         When there is no such field, or a value is not what it should be.
     """
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     if not isinstance(fields, Mapping) or not fields:
         raise InputError("fields", "", fields, "a mapping of fields to lists of values")
     listed = {}

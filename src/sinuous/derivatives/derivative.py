@@ -189,9 +189,7 @@ class Derivative:
 
     def _of_q(self, name: Parameter) -> Floats:
         chosen = self._moved()[:, self._plan.chosen(name, self._problem)]
-        result: Floats = chosen.reshape(*self._configuration.shape, chosen.shape[1])
-        result.flags.writeable = False
-        return result
+        return checks.closed(chosen.reshape(*self._configuration.shape, chosen.shape[1]))
 
     def _named(self, row: Floats) -> Active:
         kind, segment, other = int(row[a.KIND]), int(row[a.SEGMENT]), int(row[a.OTHER])

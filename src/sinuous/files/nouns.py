@@ -20,10 +20,8 @@ from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.loads import Payload
 from sinuous.robot.names import MOST_SEGMENTS, segment_number
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.robot.stiffness import Stiffness
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.robot import Robot, Uncertainty
+from sinuous.robot.segment import Segment, Stiffness
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving

@@ -17,8 +17,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
 from sinuous.gc_pause import gc_paused
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions, suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.reprs import text
@@ -110,16 +109,13 @@ class ProblemFile(Frozen):
         self_clearance: OneEach | None = None,
         file: str = "",
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         asked = [key for key, value in (("target", target), ("path", path), ("goal", goal)) if value is not None]
         if len(asked) != 1:
             what = f"cannot be combined with {asked[1]}" if asked else "missing"
             raise InputError("target", what, target, "one of target, path, goal")
-        if not (prefer is None or isinstance(prefer, Preferences)):
-            raise InputError("prefer", "", prefer, "Preferences")
-        if not (rates is None or isinstance(rates, Rates)):
-            raise InputError("rates", "", rates, "Rates")
+        checks.instance("prefer", prefer, Preferences | None, "Preferences")
+        checks.instance("rates", rates, Rates | None, "Rates")
         if rates is not None:
             with checks.inside("rates"):
                 rates.check(robot)

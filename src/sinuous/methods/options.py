@@ -14,7 +14,7 @@ from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.judge import check_size
 from sinuous.methods.prepared import Compiled, Prepared
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr
 from sinuous.robot.robot import Robot

@@ -127,8 +127,7 @@ class Motion(NotebookMixin, Frozen):
         scene: SceneLike | Snapshot | None = None,
         times: Vector | None = None,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         knots = checks.rows("q", q, len(robot), 3)
         if len(knots) < 2:
             raise InputError("q", "", q, "at least two configurations")

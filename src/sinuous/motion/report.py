@@ -12,7 +12,7 @@ from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot, demanding
-from sinuous.scene.entries import entries_of
+from sinuous.scene.scene import entries_of
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status
@@ -113,8 +113,7 @@ def read(
     `scene` is the one whose obstacles move, where they do. So many waypoints were `asked`; by default those of the
     problems.
     """
-    if not isinstance(values, dict):
-        raise InputError("", "", values, "a result")
+    checks.instance("", values, dict, "a result")
     if scene is not None and scene.moves:
         problems = _at_their_times(values, problems, scene)
     count = len(problems) if asked is None else asked
@@ -207,8 +206,7 @@ def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> tuple[int
 
 def _list(values: dict[str, Any], key: str) -> list[Any]:
     listed = _value(values, key)
-    if not isinstance(listed, list):
-        raise InputError(key, "", listed, "a list")
+    checks.instance(key, listed, list, "a list")
     return listed
 
 

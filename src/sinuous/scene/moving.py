@@ -46,8 +46,7 @@ class Course(Frozen):
         if self.rotations is None or len(self.times) < 2:
             return np.zeros((max(0, len(self.times) - 1), 3))
         steps = np.swapaxes(self.rotations[:-1], 1, 2) @ self.rotations[1:]
-        turns: Floats = Rotation.from_matrix(steps).as_rotvec()
-        return turns
+        return Rotation.from_matrix(steps).as_rotvec()
 
     def poses(self, when: Floats) -> tuple[Floats, Floats]:
         """Positions (m, 3) and rotations (m, 3, 3) at times (m,)."""
@@ -63,15 +62,13 @@ class Course(Frozen):
         if len(self.times) < 2:
             return np.zeros(len(when))
         begin, end = self.times[step], self.times[step + 1]
-        shares: Floats = np.clip((when - begin) / (end - begin), 0.0, 1.0)
-        return shares
+        return np.clip((when - begin) / (end - begin), 0.0, 1.0)
 
     def _positions(self, step: NDArray[np.intp], share: Floats) -> Floats:
         if len(self.times) < 2:
             return np.repeat(self.positions, len(step), axis=0)
         s = share[:, None]
-        places: Floats = (1.0 - s) * self.positions[step] + s * self.positions[step + 1]
-        return places
+        return (1.0 - s) * self.positions[step] + s * self.positions[step + 1]
 
     def _rotations(self, step: NDArray[np.intp], share: Floats) -> Floats:
         from scipy.spatial.transform import Rotation  # noqa: PLC0415
@@ -80,8 +77,7 @@ class Course(Frozen):
             return np.broadcast_to(np.eye(3), (len(step), 3, 3)).copy()
         if len(self.times) < 2:
             return np.repeat(self.rotations, len(step), axis=0)
-        turned: Floats = self.rotations[step] @ Rotation.from_rotvec(share[:, None] * self.turns[step]).as_matrix()
-        return turned
+        return self.rotations[step] @ Rotation.from_rotvec(share[:, None] * self.turns[step]).as_matrix()
 
 
 def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
@@ -112,9 +108,7 @@ def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
 
 
 def _there(pose: Floats, point: Floats) -> Floats:
-    place: Floats = pose[:3, :3] @ point + pose[:3, 3]
-    place.flags.writeable = False
-    return place
+    return checks.closed(pose[:3, :3] @ point + pose[:3, 3])
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +200,7 @@ class Moving(Obstacle):
     @property
     def course(self) -> Course:
         """Its poses over time."""
-        course: Course = vars(self)["_course"]
-        return course
+        return vars(self)["_course"]
 
     @property
     def kind(self) -> str:

@@ -68,8 +68,7 @@ class _Result:
     """The values of a result, checked as they are asked for."""
 
     def __init__(self, values: Any) -> None:
-        if not isinstance(values, dict):
-            raise InputError("", "", values, "a result")
+        checks.instance("", values, dict, "a result")
         self._values = values
 
     def value(self, key: str) -> Any:

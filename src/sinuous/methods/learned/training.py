@@ -29,7 +29,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.methods.learned.network import INPUTS, KINDS, MOST_WIDTH, Layers, Network, inputs
 from sinuous.methods.newton import Newton
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot

@@ -49,9 +49,8 @@ from sinuous.methods.fabrik.links import (
     reach_out,
     unfold,
 )
-from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
 from sinuous.methods.options import Options, count, flag, number
-from sinuous.methods.search import Start, begin_from, search_by
+from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -97,7 +97,7 @@ class Derivative:
         """What nothing is left of; once for each limit, each obstacle and segment, each pair of segments."""
         limited = [self._problem.robot.actuators[i] for i in self._plan.limited]
         rows = self._rows.about[self._rows.targets :, [a.KIND, a.SEGMENT, a.OTHER]].astype(np.int64).tolist()
-        return tuple(dict.fromkeys(Active.of(*row, scene=self._problem.scene, limited=limited) for row in rows))
+        return tuple(dict.fromkeys(Active.of(row, self._problem.scene, limited) for row in rows))
 
     @property
     def weak(self) -> tuple[Active, ...]:

@@ -84,12 +84,9 @@ def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
     """Return an obstacle of the same name, each place x of which lies at `pose` (4, 4) times x."""
     turn = pose[:3, :3]
     if isinstance(obstacle, Primitive):
-        own = vars(obstacle)
-        there: dict[str, Any] = {
-            key: _there(pose, own[key]) for key in ("center", "start", "end", "point") if key in own
-        }
-        there |= {key: turn @ own[key] for key in ("rotation", "normal") if key in own}
-        return obstacle._changed(there)
+        own, places, axes = vars(obstacle), ("center", "start", "end", "point"), ("rotation", "normal")
+        there: dict[str, Any] = {key: _there(pose, own[key]) for key in places if key in own}
+        return obstacle._changed(there | {key: turn @ own[key] for key in axes if key in own})
     if isinstance(obstacle, Grid):
         return obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
     if isinstance(obstacle, Field):

@@ -52,8 +52,9 @@ class Active(ShortRepr):
     other_segment: int | None = None
 
     @classmethod
-    def of(cls, kind: int, segment: int, which: int, scene: Snapshot, limited: Sequence[Actuator]) -> "Active":
+    def of(cls, row: Sequence[int], scene: Snapshot, limited: Sequence[Actuator]) -> "Active":
         """Make it of a row of the kernels: a kind, a segment (0 = first), and which obstacle, segment or actuator."""
+        kind, segment, which = row
         place = segment + 1 if segment >= 0 else None
         if kind == CLEARANCE:
             return cls("clearance", place, obstacle=scene.name(which))
@@ -262,7 +263,7 @@ class Step:
         first = t.SHAPE + self.q.size
         rows = self._answer[first : first + t.ACTIVE_WIDTH * int(self._answer[t.ACTIVE])].reshape(-1, t.ACTIVE_WIDTH)
         ordered = rows[np.argsort(-rows[:, 0], kind="stable"), 1:].astype(np.int64).tolist()
-        return tuple(dict.fromkeys(Active.of(*row, scene=self.scene, limited=self._wanted.limited) for row in ordered))
+        return tuple(dict.fromkeys(Active.of(row, self.scene, self._wanted.limited) for row in ordered))
 
 
 def _restored(wanted: Wanted, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:

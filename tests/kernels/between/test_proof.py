@@ -59,7 +59,7 @@ def prove(
 @pytest.mark.parametrize("slack", [1.0, SLACK])
 def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
     verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
-    for seed in range(75):
+    for seed in range(50):
         case = random_case(seed)
         (answer,) = prove(case, slack)
         clearance, gap = sampled_case(seed)
@@ -72,8 +72,8 @@ def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
         else:
             assert answer[UNTIL] < 1.0
             assert min(clearance, gap) < 0.02, seed
-    assert verdicts[CLEAR] > 25
-    assert verdicts[TOUCHING] > 7
+    assert verdicts[CLEAR] > 16
+    assert verdicts[TOUCHING] > 4
     assert verdicts[UNDECIDED] < 3
 
 

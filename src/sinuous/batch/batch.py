@@ -196,8 +196,7 @@ class Batch(ShortRepr):
         ways = {name: self._by_rows(f"tangent[{name!r}]", way) for name, way in given.items()}
         spans = self._spans(tuple(ways))
         motions = [part.jvp({name: way[rows] for name, way in ways.items()}) for rows, part in spans]
-        whole: Floats = np.concatenate(motions)
-        return whole
+        return np.concatenate(motions)
 
     def _spans(self, wrt: Any) -> "Iterator[tuple[slice, Derivatives]]":
         """Rows of each chunk, and the derivatives of their answers."""
@@ -214,8 +213,7 @@ class Batch(ShortRepr):
             raise InputError(key, "", value, "an array of numbers") from None
         if given.shape[:1] != (self.total,):
             raise InputError(key, "", f"shape {given.shape}", f"one for each row: {self.total}")
-        rows: NDArray[Any] = given
-        return rows
+        return given
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, without the results."""

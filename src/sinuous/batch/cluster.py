@@ -111,8 +111,7 @@ class Dask(Engine):
         """Hand a task to a worker; a worker that dies is replaced by another one, up to three times."""
         if self._client.status != "running":
             raise LostError(self.gone)
-        future: Future[Block] = self._pool.submit(_solve, self._name, task)
-        return future
+        return self._pool.submit(_solve, self._name, task)
 
     def restart(self) -> None:
         """Refuse: without a scheduler all is lost."""

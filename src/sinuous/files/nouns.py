@@ -274,8 +274,7 @@ def _configuration(value: Any, robot: Robot) -> Floats:
         knots = checks.rows("knots", value["knots"], len(robot), 3)
         if not len(knots):
             raise InputError("knots", "", value["knots"], "at least one configuration")
-        last: Floats = knots[-1]
-        return last
+        return knots[-1]
     if "q" not in value:
         raise InputError("q", "missing", value, "a result of an earlier solve")
     return checks.array("q", value["q"], (len(robot), 3))

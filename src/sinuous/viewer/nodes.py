@@ -49,14 +49,12 @@ UNITS: dict[type[Obstacle], Callable[[bool], Obstacle]] = {
 
 def wxyz(rotation: Floats) -> Floats:
     """Quaternion (4,) of a rotation (3, 3)."""
-    quaternion: Floats = np.asarray(SO3.from_matrix(rotation).wxyz, np.float64)
-    return quaternion
+    return np.asarray(SO3.from_matrix(rotation).wxyz, np.float64)
 
 
 def rotation_of(quaternion: Floats) -> Floats:
     """Rotation (3, 3) of a quaternion wxyz of any length but zero."""
-    matrix: Floats = np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
-    return matrix
+    return np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
 
 
 def colours_of(arm: Arm) -> list[Rgb]:

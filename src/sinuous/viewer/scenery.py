@@ -211,8 +211,7 @@ def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
 def _axis(quaternion: Floats) -> Floats:
     """The z axis (3,) of a frame whose rotation is this quaternion wxyz."""
     w, x, y, z = quaternion.tolist()
-    axis: Floats = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    return axis
+    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _contents(model: Model) -> Contents:

@@ -2,7 +2,7 @@
 
 The unknowns are the points where arcs meet. The last is the goal, so that the position is exact by construction; what
 has to be reached is that all lengths lie in their ranges, that the tip points where it should, and that the body is
-clear. The first path that the common check (see `sinuous.methods.judge`) calls solved ends the search.
+clear. The first path that the common check (see `sinuous.methods.search`) calls solved ends the search.
 """
 
 import math
@@ -15,12 +15,11 @@ from sinuous.kernels.maths.vectors import ZERO, Array, add, add_scaled, copy, do
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.targets import direction_vector
 from sinuous.kernels.tables import DIRECTION, GOAL, MAX_LENGTH, MIN_LENGTH, ORIENTATION, TARGET_POSITION
-from sinuous.methods.judge import Answer, Check, has_obstacles, offer
 from sinuous.methods.opti_path.gradient import ADJOINT, Setting, Weights, gradient_backwards, gradient_by_differences
 from sinuous.methods.opti_path.path import Aim, Path, Work, configuration_of, trace, want
 from sinuous.methods.opti_path.potential import read_potential
 from sinuous.methods.opti_path.starts import begin_path
-from sinuous.methods.search import NO_START, Start, search_by
+from sinuous.methods.search import NO_START, Answer, Check, Start, has_obstacles, offer, search_by
 
 CONSTANT, BY_LENGTH, BY_ORIENTATION, COOLING, GATED = 0.0, 1.0, 2.0, 3.0, 4.0
 IDENTITY, DIFFERENCE, ACCELERATION = 0.0, 1.0, 2.0

@@ -89,7 +89,7 @@ def no_figures_stay() -> Iterator[None]:
 FIRST = (
     "solving/routing/test_routes.py",  # our own method and routes, for one process
     "methods/opti_path/test_options.py",  # methods that share little with it, for the other
-    "methods/slinki/test_search.py",
+    "methods/test_slinki.py",
     "methods/fabrik/test_reaching.py",
     "methods/test_monte_carlo.py",
     "methods/fabrik/test_avoiding.py",

@@ -175,8 +175,7 @@ def _blocked_places(work: Work, solver: Solver) -> NDArray[np.int64]:
     if not len(near):
         return near
     codes, _ = work.calls.solve(solver, positions=work.places[near])
-    blocked: NDArray[np.int64] = near[codes == Verdict.TARGET_BLOCKED]
-    return blocked
+    return near[codes == Verdict.TARGET_BLOCKED]
 
 
 def _blame(work: Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:

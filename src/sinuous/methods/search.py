@@ -12,32 +12,14 @@ import math
 from collections import namedtuple
 from collections.abc import Callable
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.clock import allow, begin, now, over
 from sinuous.kernels.compile import entry_around, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
-from sinuous.kernels.tables import (
-    ANGLE_ERROR,
-    ARC,
-    CLEARANCE,
-    CODE,
-    FAILED,
-    GIVEN,
-    ITERATIONS,
-    LATE,
-    MAX_LENGTH,
-    MERIT,
-    METHOD_OPTIONS,
-    MIN_LENGTH,
-    POSITION_ERROR,
-    RANDOM,
-    SECONDS,
-    SELF_CLEARANCE,
-    STARTS,
-    Budget,
-)
+from sinuous.kernels.tables import Budget
 from sinuous.methods.judge import Answer, Check, carve_check, finish
 
 Start = namedtuple("Start", ["initial", "index", "first", "seed"])
@@ -66,7 +48,7 @@ def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
     number = own_number(start)
     if number < 0:
         copy(start.initial[start.index], q)
-        return GIVEN
+        return t.GIVEN
     return begin_own(problem, check, number, start.seed, q)
 
 
@@ -76,10 +58,10 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
     tip, goal = most_distal(problem)
     if number == 0 and tip >= 0:
         single_arc(problem.limits, check.frames, tip, goal, q)
-        return ARC
+        return t.ARC
     scattered(problem.limits, number, seed, widest(number), q)
     face(problem.targets, check.frames, problem.tool, q)
-    return RANDOM
+    return t.RANDOM
 
 
 @kernel
@@ -95,12 +77,14 @@ def open_record(problem: Problem, check: Check, given: int, budget: Budget, answ
     impossible = verdict_of(problem)
     for j in range(record.shape[0]):
         record[j] = 0.0
-    record[CODE] = FAILED if impossible == POSSIBLE else impossible
-    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[MERIT] = math.inf
-    record[CLEARANCE] = record[SELF_CLEARANCE] = math.inf
-    record[SECONDS] = began
+    record[t.CODE] = t.FAILED if impossible == POSSIBLE else impossible
+    record[t.POSITION_ERROR] = record[t.ANGLE_ERROR] = record[t.MERIT] = math.inf
+    record[t.CLEARANCE] = record[t.SELF_CLEARANCE] = math.inf
+    record[t.SECONDS] = began
     for k in range(answer.best.shape[0]):
-        put_vec(answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
+        put_vec(
+            answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, t.MIN_LENGTH] + problem.limits[k, t.MAX_LENGTH]))
+        )
     own = last - first if impossible == POSSIBLE else min(last - first, 1)
     return given + own
 
@@ -109,14 +93,14 @@ def open_record(problem: Problem, check: Check, given: int, budget: Budget, answ
 def close_record(problem: Problem, check: Check, iterations: int, starts: int, late: bool, answer: Answer) -> None:
     """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
     record = answer.record
-    if record[MERIT] == math.inf:
+    if record[t.MERIT] == math.inf:
         _, off, turn, clearance, self_clearance, _, merit = finish(problem, check, answer.best)
-        record[POSITION_ERROR], record[ANGLE_ERROR], record[MERIT] = off, turn, merit
-        record[CLEARANCE], record[SELF_CLEARANCE] = clearance, self_clearance
-    if late and record[CODE] == FAILED:
-        record[CODE] = LATE
-    record[ITERATIONS], record[STARTS] = iterations, starts
-    record[SECONDS] = now(check.clock) - record[SECONDS]
+        record[t.POSITION_ERROR], record[t.ANGLE_ERROR], record[t.MERIT] = off, turn, merit
+        record[t.CLEARANCE], record[t.SELF_CLEARANCE] = clearance, self_clearance
+    if late and record[t.CODE] == t.FAILED:
+        record[t.CODE] = t.LATE
+    record[t.ITERATIONS], record[t.STARTS] = iterations, starts
+    record[t.SECONDS] = now(check.clock) - record[t.SECONDS]
 
 
 def search_by(follow: Follow) -> Search:
@@ -141,7 +125,7 @@ def search_by(follow: Follow) -> Search:
         (m, g, n, 3). `workspace` is scratch of the check (`judge.check_size`), then of the method. Fills `answers`
         (m, 11 + 3 n): record and configuration of each.
         """
-        n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+        n, options = int(robot[0]), settings[t.METHOD_OPTIONS :]
         for i in range(targets.shape[0]):
             problem = read_problem(robot, scene, settings, targets[i])
             check, scratch = carve_check(workspace, problem)

@@ -1,6 +1,7 @@
 """Robots that differ in some fields of the robot file: every combination of the values."""
 
 import copy
+import math
 import re
 from collections.abc import Iterable, Mapping
 from itertools import product
@@ -46,9 +47,7 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise InputError(f"[{field!r}]", "", values, "a list of values")
         listed[field] = list(values)
-    count = 1
-    for values in listed.values():
-        count *= len(values)
+    count = math.prod(map(len, listed.values()))
     if not 0 < count <= MOST_ROBOTS:
         raise InputError("fields", f"make {count} robots", list(listed), f"1 to {MOST_ROBOTS}")
     found = {}

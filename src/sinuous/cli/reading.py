@@ -15,9 +15,8 @@ import typer
 from sinuous import checks
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
 from sinuous.errors import SuspiciousInput
-from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
 from sinuous.files.results import json_line
-from sinuous.files.setting import Setting, read_setting
 from sinuous.progress import rich_progress
 from sinuous.robot.robot import Robot
 from sinuous.solving.memory import Memory

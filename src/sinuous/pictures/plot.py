@@ -142,7 +142,7 @@ def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
 
 def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: View) -> None:
     """Draw all that has a surface, and the points of what has none."""
-    arms = contents.all_arms
+    arms = contents.arms_at(1.0)
     painted = paint_arms(arms, box, view)
     for moving in contents.moving:
         for share in [] if moving.ghost else np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():

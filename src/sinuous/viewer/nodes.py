@@ -1,11 +1,12 @@
 """Robots, obstacles, targets and lines as nodes of viser. A node is sent again only where it has changed."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import BatchedMeshHandle, MeshHandle, SceneApi, SceneNodeHandle
+from viser import BatchedMeshHandle, LineSegmentsHandle, MeshHandle, SceneApi, SceneNodeHandle
 from viser.transforms import SO3
 
 from sinuous.checks import Floats
@@ -315,6 +316,24 @@ def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span:
         shades = np.array([rgb(colour) for _, colour in arrows], np.uint8)
         thin, wide, long = 0.003 * span, 0.008 * span, 0.025 * span
         scene.add_arrows(f"{name}/arrow", ends, shades, shaft_radius=thin, head_radius=wide, head_length=long)
+
+
+class Lines:
+    """Lines on a page that may change. Nothing is there before `show`; a width is in shares of `LINE`."""
+
+    def __init__(self, scene: SceneApi, name: str, colour: Rgb, width: float) -> None:
+        self._add = partial(scene.add_line_segments, name, colors=colour, thickness=LINE * width)
+        self._node: LineSegmentsHandle | None = None
+
+    def show(self, points: Floats | None) -> None:
+        """Show lines between pairs of points (k, 2, 3), or none."""
+        if points is not None:
+            exact = points.astype(np.float32)
+            self._node = self._node or self._add(exact)
+            if not np.array_equal(self._node.points, exact):
+                self._node.points = exact
+        if self._node is not None:
+            self._node.visible = points is not None
 
 
 def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], colour: str, span: float) -> None:

@@ -21,11 +21,10 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import GIVEN, GOAL, ORIENTATION, REMEMBERED, TARGET_POSITION
 from sinuous.methods import dls
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.judge import Answer, Check, offer
 from sinuous.methods.learned.network import CAPABILITIES, MOST_WIDTH, Network
 from sinuous.methods.learned.training import train
 from sinuous.methods.options import Kind, Options, count
-from sinuous.methods.search import NO_START, Start, own_number, search_by
+from sinuous.methods.search import NO_START, Answer, Check, Start, offer, own_number, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

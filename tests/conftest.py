@@ -31,7 +31,7 @@ os.environ.setdefault("SINUOUS_KERNELS", "compiled")
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(
     "sinuous",
-    max_examples=50,
+    max_examples=30,
     deadline=None,
     derandomize=True,
     database=None,

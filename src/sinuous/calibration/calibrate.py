@@ -16,8 +16,7 @@ from sinuous.calibration.model import derivatives, model
 from sinuous.calibration.parameters import ORDER, Group, GroupName, Values, can_stretch, changed, elastic, group
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.robot.robot import Robot
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.robot import Robot, Uncertainty
 
 Frame = Literal["base", "device"]
 """Which pose is fitted."""

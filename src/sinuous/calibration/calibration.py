@@ -17,8 +17,7 @@ from sinuous.calibration.parameters import Values
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.reprs import ShortRepr, call
-from sinuous.robot.robot import Robot
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.robot import Robot, Uncertainty
 
 LEVEL = 0.95
 """Share of rows for which the bound of the robot held, by default."""

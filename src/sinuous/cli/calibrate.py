@@ -9,12 +9,12 @@ import typer
 from sinuous import checks
 from sinuous.calibration.calibrate import Frame, calibrate
 from sinuous.calibration.table import read_table
-from sinuous.cli.options import SOLVED, check_writable
+from sinuous.cli.options import SOLVED, check_outputs
 from sinuous.files.nouns import read_robot
 from sinuous.files.results import json_line
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.pictures.calibration import plot_calibration
+from sinuous.pictures.charts import plot_calibration
 from sinuous.robot.robot import Robot
 
 
@@ -40,9 +40,7 @@ def calibrate_file(
         0; what is wrong is raised.
     """
     read = [file, measured] if motion is None else [file, measured, str(motion)]
-    for option, target in (("--out", out), ("--plot", plot)):
-        if target is not None:
-            check_writable(option, target, read)
+    check_outputs(read, out=out, plot=plot)
     robot = _robot_of(Path(file))
     actuators = [actuator.name for actuator in robot.actuators]
     table = read_table(Path(measured), actuators)

@@ -127,8 +127,7 @@ class Motion(NotebookMixin, Frozen):
         scene: SceneLike | Snapshot | None = None,
         times: Vector | None = None,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         knots = checks.rows("q", q, len(robot), 3)
         if len(knots) < 2:
             raise InputError("q", "", q, "at least two configurations")
@@ -262,8 +261,9 @@ class Motion(NotebookMixin, Frozen):
         blend : float
             How far any place of the body may leave the way to round a corner, in the length unit. More than half of
             what is proved to be free is never used, so that a rounded corner is as clear as is proved; where nothing is
-            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`. By default it
-            stops in all corners (`Trajectory.stops`), which may take several times as long.
+            proved, or where the way turns by a right angle or more, it stops. Under load places are those of the loaded
+            body; it stops where nothing bounds that, as of tendons with a stiffness. Needs the extra `timing`. By
+            default it stops in all corners (`Trajectory.stops`), which may take several times as long.
 
         Raises
         ------

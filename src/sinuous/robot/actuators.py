@@ -124,9 +124,7 @@ class Lines(Frozen):
     @property
     def stiffnesses(self) -> Floats:
         """Stiffness (m,) of each line; infinite where it is rigid."""
-        result: Floats = np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
-        result.flags.writeable = False
-        return result
+        return checks.closed(np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness))
 
     def __init_subclass__(cls) -> None:
         """Put the parameters of all lines before those of a kind of them."""
@@ -155,15 +153,12 @@ class Lines(Frozen):
         """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
         if self.stiffness is None:
             return self.displacements
-        result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
-        result.flags.writeable = False
-        return result
+        return checks.closed(self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None])
 
     @property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
-        result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
-        return result
+        return self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
 
     def changed(self, **values: Any) -> Self:
         """Return the same lines with other values of some parameters."""

@@ -56,8 +56,7 @@ class Snapshot(Frozen):
     @property
     def group(self) -> Floats:
         """What the kernels read, laid out as `sinuous.kernels.tables` says; read-only."""
-        group: Floats = packing.read_only(self._kernel_group)
-        return group
+        return packing.read_only(self._kernel_group)
 
     @property
     def _kernel_group(self) -> Floats:
@@ -184,8 +183,7 @@ class Snapshot(Frozen):
     @property
     def table(self) -> Floats:
         """Rows (m, 33) for the kernels, read-only."""
-        rows: Floats = packing.scene_parts(self.group)[0]
-        return rows
+        return packing.scene_parts(self.group)[0]
 
     @property
     def memory(self) -> int:

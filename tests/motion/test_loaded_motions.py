@@ -10,6 +10,7 @@ from benchmarks.judges.cosserat import shoot
 from sinuous.checks import Floats
 from tests.helpers import refused
 from tests.solving.test_under_load import GRAVITY, ROD, Q, arm
+from tests.solving.test_under_load import cosserat as rods
 
 SECONDS = 20.0
 AWAY = np.array([0.05, 0.0, 0.0])
@@ -135,11 +136,11 @@ def test_the_loaded_body_follows_the_leader() -> None:
     free = sn.follow_the_leader(robot.changed(gravity=None, payload=None), CURVE, tip_deviation=1e-4)
     assert sn.Motion(robot, free.q[::10]).deviation(longer).shares["shape"] > 0.1, "nothing bends it"
     for i in (0, len(motion.q) // 2, -1):
-        ends = cosserat(robot, motion.q[i])
+        ends = ends_of_rods(robot, motion.q[i])
         assert longer.distance(np.array(ends)[:, :3, 3]).max() < 0.01 * robot.mean_length
 
 
-def cosserat(robot: sn.Robot, q: Floats) -> list[Floats]:
+def ends_of_rods(robot: sn.Robot, q: Floats) -> list[Floats]:
     """Ends (3, 4, 4) of rods in the place of the body, which stands on the stage."""
     base = robot.base.copy()
     base[:3, 3] += q[0, 2] * base[:3, 2]
@@ -184,11 +185,81 @@ def test_a_load_that_bends_the_arm_off_any_line_ends_the_motion() -> None:
     refused("gravity", lambda: sn.follow_the_leader(staged(), CURVE, tip_deviation=1e-2).derivative(CURVE, [0.4]))
 
 
-def test_what_knows_no_loads_refuses_them() -> None:
+RATES = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
+ROUND = 0.001
+CORNERS = np.stack([Q, Q + MOVED, Q + MOVED + np.array([[0.1, 0.15, 0.0], [0.15, -0.05, 0.0], [0.0, 0.2, 0.003]])])
+
+
+def places(robot: sn.Robot, q: Floats) -> Floats:
+    """Places (T, p, 3) of the loaded body at drives (T, n, 3)."""
+    return np.array([robot.shape(each).backbone(5) for each in q])
+
+
+def off_legs(robot: sn.Robot, q: Floats, rounded: sn.Trajectory) -> tuple[Floats, float]:
+    """Drive (n, 3) at which the loaded body is farthest from two legs, near their corner, and how far it is there."""
+    shares = np.linspace(0.0, 1.0, 150)[:, None, None]
+    legs = places(
+        robot, np.concatenate([q[1] + 0.1 * (1.0 - shares) * (q[0] - q[1]), q[1] + 0.1 * shares * (q[2] - q[1])])
+    )
+    times = np.linspace(0.0, rounded.duration, 5000)
+    corner = times[np.abs(rounded.at(times) - q[1]).max(axis=(1, 2)).argmin()]
+    passed = rounded.at(corner + np.linspace(-0.02, 0.02, 41))
+    off = np.array([np.linalg.norm(legs - each, axis=-1).max(axis=1).min() for each in places(robot, passed)])
+    return passed[int(off.argmax())], float(off.max())
+
+
+def test_rounded_corners_keep_the_loaded_body_near_its_way() -> None:
+    """Law: no place leaves the way by more than was allowed, at shapes looked for anew, and as Cosserat rods."""
+    robot = arm()
+    motion = sn.Motion(
+        robot, CORNERS, [sn.Sphere(robot.shape(CORNERS[1]).tip[:3, 3] + np.array([0.0, 0.04, 0.0]), 0.01)]
+    )
+    assert motion.solved
+    stopping, rounded = motion.timed(RATES), motion.timed(RATES, blend=ROUND)
+    assert (stopping.stops, rounded.stops) == (1, 0)
+    assert rounded.duration < 0.98 * stopping.duration
+    middle, off = off_legs(robot, CORNERS, rounded)
+    assert 0.1 * ROUND < off <= ROUND
+    apart = np.array(rods(robot, middle)) - np.array(rods(robot, CORNERS[1]))
+    assert 0.1 * ROUND < np.linalg.norm(apart[:, :3, 3], axis=1).max() <= 1.05 * ROUND
+
+
+def test_a_smaller_room_takes_a_smaller_corner() -> None:
+    robot = arm()
+    free, held = (sn.Motion(robot, CORNERS, scene) for scene in ([], [near_tip(robot, 0.003)]))
+    assert held.clearance is not None
+    times = [each.timed(RATES, blend=0.01).duration for each in (free, held)]
+    assert times[0] < times[1] < held.timed(RATES).duration
+    passed = held.timed(RATES, blend=0.01).at(np.linspace(0.0, times[1], 40))
+    assert min(sn.check(robot, each, held.scene).clearance for each in passed) > 0.5 * held.clearance
+
+
+def near_tip(robot: sn.Robot, gap: float) -> sn.Sphere:
+    """A ball that leaves so much room beside the tip at the corner, on its outer side."""
+    bodies = places(robot, CORNERS)[:, -1]
+    out = bodies[1] - 0.5 * (bodies[0] + bodies[2])
+    return sn.Sphere(bodies[1] + (0.015 + gap) * out / np.linalg.norm(out), 0.01)
+
+
+@pytest.mark.parametrize("tendons", [{"straight": True}, {"stiffness": 300.0}], ids=["straight", "elastic"])
+def test_where_nothing_bounds_a_rounded_corner_it_stops(tendons: dict[str, Any]) -> None:
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004, **tendons))
+    robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+    motion = sn.Motion(robot, CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1])
+    assert motion.timed(RATES, blend=ROUND).stops == 1
+
+
+def test_tendons_that_hold_their_lengths_are_rounded() -> None:
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004))
+    robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+    q = CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1]
+    rounded = sn.Motion(robot, q).timed(RATES, blend=ROUND)
+    assert rounded.stops == 0
+    assert 0.1 * ROUND < off_legs(robot, q, rounded)[1] <= ROUND
+
+
+def test_the_deviation_is_that_of_the_loaded_body() -> None:
     robot = arm()
     motion = sn.Motion(robot, [Q, Q + 0.05 * MOVED, Q])
-    rates = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
-    refused("gravity", lambda: motion.timed(rates, blend=0.01))
-    assert motion.timed(rates).duration > 0.0
     straight = [robot.base[:3, 3], motion.tips[0][:3, 3]]
     assert motion.deviation(straight).tip < sn.Motion(robot.changed(gravity=None), motion.q).deviation(straight).tip

@@ -1,6 +1,7 @@
 """Robots that differ in some fields of the robot file: every combination of the values."""
 
 import copy
+import math
 import re
 from collections.abc import Iterable, Mapping
 from itertools import product
@@ -38,8 +39,7 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
     InputError
         When there is no such field, or a value is not what it should be.
     """
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     if not isinstance(fields, Mapping) or not fields:
         raise InputError("fields", "", fields, "a mapping of fields to lists of values")
     listed = {}
@@ -47,9 +47,7 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise InputError(f"[{field!r}]", "", values, "a list of values")
         listed[field] = list(values)
-    count = 1
-    for values in listed.values():
-        count *= len(values)
+    count = math.prod(map(len, listed.values()))
     if not 0 < count <= MOST_ROBOTS:
         raise InputError("fields", f"make {count} robots", list(listed), f"1 to {MOST_ROBOTS}")
     found = {}

@@ -176,8 +176,7 @@ class Explorer:
 
     def _apart(self, q: Floats, others: Floats) -> Floats:
         moves = ((others - q) * lever_metric(self.robot)).reshape(len(others), q.size)
-        found: Floats = np.sqrt(np.einsum("mk,mk->m", moves, moves))
-        return found
+        return np.sqrt(np.einsum("mk,mk->m", moves, moves))
 
 
 class _Found:

@@ -1,6 +1,7 @@
 """A body at rest under load, as searches and proofs read it: quickly found from one beside it, without the noun."""
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -81,6 +82,39 @@ class Rest:
         of_lines, buffer = lines_that_follow(robot, self.q), np.empty(room_for(len(x), len(lines), slopes))
         base, q = packing.pose_row(robot.base), np.array(self.q, order="C")
         differentiate(base, own.sections, of_lines, q, arcs, loads, lines, slopes, x, tensions, buffer, columns, pulls)
+        return columns
+
+    def answers(self, beside: Sequence[Tables], steps: Floats) -> Floats:
+        """How the states change with p parameters (p, N, 4): tables with so much (p,) more of each."""
+        from sinuous.kernels.statics.answers import answer  # noqa: PLC0415
+        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+        arcs, loads, lines, slopes, _, states, _ = self.tables
+        x, tensions = self.found
+        over = 1.0 / steps
+        rigid = np.isinf(arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TWIST_STIFFNESS, t.STRETCH_STIFFNESS]])
+        given = np.array([np.where(rigid, each.states - states, 0.0) for each in beside])
+        beside_arcs, beside_loads = np.array([each.arcs for each in beside]), np.array([each.loads for each in beside])
+        beside_lines = np.array([each.lines for each in beside])
+        columns, pulls = np.empty((len(over), *x.shape)), np.empty((len(over), len(lines)))
+        base, buffer = packing.pose_row(self.robot.base), np.empty(room_for(len(x), len(lines), slopes))
+        answer(
+            base,
+            arcs,
+            loads,
+            lines,
+            slopes,
+            x,
+            tensions,
+            beside_arcs,
+            beside_loads,
+            beside_lines,
+            given,
+            over,
+            buffer,
+            columns,
+            pulls,
+        )
         return columns
 
     @property

@@ -31,7 +31,7 @@ os.environ.setdefault("SINUOUS_KERNELS", "compiled")
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(
     "sinuous",
-    max_examples=50,
+    max_examples=30,
     deadline=None,
     derandomize=True,
     database=None,
@@ -89,7 +89,7 @@ def no_figures_stay() -> Iterator[None]:
 FIRST = (
     "solving/routing/test_routes.py",  # our own method and routes, for one process
     "methods/opti_path/test_options.py",  # methods that share little with it, for the other
-    "methods/slinki/test_search.py",
+    "methods/test_slinki.py",
     "methods/fabrik/test_reaching.py",
     "methods/test_monte_carlo.py",
     "methods/fabrik/test_avoiding.py",

@@ -30,8 +30,8 @@ from sinuous.solving.strategy import OPENING
 EVERYTHING = "everything"
 """What is called where nothing is switched off."""
 
-OFF = tuple(name for name in ATTEMPTS if name not in ("passages", "remembered"))
-"""What is switched off in turn: `solve` knows no passages, and there is no memory."""
+OFF = tuple(name for name in ATTEMPTS if name != "remembered")
+"""What is switched off in turn: there is no memory."""
 
 MOVES_SOLVED, MOVES_TIME = 0.01, 0.10
 """Share of the places of a family that is lost, and share by which its p95 changes, from which on an attempt counts."""

@@ -171,36 +171,34 @@ OFFSETS = np.array([[0.0, 0.025, 0.0], [0.0, -0.021, 0.0], [0.0, 0.020, 0.0], [0
 TAPER = ((0.0, 15.41e-3), (0.305, 6.42e-3), (0.36, 4.80e-3))
 """Arc length and radius, in m; linear in between."""
 
-NOMINAL = np.array([505e3, 1500.0, 0.0295, 0.45])
-"""Young's modulus (Pa), density (kg / m^3), slope of tendons towards the backbone, Poisson's ratio: as the makers state
-them."""
+TENDONS_END = 0.305
+"""Arc length at which the tendons end, in m: `end_segment_index` of the makers' routing is their first segment."""
 
-LOWEST, LARGEST = (0.3, 0.2, 0.3, 0.02), (2.0, 2.0, 1.06, 1.1)
-"""Of the nominal ones; with a little more slope tendons would cross the backbone before the tip."""
+SLOPE = 0.0295
+"""Of the tendons towards the backbone."""
 
-FITTED = {"as published: E, density, Poisson's ratio": (0, 1, 3), "E, density, slope of tendons": (0, 1, 2)}
-"""Three parameters each."""
+NOMINAL = np.array([505e3, 1500.0, 0.45])
+"""Young's modulus (Pa), density (kg / m^3), Poisson's ratio: as the makers state them, and as they fitted them."""
+
+LOWEST, LARGEST = np.array([10e3, 1000.0, 0.4]), np.array([1e6, 2000.0, 0.5])
+"""Within which they are fitted, as the makers did."""
 
 
 def tentacle() -> list[Line]:
     """Distances of markers with the nominal material, and with three parameters that are fitted."""
     loads, markers = read_tentacle()
 
-    def residual(scale: Floats, which: tuple[int, ...] = (0, 1, 2, 3)) -> Floats:
-        material = NOMINAL.copy()
-        material[list(which)] *= scale
-        return (_places(material, loads) - markers).ravel() * 1e3
+    def residual(scale: Floats) -> Floats:
+        return (_places(scale * NOMINAL, loads) - markers).ravel() * 1e3
 
-    lines = [Line(TENTACLE, "rms of markers, nominal", _rms(residual(np.ones(4))), "mm", note="published 36.8 mm")]
-    for name, which in FITTED.items():
-        limits = np.array(LOWEST)[list(which)], np.array(LARGEST)[list(which)]
-        begin = np.array([0.9, 0.6, 0.95, 0.95])[list(which)]
-        fit = least_squares(residual, begin, bounds=limits, diff_step=[1e-3], xtol=1e-4, args=(which,))
-        values = ", ".join(f"{value:.4g}" for value in NOMINAL[list(which)] * fit.x)
-        what = f"rms of markers, fitted {name}"
-        note = f"{values} (Pa, kg / m^3); published 15.8 mm"
-        lines.append(Line(TENTACLE, what, _rms(residual(fit.x, which)), "mm", Goal(15.8), note=note))
-    return lines
+    limits = LOWEST / NOMINAL, LARGEST / NOMINAL
+    fit = least_squares(residual, (0.9, 0.8, 0.95), bounds=limits, diff_step=[1e-3], xtol=1e-4)
+    note = ", ".join(f"{value:.4g}" for value in NOMINAL * fit.x) + " (Pa, kg / m^3); published 15.8 mm"
+    what = "rms of markers, fitted E, density, Poisson's ratio"
+    return [
+        Line(TENTACLE, "rms of markers, nominal", _rms(residual(np.ones(3))), "mm", note="published 36.8 mm"),
+        Line(TENTACLE, what, _rms(fit.fun), "mm", Goal(15.8), note=note),
+    ]
 
 
 def _rms(residual: Floats) -> float:
@@ -217,15 +215,17 @@ def read_tentacle() -> tuple[Floats, Floats]:
 
 def _places(material: Floats, tensions: Floats) -> Floats:
     """Places of the markers (m, 4, 3) at these tensions (m, 2)."""
-    young, density, slope, poisson = material
-    ends = np.unique(np.concatenate([np.linspace(0.0, 0.305, 13)[1:], np.linspace(0.305, 0.36, 4), MARKERS]).round(6))
+    young, density, poisson = material
+    parts = np.linspace(0.0, TENDONS_END, 13)[1:], np.linspace(TENDONS_END, 0.36, 4), MARKERS
+    ends = np.unique(np.concatenate(parts).round(6))
     begins = np.concatenate([[0.0], ends[:-1]])
     segments = []
     for begin, end in zip(begins, ends, strict=True):
         middle = 0.5 * (begin + end)
         radius = float(np.interp(middle, *np.array(TAPER).T))
         # A tendon that comes nearer to the backbone: a line in each piece, all with the same tension.
-        lines = sn.Chambers(angles=np.radians([30.0, 150.0]), radius=11.4e-3 - slope * middle)
+        angles, circle = np.radians([30.0, 150.0]), 11.4e-3 - SLOPE * middle
+        lines = sn.Chambers(angles=angles, radius=circle) if middle < TENDONS_END else None
         rod = sn.Stiffness(youngs_modulus=young, poisson=poisson, radius=radius)
         mass = density * math.pi * radius**2
         segments.append(sn.Segment(end - begin, chambers=lines, stiffness=rod, mass=mass))
@@ -235,6 +235,6 @@ def _places(material: Floats, tensions: Floats) -> Floats:
     at = np.searchsorted(ends, MARKERS - 1e-6)
     result = []
     for pair in tensions:
-        poses = robot.equilibrium(tensions=np.tile(pair, len(segments))).poses[at]
+        poses = robot.equilibrium(tensions=np.tile(pair, len(robot.actuators) // 2)).poses[at]
         result.append(poses[:, :3, 3] + np.einsum("mij,mj->mi", poses[:, :3, :3], OFFSETS))
     return np.array(result)

@@ -10,7 +10,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.batch.batch import Batch
-from sinuous.batch.solve import RunOptions
+from sinuous.batch.solve import owns
 from sinuous.batch.tables.layout import STATUSES
 from tests.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
 
@@ -187,5 +187,5 @@ def test_plain_values_of_a_batch_are_json() -> None:
 
 
 def test_shards_divide_all_chunks() -> None:
-    owners = [[RunOptions(shard=(i, 3)).owns(number) for i in (1, 2, 3)] for number in range(10)]
+    owners = [[owns((i, 3), number) for i in (1, 2, 3)] for number in range(10)]
     assert all(sum(each) == 1 for each in owners)

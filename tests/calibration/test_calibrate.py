@@ -1,6 +1,7 @@
 """Calibration: what was changed is found, exact derivatives, bounds that hold, and what rows cannot say."""
 
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +9,10 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.calibration.bodies import holds
+from sinuous.calibration.fit import begun, extended, fitted, moved, predict
 from sinuous.calibration.measurements import Place, read
-from sinuous.calibration.model import derivatives, model, predicted, shapes
+from sinuous.calibration.model import derivatives, model, predicted
 from sinuous.calibration.parameters import GROUPS, Values, can_stretch, changed, elastic, group
 from sinuous.calibration.table import read_table
 from sinuous.files.nouns import read_robot
@@ -46,26 +49,97 @@ def tip_errors(found: sn.Calibration, robot: sn.Robot, values: Floats) -> Floats
     return error
 
 
-@pytest.mark.parametrize("soft", [False, True])
-def test_derivatives_are_exact(soft: bool) -> None:
-    robot = elastic(DRAWN) if soft else DRAWN
+HANGING = sn.Robot(
+    [
+        sn.Segment(50.0, tendons=sn.Tendons(3, 4.0), stiffness=sn.Stiffness(3e3, 2.5e3), mass=2e-4, arcs=3),
+        sn.Segment(60.0, tendons=sn.Tendons(3, 4.0, 0.5), stiffness=sn.Stiffness(2e3, 1.5e3), mass=1e-4, arcs=2),
+    ],
+    gravity=(0.0, 0.0, -9.81),
+    payload=sn.Payload(0.01),
+    base=sn.pose(direction=(1.0, 0.3, 0.2)),
+)
+"""In mm, kg and N: its weight moves the tip by a seventh of its length."""
+
+
+@pytest.mark.parametrize(
+    "robot", [DRAWN, elastic(DRAWN), HANGING, elastic(HANGING)], ids=["rigid", "elastic", "hanging", "hanging elastic"]
+)
+def test_derivatives_are_exact(robot: sn.Robot) -> None:
     groups = tuple(each for name in GROUPS[2:] if (each := group(robot, name)).names)
     values = Values(groups, np.random.default_rng(2).normal(0.0, 0.03, sum(len(each.names) for each in groups)))
+    values = values.with_x(np.clip(values.x, 0.5 * values.lowest, -0.5 * values.lowest))
     places = Place(1, 1.0, np.zeros(3)), Place(0, 0.4, np.array([3.0, 1.0, 2.0]))
     actuators = settings(robot, 6) + np.random.default_rng(4).normal(0.0, 0.4, (6, 6))
 
     def points(x: Floats) -> Floats:
-        own = model(changed(robot, values.with_x(x)), values.with_x(x), places)
-        return predicted(own, shapes(own, actuators))
+        return predicted(model(robot, values.with_x(x), places), actuators)
 
-    own = model(changed(robot, values), values, places)
-    at, slopes = derivatives(own, actuators, shapes(own, actuators))
+    at, slopes = derivatives(model(robot, values, places), actuators)
     np.testing.assert_allclose(at, points(values.x), atol=1e-10)
     for i in range(len(values.x)):
         step = np.zeros(len(values.x))
         step[i] = 1e-6
         numeric = (points(values.x + step) - points(values.x - step)) / 2e-6
         np.testing.assert_allclose(slopes[..., i], numeric, atol=1e-5 * (1.0 + np.abs(numeric).max()))
+
+
+def tips_at_rest(robot: sn.Robot, values: Floats) -> Floats:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sn.SuspiciousInput)  # tendons whose values contradict each other
+        return np.array([robot.equilibrium(each).tip[:3, 3] for each in values])
+
+
+@pytest.mark.parametrize("frame", ["base", "device"])
+def test_a_payload_is_found_under_gravity(frame: Any) -> None:
+    """What is drawn carries nothing, and is nowhere near: the base tilts it, or the device lies askew."""
+    drawn, values = HANGING.changed(payload=None), settings(HANGING, 12)
+    tilted = HANGING.changed(base=sn.pose((20.0, -5.0, 7.0), direction=(1.0, -0.5, -0.4)))
+    real = tilted if frame == "base" else HANGING
+    tips = tips_at_rest(real, values)
+    if frame == "device":
+        tips = tips @ POSE[:3, :3].T + POSE[:3, 3]
+    found = sn.calibrate(drawn, values, tips, fit=["payload"], frame=frame)
+    assert found.robot.payload[0].mass == pytest.approx(0.01, rel=1e-6)
+    assert found.fitted.worst < 1e-6
+    np.testing.assert_allclose(found.robot.base, real.base, atol=1e-6)
+    np.testing.assert_allclose(found.predict(values)[:, :3, 3], tips_at_rest(real, values), atol=1e-6)
+    own = next(each for each in found.parameters if each.group == "payload")
+    assert (own.name, own.kind) == ("mass of the payload", "mass")
+    assert own.value == pytest.approx(0.01)
+
+
+def test_other_parameters_are_found_under_gravity() -> None:
+    soft = elastic(HANGING)
+    groups = tuple(group(soft, name) for name in ("stiffness", "payload", "offsets"))
+    real = changed(soft, Values(groups, np.array([0.2, -0.15, 0.02, 0.3, -0.2, 0.1, 0.2, -0.3, 0.1])))
+    values = settings(HANGING, 24)
+    names: list[str] = [each.name for each in groups]
+    found = sn.calibrate(soft, values, tips_at_rest(real, values), fit=names, frame="device")
+    assert found.fitted.worst < 1e-6
+    assert [each.payload[0].mass for each in (found.robot, real)] == pytest.approx([0.03, 0.03])
+    one, other = ([each.stiffness.bend for each in robot.segments if each.stiffness] for robot in (found.robot, real))
+    np.testing.assert_allclose(one, other, rtol=1e-6)
+
+
+def test_a_payload_that_is_not_there_is_found_to_weigh_nothing() -> None:
+    """Its mass would become negative: the robot was measured without gravity."""
+    values = settings(HANGING, 12)
+    free = HANGING.changed(gravity=None, payload=None)
+    tips = free.tip(free.from_actuators(values, tolerance=1e300))[:, :3, 3]
+    found = sn.calibrate(HANGING, values, tips, fit=["payload"], frame="device")
+    assert found.robot.payload[0].mass == 0.0
+
+
+def test_a_pose_turns_a_robot_under_gravity() -> None:
+    values = settings(HANGING, 6)
+    rows = read(HANGING, values, tips_at_rest(HANGING, values) + 1.0, None, None, None, 1.0)
+    last = fitted(HANGING, extended(begun(HANGING, rows, levelled=True), group(HANGING, "payload")), rows, 1)
+    for i in range(7):
+        step = np.zeros(7)
+        step[i] = 1e-6
+        sides = [predict(HANGING, moved(last.state, sign * step), rows) for sign in (1.0, -1.0)]
+        numeric = (sides[0] - sides[1]) / 2e-6
+        np.testing.assert_allclose(last.slopes[..., i], numeric, atol=1e-5 * (1.0 + np.abs(numeric).max()))
 
 
 def test_an_elastic_robot_is_found_from_its_tips() -> None:
@@ -157,6 +231,32 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     assert not sn.solve(found.robot, sn.Target(target), [sn.Sphere(near, 0.5)], time=0.05).solved
 
 
+def test_rows_of_a_motion_bound_its_other_rows() -> None:
+    """What is wrong with the robot matters more in some motions; the device lies askew, and points are in metres."""
+    values, motion = settings(DRAWN, 30), settings(DRAWN, 160, seed=5) * [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    real = real_robot()
+    found = sn.calibrate(DRAWN, values, measured(real, values), fit=["offsets"], frame="device")
+    tips = measured(real, motion) / 1000.0
+    off = np.linalg.norm(
+        found.predict(motion)[:, :3, 3] - measured(real.changed(base=found.device @ POSE), motion), axis=1
+    )
+    held = []
+    for first in range(4):
+        some = np.arange(len(motion)) % 4 == first
+        own = found.for_motion(motion[some], tips[some], unit=1000.0).uncertainty
+        assert own is not None
+        held.append((off[~some] <= own.bound).mean())
+    assert 0.93 < np.mean(held) < 0.99
+    near = found.for_motion(motion, np.stack([tips, tips], axis=1), places=[1.0, 1.0], level=0.5, unit=1000.0)
+    assert near.uncertainty is not None
+    assert near.uncertainty.bound == pytest.approx(np.quantile(off, 0.5), rel=0.05)
+    assert near.changed(uncertainty=None).equals(found.robot.changed(uncertainty=None))
+    refused("measured", lambda: found.for_motion(motion[:18], tips[:18], unit=1000.0), "at least 19 rows")
+    refused("measured", lambda: found.for_motion(motion, tips, level=1.0, unit=1000.0), "a level below 1")
+    refused("measured", lambda: found.for_motion(motion, tips * 1000.0, unit=1000.0), "the robot is 110 long")
+    refused("actuators", lambda: found.for_motion(motion[:, :4], tips), "6 numbers")
+
+
 def test_a_calibrated_robot_is_saved_and_loaded(tmp_path: Path) -> None:
     real = real_robot()
     values = settings(real, 30)
@@ -190,12 +290,17 @@ def test_suggested_settings_determine_more_than_random_ones() -> None:
         rows = read(DRAWN, values, measured(real, values, 0.1), None, None, None, 1.0)
         soft = elastic(DRAWN)
         groups = tuple(group(soft, name) for name in ("stiffness", "offsets"))
-        own = model(soft, Values(groups, np.zeros(8)), rows.places)
-        slopes = derivatives(own, values, shapes(own, values))[1].reshape(-1, 8)
+        slopes = derivatives(model(soft, Values(groups, np.zeros(8)), rows.places), values)[1].reshape(-1, 8)
         return float(np.linalg.slogdet(slopes.T @ slopes + 1e-3 * np.eye(8))[1])
 
     drawn = [spread(settings(elastic(DRAWN), 12, seed)) for seed in range(5)]
     assert spread(suggested) > float(np.mean(drawn))
+
+
+def test_settings_are_suggested_that_hold_the_load() -> None:
+    heavy = HANGING.changed(payload=sn.Payload(1.0))
+    assert not holds(heavy, settings(heavy, 50)).all()
+    assert holds(heavy, sn.suggest(heavy, 10, fit=["payload"])).all()
 
 
 def test_bad_measurements_are_refused() -> None:
@@ -221,6 +326,9 @@ def test_bad_measurements_are_refused() -> None:
     refused(
         "fit", lambda: sn.calibrate(stage, lengths, stage.tip(stage.from_actuators(lengths))[:, :3, 3], fit=["rest"])
     )
+    refused("fit", lambda: sn.calibrate(DRAWN, values, tips, fit=["payload"]), "no weight bends the robot")
+    heavy = HANGING.changed(payload=sn.Payload(1.0))
+    refused("actuators", lambda: sn.calibrate(heavy, values, tips), "no stable equilibrium")
     bad: Any = "rows"
     refused_each("measured", (bad, None, [[1.0]]), lambda m: sn.calibrate(DRAWN, values, m))
 

@@ -1,7 +1,6 @@
 """An interrupted command: whatever ends it, the same command goes on, and its answers are those of one that was not."""
 
 import json
-import shutil
 import signal
 import subprocess
 import sys
@@ -152,7 +151,7 @@ def test_wherever_it_ends(command: list[str], tmp_path: Path, monkeypatch: pytes
     out = tmp_path / "out.jsonl"
     every = 0.0 if "plan" in command else 1.0  # also with chunks of one entry
     monkeypatch.setattr(journal, "EVERY", every)
-    for ended in sorted({0, 1, 2, *range(5, steps.count, 8), steps.count - 1}):
+    for ended in sorted({0, 1, 2, *range(5, steps.count, 12), steps.count - 1}):
         taken, got = 0, 130
         for most in (ended, 2, 10**9):
             with monkeypatch.context() as patch:
@@ -291,10 +290,6 @@ def test_what_cannot_be_read_is_refused_in_a_line(
     (folder / "record.json").write_text("no record")
     assert main([*command, "--out", str(out)]) == 2
     assert "--out: " in capsys.readouterr().err
-    shutil.rmtree(folder)
-    (tmp_path / "out.jsonl.journal").write_text("{}\n")
-    assert main([*command, "--out", str(out)]) == 2
-    assert "was left by an earlier version" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["track"], indirect=True)

@@ -1,12 +1,16 @@
 """Motions under load: knots and the way between them are of the loaded body, judged by code that solves nothing."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.judges.cosserat import shoot
 from sinuous.checks import Floats
 from tests.helpers import refused
 from tests.solving.test_under_load import GRAVITY, ROD, Q, arm
+from tests.solving.test_under_load import cosserat as rods
 
 SECONDS = 20.0
 AWAY = np.array([0.05, 0.0, 0.0])
@@ -109,12 +113,153 @@ def test_a_proof_holds_at_many_shapes_between() -> None:
     assert proved >= 2
 
 
-def test_what_knows_no_loads_refuses_them() -> None:
+CURVE = sn.Curve.bezier([(0, 0, 0), (0.12, 0, 0), (0.2, 0, 0.1), (0.2, 0.05, 0.16)])
+ALONG: dict[str, Any] = {"base": sn.pose(direction=(1, 0, 0)), "gravity": GRAVITY, "payload": sn.Payload(0.005)}
+
+
+def staged(**of_segment: Any) -> sn.Robot:
+    own: dict[str, Any] = {"stiffness": ROD, "mass": 0.05, "arcs": 4, "max_bend": 2.0, "radius": 0.004, **of_segment}
+    return sn.on_stage(sn.Robot([sn.Segment(0.1, **own)] * 3, **ALONG), 0.3)
+
+
+def test_the_loaded_body_follows_the_leader() -> None:
+    robot = staged()
+    motion = sn.follow_the_leader(robot, CURVE, tip_deviation=1e-4)
+    assert motion.solved, motion
+    assert motion.between == "proved"
+    longer = sn.Curve(CURVE.points, start=robot.base[:3, 3])
+    np.testing.assert_allclose(motion.tips[:, :3, 3], longer.at(motion.times), atol=1e-9)
+    found = motion.deviation(longer)
+    assert found.tip < 1.2e-4
+    assert found.shares["shape"] < 0.02
+    assert found.shares["shape_mean"] < 0.003
+    free = sn.follow_the_leader(robot.changed(gravity=None, payload=None), CURVE, tip_deviation=1e-4)
+    assert sn.Motion(robot, free.q[::10]).deviation(longer).shares["shape"] > 0.1, "nothing bends it"
+    for i in (0, len(motion.q) // 2, -1):
+        ends = ends_of_rods(robot, motion.q[i])
+        assert longer.distance(np.array(ends)[:, :3, 3]).max() < 0.01 * robot.mean_length
+
+
+def ends_of_rods(robot: sn.Robot, q: Floats) -> list[Floats]:
+    """Ends (3, 4, 4) of rods in the place of the body, which stands on the stage."""
+    base = robot.base.copy()
+    base[:3, 3] += q[0, 2] * base[:3, 2]
+    own = q[1:]
+    rests = np.stack([-own[:, 1] / own[:, 2], own[:, 0] / own[:, 2], np.zeros(3)], axis=-1)
+    loads = np.zeros((3, 6))
+    loads[-1, :3] = 0.005 * np.array(GRAVITY)
+    stiffness = np.array([[ROD.bend, ROD.twist, 1e6]] * 3)
+    return shoot(own[:, 2], stiffness, rests, np.tile(0.05 * np.array(GRAVITY), (3, 1)), loads, base)
+
+
+def test_the_loaded_body_unrolls_clear_of_an_obstacle_and_ends_in_a_solved_shape() -> None:
+    segment = sn.Segment((0.02, 0.12), stiffness=ROD, mass=0.05, arcs=4, max_bend=2.0, radius=0.004)
+    robot = sn.Robot([segment] * 3, **ALONG)
+    ball = sn.Sphere((0.12, 0.045, 0.01), 0.02)
+    solution = sn.solve(robot, sn.Target((0.2, 0.05, 0.1), direction=(0.6, 0.2, 0.8)), [ball], time=20.0)
+    assert solution.solved, solution
+    motion = sn.follow_the_leader(robot, solution, [ball], tip_deviation=1e-3)
+    assert motion.solved, motion
+    assert motion.clearance is not None
+    seen = motion.verify()
+    assert all(each.ok for each in seen)
+    assert motion.clearance <= min(each.clearance for each in seen)
+    assert motion.tips[-1][:3, 3] == pytest.approx(solution.tip[:3, 3], abs=1e-6)
+
+
+@pytest.mark.parametrize("straight", [False, True])
+def test_tendons_that_follow_arcs_are_proved_and_straight_ones_sampled(straight: bool) -> None:
+    robot = staged(stiffness=sn.Stiffness(0.01), tendons=sn.Tendons(3, 0.004, straight=straight))
+    motion = sn.follow_the_leader(robot, CURVE, tip_deviation=1e-3)
+    assert motion.between == ("sampled" if straight else "proved")
+    assert motion.solved is not straight
+    assert motion.q[0, 0, 2] == pytest.approx(0.0, abs=1e-4), "it begins drawn back"
+    assert motion.deviation(sn.Curve(CURVE.points, start=robot.base[:3, 3])).shares["shape"] < 0.02
+
+
+def test_a_load_that_bends_the_arm_off_any_line_ends_the_motion() -> None:
+    robot = staged(max_bend=0.2, stiffness=sn.Stiffness(0.001, 0.001))
+    motion = sn.follow_the_leader(robot, CURVE, tip_deviation=1e-3)
+    assert not motion.solved
+    assert not any(each.solved for each in motion.solutions[-1:])
+    refused("gravity", lambda: sn.follow_the_leader(staged(), CURVE, tip_deviation=1e-2).derivative(CURVE, [0.4]))
+
+
+RATES = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
+ROUND = 0.001
+CORNERS = np.stack([Q, Q + MOVED, Q + MOVED + np.array([[0.1, 0.15, 0.0], [0.15, -0.05, 0.0], [0.0, 0.2, 0.003]])])
+
+
+def places(robot: sn.Robot, q: Floats) -> Floats:
+    """Places (T, p, 3) of the loaded body at drives (T, n, 3)."""
+    return np.array([robot.shape(each).backbone(5) for each in q])
+
+
+def off_legs(robot: sn.Robot, q: Floats, rounded: sn.Trajectory) -> tuple[Floats, float]:
+    """Drive (n, 3) at which the loaded body is farthest from two legs, near their corner, and how far it is there."""
+    shares = np.linspace(0.0, 1.0, 150)[:, None, None]
+    legs = places(
+        robot, np.concatenate([q[1] + 0.1 * (1.0 - shares) * (q[0] - q[1]), q[1] + 0.1 * shares * (q[2] - q[1])])
+    )
+    times = np.linspace(0.0, rounded.duration, 5000)
+    corner = times[np.abs(rounded.at(times) - q[1]).max(axis=(1, 2)).argmin()]
+    passed = rounded.at(corner + np.linspace(-0.02, 0.02, 41))
+    off = np.array([np.linalg.norm(legs - each, axis=-1).max(axis=1).min() for each in places(robot, passed)])
+    return passed[int(off.argmax())], float(off.max())
+
+
+def test_rounded_corners_keep_the_loaded_body_near_its_way() -> None:
+    """Law: no place leaves the way by more than was allowed, at shapes looked for anew, and as Cosserat rods."""
+    robot = arm()
+    motion = sn.Motion(
+        robot, CORNERS, [sn.Sphere(robot.shape(CORNERS[1]).tip[:3, 3] + np.array([0.0, 0.04, 0.0]), 0.01)]
+    )
+    assert motion.solved
+    stopping, rounded = motion.timed(RATES), motion.timed(RATES, blend=ROUND)
+    assert (stopping.stops, rounded.stops) == (1, 0)
+    assert rounded.duration < 0.98 * stopping.duration
+    middle, off = off_legs(robot, CORNERS, rounded)
+    assert 0.1 * ROUND < off <= ROUND
+    apart = np.array(rods(robot, middle)) - np.array(rods(robot, CORNERS[1]))
+    assert 0.1 * ROUND < np.linalg.norm(apart[:, :3, 3], axis=1).max() <= 1.05 * ROUND
+
+
+def test_a_smaller_room_takes_a_smaller_corner() -> None:
+    robot = arm()
+    free, held = (sn.Motion(robot, CORNERS, scene) for scene in ([], [near_tip(robot, 0.003)]))
+    assert held.clearance is not None
+    times = [each.timed(RATES, blend=0.01).duration for each in (free, held)]
+    assert times[0] < times[1] < held.timed(RATES).duration
+    passed = held.timed(RATES, blend=0.01).at(np.linspace(0.0, times[1], 40))
+    assert min(sn.check(robot, each, held.scene).clearance for each in passed) > 0.5 * held.clearance
+
+
+def near_tip(robot: sn.Robot, gap: float) -> sn.Sphere:
+    """A ball that leaves so much room beside the tip at the corner, on its outer side."""
+    bodies = places(robot, CORNERS)[:, -1]
+    out = bodies[1] - 0.5 * (bodies[0] + bodies[2])
+    return sn.Sphere(bodies[1] + (0.015 + gap) * out / np.linalg.norm(out), 0.01)
+
+
+@pytest.mark.parametrize("tendons", [{"straight": True}, {"stiffness": 300.0}], ids=["straight", "elastic"])
+def test_where_nothing_bounds_a_rounded_corner_it_stops(tendons: dict[str, Any]) -> None:
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004, **tendons))
+    robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+    motion = sn.Motion(robot, CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1])
+    assert motion.timed(RATES, blend=ROUND).stops == 1
+
+
+def test_tendons_that_hold_their_lengths_are_rounded() -> None:
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004))
+    robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+    q = CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1]
+    rounded = sn.Motion(robot, q).timed(RATES, blend=ROUND)
+    assert rounded.stops == 0
+    assert 0.1 * ROUND < off_legs(robot, q, rounded)[1] <= ROUND
+
+
+def test_the_deviation_is_that_of_the_loaded_body() -> None:
     robot = arm()
     motion = sn.Motion(robot, [Q, Q + 0.05 * MOVED, Q])
-    rates = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
-    refused("gravity", lambda: motion.timed(rates, blend=0.01))
-    assert motion.timed(rates).duration > 0.0
-    refused("gravity", lambda: sn.follow_the_leader(robot, [[0.0, 0.0, 0.3]]))
     straight = [robot.base[:3, 3], motion.tips[0][:3, 3]]
     assert motion.deviation(straight).tip < sn.Motion(robot.changed(gravity=None), motion.q).deviation(straight).tip

@@ -199,7 +199,7 @@ def test_a_solve_takes_what_is_switched_off(name: str) -> None:
 
 
 def test_without_any_route_only_scattered_starts_are_left() -> None:
-    off = tuple(name for name in ATTEMPTS if name not in ("scattered", "passages"))
+    off = tuple(name for name in ATTEMPTS if name != "scattered")
     assert {batch.source for batch in searching(without=off).batches()} == {"random"}
 
 

@@ -55,6 +55,25 @@ def test_equilibria_on_the_way_are_within_the_bound(kind: str, size: float) -> N
     assert 0.0 < worst <= off.aside
 
 
+@pytest.mark.parametrize("kind", ["bends", "twists", "stretches", "twists and stretches", "held tendons"])
+@pytest.mark.parametrize("size", [0.0, 0.1])
+def test_equilibria_aside_of_the_way_are_within_the_bound(kind: str, size: float) -> None:
+    stiffness, more = (sn.Stiffness(0.01), {"tendons": sn.Tendons(3, 0.004)}) if kind == "held tendons" else RODS[kind]
+    robot, random = arm(stiffness, **more), np.random.default_rng(1)
+    one, other = Rest(robot, Q), Rest(robot, Q + size * MOVED)
+    bow = np.tile([0.001, 0.001, 0.00005], (3, 1))
+    off, straight, worst = leave(one, other, bow), leave(one, other), 0.0
+    assert straight.aside < off.aside < 0.2 * robot.mean_length
+    for side, share in zip(random.choice([-1.0, 1.0], (20, 3, 3)), np.linspace(0.2, 0.8, 20), strict=True):
+        drive = Q + share * size * MOVED + 4.0 * share * (1.0 - share) * side * bow
+        both = np.stack([(1.0 - share) * one.arcs + share * other.arcs, robot.shape(drive).arcs])
+        points = robot.shape(Q).body.backbone(both)
+        worst = max(worst, float(np.linalg.norm(points[0] - points[1], axis=1).max()))
+    assert 0.02 * off.aside < worst <= off.aside
+    with_springs = arm(sn.Stiffness(0.01), **RODS["tendons"][1])
+    assert leave(Rest(with_springs, Q), Rest(with_springs, Q + 0.01 * MOVED), bow).aside == np.inf
+
+
 def test_the_bound_shrinks_with_the_square_of_the_step() -> None:
     robot = arm(sn.Stiffness(0.01, 0.008))
     bounds = [leave(Rest(robot, Q), Rest(robot, Q + size * MOVED)).aside for size in (0.2, 0.1, 0.05)]

@@ -39,6 +39,17 @@ ROBOTS = {
 }
 
 
+@pytest.mark.parametrize("straight", [False, True])
+def test_a_stage_that_is_drawn_back_all_the_way_has_a_derivative(straight: bool) -> None:
+    robot = sn.on_stage(sn.Robot([pulled(straight=straight)] * 2, arcs=4, **ROD), 0.1)
+    q = np.array([[0.0, 0.0, 0.0], [0.4, 0.1, 0.1], [-0.2, 0.3, 0.1]])
+    ahead = q.copy()
+    ahead[0, 2] = STEP
+    rest = Rest(robot, q)
+    apart = (Rest(robot, ahead, rest).found[0] - rest.found[0]) / STEP
+    assert rest.slopes[2] == pytest.approx(apart, abs=1e-5)
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("size", [1.0, 1e-3], ids=["bent", "straight"])
 def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: float) -> None:
@@ -50,3 +61,13 @@ def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: flo
         step[i] = STEP
         ahead, back = (Rest(robot, q + side * step.reshape(q.shape), rest).found[0] for side in (1.0, -1.0))
         assert slope == pytest.approx((ahead - back) / (2.0 * STEP), abs=1e-6 * (1.0 + np.abs(slope).max()))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_tables_say_the_same_derivative(name: str) -> None:
+    robot = ROBOTS[name]
+    q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot), 3))
+    rest = Rest(robot, q)
+    ahead = [Rest(robot, q + step.reshape(q.shape), rest).tables for step in STEP * np.eye(q.size)]
+    found = rest.answers(ahead, np.full(q.size, STEP))
+    np.testing.assert_allclose(found, rest.slopes, atol=1e-5 * np.abs(rest.slopes).max())

@@ -6,7 +6,7 @@ from typing import Any, Unpack
 
 from sinuous import checks
 from sinuous.assessing.assessment import Assessment, Row
-from sinuous.assessing.tasks import Task, read_tasks
+from sinuous.assessing.tasks import read_tasks
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -59,13 +59,9 @@ def assess(
                     warnings.simplefilter("ignore", SuspiciousInput)
                 solver = Solver(each, place, **options)
             for task in asked:
-                rows.append(_row(name, task, asked[task], solver))
+                rows.append(Row(name, task, asked[task].kind, asked[task].do(solver)))
                 bar.advance()
     return Assessment(tuple(rows))
-
-
-def _row(name: str, task: str, asked: Task, solver: Solver) -> Row:
-    return Row(name, task, asked.kind, asked.do(solver))
 
 
 def _robots(robot: Any) -> dict[str, Robot]:
@@ -85,6 +81,5 @@ def _robots(robot: Any) -> dict[str, Robot]:
     if not named:
         raise InputError("robot", "", robot, "at least one Robot")
     for name, each in named.items():
-        if not isinstance(each, Robot):
-            raise InputError(f"robot[{name!r}]", "", each, "a Robot")
+        checks.instance(f"robot[{name!r}]", each, Robot, "a Robot")
     return named

@@ -1,4 +1,4 @@
-"""Tasks: a target, several at once, a path; and how each is done."""
+"""Tasks: a target, several at once, a path, a set, a move; and how each is done."""
 
 import warnings
 from collections import Counter
@@ -9,11 +9,14 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows
 from sinuous.checks import Floats
 from sinuous.errors import InputError, SuspiciousInput
+from sinuous.files.problem_file import read_waypoints
 from sinuous.frozen import Frozen
 from sinuous.motion.motion import Motion
+from sinuous.motion.plan import plan
 from sinuous.motion.track import track
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import straight
 from sinuous.solution.binding import Binding, nearest_limits
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
@@ -80,15 +83,28 @@ class Meet(Frozen):
         """Refuse a segment that the robot does not have."""
         target_table(robot, self.targets)
 
-    def do(self, solver: Solver) -> Done:
-        """Solve it."""
-        found = solver.solve(self.targets)
-        proved = found.clearance, found.self_clearance
-        shapes = found.q[None] if found.solved else None
-        return Done(str(found.status), float(found.solved), *proved, found.seconds, None, binds_of([found]), shapes)
+    def do(self, solver: Solver, start: Floats | None = None, explained: bool = True) -> Done:
+        """Solve it, from a configuration where one is known; what holds it back takes longest to find."""
+        found = solver.solve(self.targets, start)
+        return _done(found, float(found.solved), None, binds_of([found]) if explained else None, found.q[None])
 
 
-class Follow(Frozen):
+class _Several(Frozen):
+    """Waypoints, or targets each by itself, and perhaps a start."""
+
+    targets: tuple[tuple[Target, ...], ...]
+    start: Any = None
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a segment that the robot does not have, and a start of another number of them."""
+        for i, targets in enumerate(self.targets):
+            with checks.inside(f"targets[{i}]"):
+                target_table(robot, targets)
+        if self.start is not None:
+            checks.array("start", self.start, (len(robot), 3))
+
+
+class Follow(_Several):
     """A path that is to be followed, all of it proved clear.
 
     Parameters
@@ -100,30 +116,21 @@ class Follow(Frozen):
     """
 
     kind = "path"
-    targets: tuple[tuple[Target, ...], ...]
-    start: Any
 
     def __init__(self, targets: Iterable[Targets], start: Rows | None = None) -> None:
-        listed = waypoints(targets)
-        self._set(targets=listed, start=None if start is None else checks.array("start", start, (None, 3)))
-
-    def check(self, robot: Robot) -> None:
-        """Refuse a segment that the robot does not have, and a start of another number of them."""
-        for i, targets in enumerate(self.targets):
-            with checks.inside(f"targets[{i}]"):
-                target_table(robot, targets)
-        if self.start is not None:
-            checks.array("start", self.start, (len(robot), 3))
+        self._set(targets=read_waypoints("targets", targets), start=_start(start))
 
     def do(self, solver: Solver) -> Done:
         """Follow it."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
             motion = track(solver.robot, self.targets, solver.scene, start=self.start, **vars(solver.options))
-        return done_of(motion, len(self.targets))
+        share = sum(solution.solved for solution in motion.solutions) / len(self.targets)
+        duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
+        return _done(motion, share, duration, binds_of(motion.solutions), motion.q)
 
 
-class Cover(Frozen):
+class Cover(_Several):
     """Targets of which a share is to be met, each by itself.
 
     Parameters
@@ -135,18 +142,11 @@ class Cover(Frozen):
     """
 
     kind = "set"
-    targets: tuple[tuple[Target, ...], ...]
     share: float
 
     def __init__(self, targets: Iterable[Targets], share: Number = 1.0) -> None:
-        listed = waypoints(targets)
-        self._set(targets=listed, share=checks.number("share", share, above=0.0, high=1.0))
-
-    def check(self, robot: Robot) -> None:
-        """Refuse a segment that the robot does not have."""
-        for i, targets in enumerate(self.targets):
-            with checks.inside(f"targets[{i}]"):
-                target_table(robot, targets)
+        needed = checks.number("share", share, above=0.0, high=1.0)
+        self._set(targets=read_waypoints("targets", targets), share=needed)
 
     def do(self, solver: Solver) -> Done:
         """Solve each."""
@@ -162,27 +162,55 @@ class Cover(Frozen):
         return Done(status, share, *proved, float(found.seconds.sum()), None, binds_of(found), shapes)
 
 
+class Move(Frozen):
+    """A motion to targets that is to be planned, all of it proved clear.
+
+    Parameters
+    ----------
+    goal : Target or list of Target
+        Where the robot must be in the end; the targets of a list are met at once.
+    start : array_like (n, 3), optional
+        The configuration that the robot is in; then it has to have n segments. By default it is straight, with segments
+        of mean length.
+    """
+
+    kind = "plan"
+    goal: tuple[Target, ...]
+    start: Any
+
+    def __init__(self, goal: Targets, start: Rows | None = None) -> None:
+        self._set(goal=target_list("goal", goal), start=_start(start))
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a segment that the robot does not have, and a start of another number of them."""
+        with checks.inside("goal"):
+            target_table(robot, self.goal)
+        if self.start is not None:
+            checks.array("start", self.start, (len(robot), 3))
+
+    def do(self, solver: Solver) -> Done:
+        """Plan it."""
+        start = straight(solver.robot.segments) if self.start is None else self.start
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
+            motion = plan(solver.robot, start, list(self.goal), solver.scene, **vars(solver.options))
+        duration = float(motion.times[-1] - motion.times[0]) if motion.solved else None
+        worst = None if motion.worst is None else motion.worst.obstacle or motion.worst.constraint
+        return _done(motion, float(motion.solved), duration, binds_of(motion.solutions) or worst, motion.q)
+
+
+def _start(start: Rows | None) -> Floats | None:
+    return None if start is None else checks.array("start", start, (None, 3))
+
+
 def _least(values: Floats) -> float | None:
     return float(values.min()) if len(values) else None
 
 
-def waypoints(targets: Any) -> tuple[tuple[Target, ...], ...]:
-    """Check a list of targets, or of lists of targets that are to be met at once."""
-    if isinstance(targets, Target | str | bytes | Mapping) or not isinstance(targets, Iterable):
-        raise InputError("targets", "", targets, "a list of targets")
-    listed = tuple(target_list(f"targets[{i}]", each) for i, each in enumerate(targets))
-    if not listed:
-        raise InputError("targets", "", targets, "at least one target")
-    return listed
-
-
-def done_of(motion: Motion, count: int) -> Done:
-    """What became of a motion with so many waypoints."""
-    share = sum(solution.solved for solution in motion.solutions) / count
-    duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
-    proved = motion.clearance, motion.self_clearance
-    shapes = motion.q if motion.solved else None
-    return Done(str(motion.status), share, *proved, motion.seconds, duration, binds_of(motion.solutions), shapes)
+def _done(answer: Solution | Motion, share: float, duration: float | None, binds: str | None, shapes: Floats) -> Done:
+    """What became of a task, by its answer."""
+    proved, done = (answer.clearance, answer.self_clearance), shapes if answer.solved else None
+    return Done(str(answer.status), share, *proved, answer.seconds, duration, binds, done)
 
 
 def binds_of(solutions: Iterable[Solution]) -> str | None:
@@ -230,8 +258,7 @@ def read_tasks(tasks: Any) -> dict[str, Task]:
 
 def _task(name: str, task: Any) -> Task:
     if hasattr(task, "do") and hasattr(task, "check"):
-        own: Task = task
-        return own
+        return task
     if type(task) not in OF_TYPES:
         raise InputError(
             f"tasks[{name!r}]",

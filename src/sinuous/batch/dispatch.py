@@ -1,17 +1,16 @@
 """Tasks handed to an engine and answers taken back, until every chunk is solved or has failed three times."""
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from contextlib import closing
 from typing import Any
 
 from sinuous.batch.batch import Failed
 from sinuous.batch.cluster import LOCAL, Dask
 from sinuous.batch.engines import Engine, GivenExecutor, LostError, Processes, Threads
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task, Work
-from sinuous.errors import InputError
+from sinuous.batch.work import Task
+from sinuous.errors import InputError, UnfinishedError
 
 MOST_TRIES = 3
 """How often a chunk is tried before it is given up."""
@@ -141,8 +140,8 @@ class Dispatcher:
         return True
 
 
-def begin(engine: Any, work: Work, workers: int) -> Engine:
-    """Make the engine that is meant ready.
+def begin(engine: Any, work: Any, workers: int) -> Engine:
+    """Make the engine that is meant ready; `work` need not be `Work`, but has to be like it.
 
     Raises
     ------
@@ -166,20 +165,21 @@ def begin(engine: Any, work: Work, workers: int) -> Engine:
     raise InputError("engine", "", engine, wanted)
 
 
-def closing_engine(engine: Any, work: Any, workers: int) -> Any:
-    """Begin an engine that is closed in the end; see `begin`. `work` need not be `Work`, but has to be like it."""
-    return closing(_Closing(begin(engine, work, workers)))
+def all_done(engine: Engine, chunks: Iterable[Block], undone: str) -> list[Block]:
+    """Have chunks done by an engine; return what became of each, in their order.
 
+    Raises
+    ------
+    UnfinishedError
+        When one of them failed three times, which the text `undone` says.
+    """
+    found: dict[int, Block] = {}
 
-class _Closing:
-    """An engine whose `close` waits; it is used as the engine itself."""
+    def keep(task: Task, block: Block) -> None:
+        found[task.number] = block
 
-    def __init__(self, engine: Any) -> None:
-        self._engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._engine, name)
-
-    def close(self) -> None:
-        """End."""
-        self._engine.close(now=False)
+    dispatcher = Dispatcher(engine, (Task(i, i, raw) for i, raw in enumerate(chunks)), keep)
+    dispatcher.run()
+    if dispatcher.failed:
+        raise UnfinishedError(f"{undone}: {dispatcher.failed[0].why}")
+    return [found[i] for i in range(len(found))]

@@ -11,7 +11,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExec
 from functools import partial
 from pathlib import Path
 from threading import Lock, get_ident
-from typing import Any
+from typing import Any, Self
 
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task, Work
@@ -63,6 +63,13 @@ class Engine(ABC):
     @abstractmethod
     def close(self, now: bool) -> None:
         """End; with `now`, do not wait for tasks in flight."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End; what was interrupted, or went wrong, ends now."""
+        self.close(now=kind is not None)
 
 
 class Threads(Engine):

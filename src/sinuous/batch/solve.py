@@ -2,16 +2,14 @@
 
 import time as clock
 from collections.abc import Iterator, Mapping
-from concurrent.futures import Executor
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
 from sinuous import checks
 from sinuous.arguments import Rows, Truth, Whole
-from sinuous.batch.answers import Answers
-from sinuous.batch.batch import Batch, Failed
+from sinuous.batch.batch import Answers, Batch, Failed
 from sinuous.batch.checkpoint import hash_of, problem_record
 from sinuous.batch.dispatch import Dispatcher, begin
 from sinuous.batch.engines import LostError
@@ -45,48 +43,9 @@ MOST_SHARDS = 1_000_000
 Shard = tuple[int, int]
 
 
-class RunArguments(TypedDict, total=False):
-    """How a batch is run, as keyword arguments; see `RunOptions`."""
-
-    initial: Rows | None
-    warm: Truth
-    chunk: Whole
-    engine: "str | Executor | Any"
-    workers: Whole | None
-    shard: Shard | None
-    progress: Truth
-
-
-class BatchArguments(SolveArguments, RunArguments, total=False):
-    """Options of `solve_batch` as keyword arguments."""
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """How a batch is run; see `solve_batch`. All options are checked when it is made."""
-
-    initial: Any = None
-    warm: bool = False
-    chunk: int = CHUNK
-    engine: Any = "threads"
-    workers: int | None = None
-    shard: Shard | None = None
-    progress: bool = False
-
-    def __post_init__(self) -> None:
-        values = {
-            "warm": checks.truth("warm", self.warm),
-            "chunk": checks.integer("chunk", self.chunk, 1, MOST_CHUNK),
-            "workers": read_workers(self.workers),
-            "shard": None if self.shard is None else _shard(self.shard),
-            "progress": checks.truth("progress", self.progress),
-        }
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
-
-    def owns(self, number: int) -> bool:
-        """Whether a chunk belongs to this shard."""
-        return self.shard is None or number % self.shard[1] == self.shard[0] - 1
+def owns(shard: Shard | None, number: int) -> bool:
+    """Whether a chunk belongs to a shard."""
+    return shard is None or number % shard[1] == shard[0] - 1
 
 
 def _shard(value: Any) -> Shard:
@@ -102,7 +61,15 @@ def solve_batch(
     targets: str | Path | Mapping[str, Any] | GoalArrays | Rows,
     scene: SceneLike | None = None,
     out: str | Path | None = None,
-    **options: Unpack[BatchArguments],
+    *,
+    initial: Rows | None = None,
+    warm: Truth = False,
+    chunk: Whole = CHUNK,
+    engine: object = "threads",
+    workers: Whole | None = None,
+    shard: Shard | None = None,
+    progress: Truth = False,
+    **options: Unpack[SolveArguments],
 ) -> Batch:
     """Solve independent targets of the tip in chunks, whatever their number.
 
@@ -150,49 +117,43 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    refuse_unknown(options, BatchArguments)
+    refuse_unknown(options, SolveArguments, *(solve_batch.__kwdefaults__ or ()))
     given: dict[str, Any] = {"max_starts": STARTS, "time": TIME, **options}
-    run = RunOptions(**{key: given.pop(key) for key in RunArguments.__annotations__ if key in given})
-    file = None if out is None else Path(out)
+    near, size = checks.truth("warm", warm), checks.integer("chunk", chunk, 1, MOST_CHUNK)
+    count, part = read_workers(workers), None if shard is None else _shard(shard)
+    shown, file = checks.truth("progress", progress), None if out is None else Path(out)
     if file is not None:
         check_results("out", file)
-    elif run.shard is not None:
-        raise InputError("shard", "needs a file of results", run.shard, "out=, too")
+    elif part is not None:
+        raise InputError("shard", "needs a file of results", part, "out=, too")
     solver = Solver(robot, scene, **only_reading(given))
-    initial = None if run.initial is None else checks.array("initial", run.initial, (len(robot), 3))
-    work = Work(solver, initial, run.warm)
+    begun = None if initial is None else checks.array("initial", initial, (len(robot), 3))
+    work = Work(solver, begun, near)
     with closing(open_source(targets)) as source:
         fingerprint = source.fingerprint()
-        record = {} if file is None else _record(solver, f"{source.rows} rows, {fingerprint}", run, initial)
-        results = Results(work.layout, source.rows, run.chunk, file, record)
-        batch = results.finished() or _run(results, source, work, run)
+        start = "none" if begun is None else hash_of(begun.tobytes())
+        depends = {
+            **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
+            "initial": f"{start}{', then near targets' if near else ''}",
+            "targets": f"{source.rows} rows, {fingerprint}",
+            "chunk": size,
+        }
+        results = Results(work.layout, source.rows, size, file, {} if file is None else depends)
+        batch = results.finished()
+        if batch is None:
+            todo = [number for number in results.open() if owns(part, number)]
+            with _explained(results):
+                began = clock.perf_counter()
+                failed = _solve(results, todo, source, work, engine, count, shown) if todo else []
+                batch = results.end(failed, clock.perf_counter() - began, whole=part is None)
     found = batch.results if file is None else file
-    return batch if found is None else replace(batch, _answers=Answers(work, targets, fingerprint, run.chunk, found))
+    return batch if found is None else replace(batch, _answers=Answers(work, targets, fingerprint, size, found))
 
 
-def _record(solver: Solver, targets: str, run: RunOptions, initial: Any) -> dict[str, Any]:
-    """Return all that results depend on."""
-    begun = "none" if initial is None else hash_of(initial.tobytes())
-    return {
-        **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
-        "initial": f"{begun}{', then near targets' if run.warm else ''}",
-        "targets": targets,
-        "chunk": run.chunk,
-    }
-
-
-def _run(results: Results, source: Source, work: Work, run: RunOptions) -> Batch:
-    """Solve the chunks that are missing, and put all together."""
-    missing = results.open()
-    with _explained(results):
-        began = clock.perf_counter()
-        todo = [number for number in missing if run.owns(number)]
-        failed = _solve(results, todo, source, work, run) if todo else []
-        return results.end(failed, clock.perf_counter() - began, whole=run.shard is None)
-
-
-def _solve(results: Results, todo: list[int], source: Source, work: Work, run: RunOptions) -> list[Failed]:
-    """Solve chunks by an engine, which ends in any case."""
+def _solve(
+    results: Results, todo: list[int], source: Source, work: Work, engine: object, workers: int, shown: bool
+) -> list[Failed]:
+    """Solve chunks by an engine; return those that were given up."""
 
     def keep(task: Task, block: Block) -> None:
         results.write(task.number, block)
@@ -204,15 +165,9 @@ def _solve(results: Results, todo: list[int], source: Source, work: Work, run: R
             yield Task(number, first, source.read(first, last))
 
     rows = sum(last - first for first, last in map(results.span, todo))
-    with ProgressBar(rows if run.progress else 0, logged=run.progress) as bar:
-        engine = begin(run.engine, work, run.workers or 1)
-        dispatcher = Dispatcher(engine, tasks(), keep)
-        done = False
-        try:
-            dispatcher.run()
-            done = True
-        finally:
-            engine.close(now=not done)
+    with ProgressBar(rows if shown else 0, logged=shown) as bar, begin(engine, work, workers) as crew:
+        dispatcher = Dispatcher(crew, tasks(), keep)
+        dispatcher.run()
     return dispatcher.failed
 
 

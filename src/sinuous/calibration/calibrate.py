@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import HasArray, Names, Number, Rows, Stack, Whole
-from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bound_of
+from sinuous.calibration.bodies import holds
+from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
 from sinuous.calibration.fit import DRAWING, Fit, State, begun, errors, extended, fitted, left_out
-from sinuous.calibration.measurements import Measurements, Place, read, refuse_loose
-from sinuous.calibration.model import derivatives, model, shapes
+from sinuous.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
+from sinuous.calibration.model import derivatives, model
 from sinuous.calibration.parameters import ORDER, Group, GroupName, Values, can_stretch, changed, elastic, group
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.robot.robot import Robot
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.robot import Robot, Uncertainty
 
 Frame = Literal["base", "device"]
 """Which pose is fitted."""
@@ -29,6 +29,9 @@ PASSES = 2
 
 TRIED_ON = 300
 """Most rows with which groups are tried; the last fit takes all."""
+
+TRIED_AT_REST = 100
+"""The same where each row is an equilibrium under load, which takes some ten times as long."""
 
 TRIED_STEPS = 8
 """Most steps of a fit that tries a group."""
@@ -68,7 +71,9 @@ def calibrate(
 
     The pose of the robot is fitted in any case. What else is fitted is told by name, or chosen: from few to many
     parameters, as long as rows get better that were held back, pattern by pattern. Outliers count little (soft loss).
-    Rigid tendons may turn out to be elastic; then the unit of force is such that a tendon's drawn stiffness is 1.
+    Rigid tendons may turn out to be elastic; then the unit of force is that of the stiffness of the segments, or, where
+    none has one, such that a tendon's drawn stiffness is 1. Of a robot that gravity bends, rows are of the body at rest
+    under its weight and payload (`Robot.equilibrium`).
 
     Parameters
     ----------
@@ -80,7 +85,8 @@ def calibrate(
         Positions of the tool, its poses, or k points of the body, in the frame of the measuring device. NaN: not seen.
     fit : list of str, optional
         Of `base`, `device`, `stretch` and `stiffness` (of lines and segments), `rest` (bends), `offsets`, `lengths`,
-        `circles`, `angles` and `gains` (of lines), `tool`.
+        `circles`, `angles` and `gains` (of lines), `tool`, and `payload`: the masses that the robot carries, or that of
+        one at its tip where it is drawn with none, at least 0.
     places : array_like (k,), optional
         Where the k points are: shares of the length of the body, 1 = its end.
     markers : array_like (k, 3), optional
@@ -92,7 +98,8 @@ def calibrate(
         Length units of the robot in one of the measuring device.
     frame : str
         What is fitted as the pose: `base`, the robot's base in the frame of the device, or `device`, the pose of the
-        device in the world, in which the base stands where it stands.
+        device in the world, in which the base stands where it stands. Gravity is known in that frame: with `base` in
+        that of the device, so that the sag tells how the base is tilted; with `device` in the world.
 
     Returns
     -------
@@ -101,9 +108,11 @@ def calibrate(
     Raises
     ------
     InputError
-        When rows do not fit the robot, are all equal, or are in another unit of length.
+        When rows do not fit the robot, are all equal, or are in another unit of length; when a robot as drawn cannot
+        hold its load in some row, or `payload` is to be fitted and no weight bends the robot.
     """
     rows = read(robot, actuators, measured, places, markers, groups, unit)
+    refuse_size(robot, rows)
     names = _names(fit, checks.choice("frame", frame, get_args(Frame)))
     drawn = robot.changed(tool=None, uncertainty=None)
     notes = [f"rows without a measurement: {_few(rows.dropped)}"] if rows.dropped else []
@@ -112,14 +121,10 @@ def calibrate(
         notes.append(f"never move, so nothing is known of them: {', '.join(still)}")
     trials: list[Trial] = []
     if names is None:
-        drawn, chosen = _chosen(drawn, rows, trials, notes)
+        drawn, chosen = _chosen(drawn, rows, frame == "base", trials, notes)
     else:
-        soft = set(names) & set(SOFT_GROUPS)
-        if soft and drawn.drive.elastic is None:
-            if not can_stretch(drawn):
-                raise InputError("fit", "the robot has no tendons that could stretch", sorted(soft), "other groups")
-            drawn = elastic(drawn)
-        chosen = _fit_as_told(drawn, rows, names, notes)
+        drawn = _giving(drawn, names)
+        chosen = _fit_as_told(drawn, rows, frame == "base", names, notes)
     last = fitted(drawn, chosen, rows)
     return _result(robot, drawn, last, rows, trials, notes, frame)
 
@@ -137,8 +142,23 @@ def _names(fit: Names | None, frame: str) -> tuple[GroupName, ...] | None:
     return listed
 
 
-def _fit_as_told(drawn: Robot, rows: Measurements, names: tuple[GroupName, ...], notes: list[str]) -> State:
-    state = fitted(drawn, begun(drawn, rows, moves=True), rows, TRIED_STEPS).state
+def _giving(drawn: Robot, names: tuple[GroupName, ...]) -> Robot:
+    """The robot with tendons that stretch, where what is to be fitted needs these."""
+    if "payload" in names and not drawn.hangs:
+        problem = "no weight bends the robot: it has no gravity, or no segment has a stiffness"
+        raise InputError("fit", problem, list(names), "no payload, or a robot with gravity, stiffness and mass")
+    soft = set(names) & ({"stretch"} if drawn.hangs else set(SOFT_GROUPS))
+    if not soft or drawn.drive.elastic is not None:
+        return drawn
+    if not can_stretch(drawn):
+        raise InputError("fit", "the robot has no tendons that could stretch", sorted(soft), "other groups")
+    return elastic(drawn)
+
+
+def _fit_as_told(
+    drawn: Robot, rows: Measurements, levelled: bool, names: tuple[GroupName, ...], notes: list[str]
+) -> State:
+    state = fitted(drawn, begun(drawn, rows, levelled), rows, TRIED_STEPS).state
     for name in names:
         own = group(drawn, name)
         if not own.names:
@@ -155,21 +175,24 @@ def _too_many(state: State, own: Group, rows: Measurements) -> bool:
     return NUMBERS_EACH * (6 + len(state.values.x) + len(own.names)) > measured
 
 
-def _chosen(drawn: Robot, rows: Measurements, trials: list[Trial], notes: list[str]) -> tuple[Robot, State]:
+def _chosen(
+    drawn: Robot, rows: Measurements, levelled: bool, trials: list[Trial], notes: list[str]
+) -> tuple[Robot, State]:
     """Add groups as long as held-back rows get better."""
-    part = rows.part(slice(None, None, max(1, len(rows.labels) // TRIED_ON)))
+    most = TRIED_AT_REST if drawn.hangs else TRIED_ON
+    part = rows.part(slice(None, None, max(1, len(rows.labels) // most)))
 
     def tried(robot: Robot, state: State) -> tuple[State, float]:
         own = fitted(robot, state, part, TRIED_STEPS)
         return own.state, float(errors(left_out(own, part, robot)).mean())
 
-    state, error = tried(drawn, begun(drawn, part, moves=True))
+    state, error = tried(drawn, begun(drawn, part, levelled))
     if can_stretch(drawn):
         soft = elastic(drawn)
         start = tuple(group(soft, name) for name in SOFT_START)
         many = 6 + sum(len(each.names) for each in start)
         fits = NUMBERS_EACH * many <= 3 * int(np.isfinite(rows.points[..., 0]).sum())
-        other, after = tried(soft, begun(soft, part, moves=True, groups=start if fits else start[:1]))
+        other, after = tried(soft, begun(soft, part, levelled, groups=start if fits else start[:1]))
         trials.append(Trial("elastic tendons", error, after, after < BETTER * error))
         if trials[-1].kept:
             drawn, state, error = soft, other, after
@@ -204,9 +227,9 @@ def _result(
         real = real.changed(base=_orthogonal(state.pose @ robot.base))
     else:
         device = _orthogonal(np.linalg.inv(state.pose))
-    real = real.changed(tool=tool, uncertainty=Uncertainty(_bounds(robot, held, rows), LEVEL))
+    real = real.changed(tool=tool, uncertainty=Uncertainty(bounds_of(len(robot), held, rows, LEVEL), LEVEL))
     fit_names = (frame, *(each.name for each in state.values.groups))
-    parameters = tuple(_parameters(last, rows, frame))
+    parameters = tuple(_parameters(last, drawn, rows, frame))
     residuals = np.where(seen, last.residuals, np.nan)
     return Calibration(
         real, robot, device, fit_names, tuple(trials), parameters, residuals, held, rows.dropped, tuple(notes), rows
@@ -221,25 +244,7 @@ def _orthogonal(pose: NDArray[Any]) -> Floats:
     return result
 
 
-def _bounds(robot: Robot, held: Floats, rows: Measurements) -> float | tuple[float, ...]:
-    """Bound of each segment: that of the first point beyond its end, and no less than those before."""
-    own = [(place.segment, k) for k, place in enumerate(rows.places) if rows.levers[k] > 0.0]
-    labels = np.array(rows.labels)
-    bounds: dict[int, float] = {}
-    for segment, k in own:
-        off = np.linalg.norm(held[:, k], axis=1)
-        parts = [off[(labels == label) & np.isfinite(off)] for label in set(rows.labels)]
-        bounds[segment] = max([bounds.get(segment, 0.0), *(bound_of(part, LEVEL) for part in parts if len(part))])
-    each: list[float] = []
-    worst = 0.0
-    for k in range(len(robot)):
-        beyond = [segment for segment in bounds if segment >= k]
-        worst = max(worst, bounds[min(beyond)] if beyond else max(bounds.values()))
-        each.append(worst)
-    return each[0] if len(set(each)) == 1 else tuple(each)
-
-
-def _parameters(last: Fit, rows: Measurements, frame: Frame) -> Iterator[Parameter]:
+def _parameters(last: Fit, drawn: Robot, rows: Measurements, frame: Frame) -> Iterator[Parameter]:
     """Yield all parameters with their standard deviations, from how much patterns pull at them (cluster-robust)."""
     values = last.state.values
     flat = last.slopes.reshape(len(last.slopes), -1, last.slopes.shape[-1])
@@ -254,8 +259,8 @@ def _parameters(last: Fit, rows: Measurements, frame: Frame) -> Iterator[Paramet
     known = np.zeros(len(inverse))
     known[6:] = DRAWING * len(flat) / values.widths**2
     drawing = np.diag(inverse) * known
-    kinds = {"rest": "angle", "angles": "angle", "offsets": "length", "tool": "length"}
-    pose = Group(frame, tuple(f"{frame} {part}" for part in ("turn x", "turn y", "turn z", "x", "y", "z")), np.zeros(6))
+    kinds = {"rest": "angle", "angles": "angle", "offsets": "length", "tool": "length", "payload": "mass"}
+    pose = group(drawn, frame)
     at = 0
     for own in (pose, *values.groups):
         for name in own.names:
@@ -292,7 +297,8 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     Raises
     ------
     InputError
-        When actuators do not determine the shape of the robot, or an argument is not what it should be.
+        When actuators do not determine the shape of the robot, it cannot hold its load, or an argument is not what it
+        should be.
     """
     refuse_loose(robot)
     count = checks.integer("n", n, 1, 10_000)
@@ -303,9 +309,13 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     listed = tuple(each for name in names if (each := group(soft, name)).names)
     values = Values(listed, np.zeros(sum(len(each.names) for each in listed)))
     settings = _settings(soft, generator, max(CANDIDATES, 4 * count))
+    held = holds(soft, settings)
+    if held.sum() < count:
+        problem = f"no stable equilibrium was found in {(~held).sum()} of {len(held)} random shapes"
+        raise InputError("robot", problem, robot, "a load that the robot can hold")
+    settings = settings[held]
     tip = Place(len(robot) - 1, 1.0, np.array(robot.tool[:3, 3]))
-    at = model(soft, values, (tip,))
-    points, slopes = derivatives(at, settings, shapes(at, settings))
+    points, slopes = derivatives(model(soft, values, (tip,)), settings)
     pose = np.zeros((len(points), 1, 3, 6))
     pose[:, 0, [0, 1, 2], [3, 4, 5]] = 1.0
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

@@ -1,5 +1,6 @@
 """What a calibration found: the robot as it stands on the table, what is known of it, and what is left of errors."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,12 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Stack
-from sinuous.calibration.measurements import Measurements
-from sinuous.calibration.model import ANY
+from sinuous.arguments import HasArray, Number, Rows, Stack
+from sinuous.calibration.bodies import at_rest
+from sinuous.calibration.measurements import Measurements, read
+from sinuous.calibration.model import model, predicted
+from sinuous.calibration.parameters import Values
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.reprs import ShortRepr, call
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, Uncertainty
 
 LEVEL = 0.95
 """Share of rows for which the bound of the robot held, by default."""
@@ -30,7 +34,7 @@ class Parameter(NamedTuple):
     name : str
     group : str
     kind : str
-        `factor`: what the drawn value is multiplied by; `angle` (rad) or `length`: what is added to it.
+        `factor`: what the drawn value is multiplied by; `angle` (rad), `length` or `mass`: what is added to it.
     value : float
         The factor, or what is added.
     deviation : float
@@ -156,17 +160,74 @@ class Calibration(ShortRepr):
             `patterns`: it holds for at least that share of the rows of every pattern that was held back, so for more of
             most, and about for motions unlike those that were measured (group-conditional conformal prediction).
             `rows`: for that share of the rows of further patterns like those that were measured (hierarchical conformal
-            prediction); for that at least `1 / (1 - level) - 1` patterns are needed, with fewer it is the other.
+            prediction); for that at least `1 / (1 - level) - 1` patterns are needed, with fewer it is the other. Labels
+            that go on from another, as `circle_hold` does from `circle`, are no pattern of their own here.
         """
-        share = checks.number("level", level, low=0.0, high=1.0)
-        off, labels = self._off(self.held_back), np.array(self.labels)
-        parts = [off[labels == label] for label in set(self.labels)]
-        like = bound_of_further(parts, share) if checks.choice("of", of, ("patterns", "rows")) == "rows" else np.inf
-        return like if np.isfinite(like) else max(bound_of(part, share) for part in parts)
+        share, off = checks.number("level", level, low=0.0, high=1.0), self._off(self.held_back)
+        if checks.choice("of", of, ("patterns", "rows")) == "rows":
+            like = bound_of_further(_parts(off, whole_patterns(self.labels)), share)
+            if np.isfinite(like):
+                return like
+        return max(bound_of(part, share) for part in _parts(off, self.labels))
+
+    def for_motion(
+        self,
+        actuators: Stack,
+        measured: Stack,
+        *,
+        level: Number = LEVEL,
+        places: Sequence[Number] | HasArray | None = None,
+        markers: Rows | None = None,
+        unit: Number = 1.0,
+    ) -> Robot:
+        """The robot with a bound of its error in one motion, from some rows of that motion (split conformal).
+
+        Errors differ from motion to motion, so a bound from other motions (`bound`) holds for more rows of it, or for
+        fewer. This one holds for the share `level` of its further rows, on average over which rows are measured, where
+        these are drawn from all of it, or spread evenly over it; 40 are enough.
+
+        Parameters
+        ----------
+        actuators, measured, places, markers, unit
+            As for `calibrate`, of rows to which the robot was not fitted; in the same frame of the measuring device.
+        level : float
+
+        Returns
+        -------
+        Robot
+            Its `uncertainty` is that bound, in the places that were measured.
+
+        Raises
+        ------
+        InputError
+            When there are too few rows for this level (at least `level / (1 - level)`), or they are off by more than
+            the length of the robot.
+        """
+        share = checks.number("level", level, above=0.0, high=1.0)
+        rows = read(self.robot, actuators, measured, places, markers, ["motion"] * len(np.asarray(actuators)), unit)
+        count = len(rows.rows)
+        if share * (count + 1) > count:
+            needed = f"at least {math.ceil(share / (1.0 - share))} rows" if share < 1.0 else "a level below 1"
+            raise InputError("measured", f"{count} rows for a bound at {share:.4g}", None, needed)
+        points = rows.points @ self.device[:3, :3].T + self.device[:3, 3]
+        off = predicted(model(self.robot, Values((), np.zeros(0)), rows.places), rows.actuators) - points
+        usual, length = float(np.nanmedian(np.linalg.norm(off, axis=-1))), self.robot.mean_length
+        if usual > length:
+            problem = f"rows are off by {usual:.3g}, the robot is {length:.3g} long"
+            wanted = "points in the frame of the device and the length unit of the robot, or another unit"
+            raise InputError("measured", problem, points[0].tolist(), wanted)
+        return self.robot.changed(uncertainty=Uncertainty(bounds_of(len(self.robot), off, rows, share), share))
 
     def predict(self, actuators: Stack) -> Floats:
-        """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators."""
-        return self.robot.tip(self.robot.from_actuators(actuators, tolerance=ANY))
+        """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight.
+
+        Raises
+        ------
+        InputError
+            When the robot cannot hold its load at some of these values.
+        """
+        values = checks.stack("actuators", actuators, (len(self.robot.drive),))
+        return at_rest(self.robot, values.reshape(-1, values.shape[-1])).tips().reshape(*values.shape[:-1], 4, 4)
 
     def save(self, file: str | Path) -> None:
         """Write the robot into a file; `sinuous.load` reads it where it stands in a problem file."""
@@ -223,6 +284,43 @@ class Calibration(ShortRepr):
         return call(
             "Calibration", [f"{own.rows} rows", f"{len(self.parameters)} parameters", f"mean error {own.mean:.3g}"]
         )
+
+
+def bounds_of(segments: int, off: Floats, rows: Measurements, level: float) -> float | tuple[float, ...]:
+    """Bound of each segment for errors (N, k, 3), the largest of all patterns: that of the first point beyond its end.
+
+    No segment has less than those before.
+    """
+    own = [(place.segment, k) for k, place in enumerate(rows.places) if rows.levers[k] > 0.0]
+    labels = np.array(rows.labels)
+    bounds: dict[int, float] = {}
+    for segment, k in own:
+        size = np.linalg.norm(off[:, k], axis=1)
+        parts = [size[(labels == label) & np.isfinite(size)] for label in set(rows.labels)]
+        bounds[segment] = max([bounds.get(segment, 0.0), *(bound_of(part, level) for part in parts if len(part))])
+    each: list[float] = []
+    worst = 0.0
+    for k in range(segments):
+        beyond = [segment for segment in bounds if segment >= k]
+        worst = max(worst, bounds[min(beyond)] if beyond else max(bounds.values()))
+        each.append(worst)
+    return each[0] if len(set(each)) == 1 else tuple(each)
+
+
+def _parts(off: Floats, labels: Sequence[str]) -> list[Floats]:
+    """The errors (N,) of each pattern."""
+    each = np.array(labels)
+    return [off[each == label] for label in set(labels)]
+
+
+def whole_patterns(labels: Sequence[str]) -> list[str]:
+    """The pattern of each label: itself, or the shortest label from which it goes on after an underscore."""
+    known, result = set(labels), []
+    for label in labels:
+        words = label.split("_")
+        begins = ("_".join(words[:count]) for count in range(1, len(words)))
+        result.append(next((begin for begin in begins if begin in known), label))
+    return result
 
 
 def bound_of(off: Floats, level: float) -> float:

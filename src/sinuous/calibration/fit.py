@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.calibration.measurements import Measurements
-from sinuous.calibration.model import derivatives, model, predicted, shapes
-from sinuous.calibration.parameters import Group, Values, changed
+from sinuous.calibration.model import Model, derivatives, model, predicted
+from sinuous.calibration.parameters import Group, Values
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot.robot import Robot
@@ -32,8 +32,11 @@ GAIN = 1e-4
 TRIES = 8
 """How often a step that does not lessen the loss is damped more."""
 
-ROUNDS = 2
-"""How often the scale of the loss is taken anew."""
+ROUNDS = 2, 8
+"""How often the scale of the loss is taken anew: at least, and at most, as long as it becomes less than half."""
+
+TURNS = 4
+"""How often a robot that gravity bends is laid over its measurements: the pose turns it under gravity."""
 
 LEAST_SCALE = 1e-9
 """Lengths of the robot: the least scale of the loss."""
@@ -46,13 +49,13 @@ class State(NamedTuple):
     ----------
     pose : ndarray (4, 4)
         From the world of the robot to the frame of the measuring device.
-    moves : bool
-        Whether that is fitted, too.
+    levelled : bool
+        Whether gravity is known in that frame, so that another pose turns the robot under it; else it turns with it.
     values : Values
     """
 
     pose: Floats
-    moves: bool
+    levelled: bool
     values: Values
 
 
@@ -65,7 +68,7 @@ class Fit(NamedTuple):
     residuals : ndarray (N, k, 3)
         Predicted less measured; 0 where nothing was seen.
     slopes : ndarray (N, k, 3, P)
-        Their derivatives by the twist of the pose (6, when fitted), then by the parameters.
+        Their derivatives by the twist of the pose (6), then by the parameters.
     weights : ndarray (N,)
         Of the rows in the soft loss.
     scale : float
@@ -83,10 +86,15 @@ class Fit(NamedTuple):
 
 def predict(drawn: Robot, state: State, rows: Measurements) -> Floats:
     """Points (N, k, 3) in the frame of the device."""
-    own = model(changed(drawn, state.values), state.values, rows.places)
-    points = predicted(own, shapes(own, rows.actuators))
+    points = predicted(_model(drawn, state, rows), rows.actuators)
     result: Floats = points @ state.pose[:3, :3].T + state.pose[:3, 3]
     return result
+
+
+def _model(drawn: Robot, state: State, rows: Measurements) -> Model:
+    if state.levelled and drawn.gravity is not None:
+        drawn = drawn.changed(gravity=drawn.gravity @ state.pose[:3, :3])
+    return model(drawn, state.values, rows.places)
 
 
 def errors(residuals: Floats) -> Floats:
@@ -105,9 +113,12 @@ def fitted(drawn: Robot, start: State, rows: Measurements, steps: int = STEPS) -
 
     residuals = residuals_of(state)
     least = LEAST_SCALE * drawn.mean_length
-    fit = None
-    for _ in range(ROUNDS):
-        scale = max(SOFT * float(np.median(errors(residuals))), least)
+    fit, scale = None, np.inf
+    for turn in range(ROUNDS[1]):
+        smaller = max(SOFT * float(np.median(errors(residuals))), least)
+        if turn >= ROUNDS[0] and smaller > 0.5 * scale:
+            break
+        scale = smaller
         loss, damping = _loss(state, residuals, scale), 1e-4
         for _ in range(steps):
             slopes = _slopes(drawn, state, rows) * seen[..., None]
@@ -127,9 +138,13 @@ def _step(
     fit: Fit, residuals_of: Callable[[State], Floats], loss: float, damping: float
 ) -> tuple[State, Floats, float, float] | None:
     """A step that lessens the loss: state, residuals, loss and damping after it; None where there is none."""
-    right = _gradient(fit)
+    right, hessian = _gradient(fit), np.array(fit.hessian)
+    values = fit.state.values
+    stuck = np.concatenate([np.zeros(6, np.bool_), (values.x <= values.lowest) & (right[6:] > 0.0)])
+    right[stuck], hessian[stuck], hessian[:, stuck] = 0.0, 0.0, 0.0  # at their least values they stay (Bertsekas 1982)
+    hessian[stuck, stuck] = 1.0
     for _ in range(TRIES):
-        damped = fit.hessian + damping * np.diag(np.diag(fit.hessian))
+        damped = hessian + damping * np.diag(np.diag(hessian))
         state = moved(fit.state, -np.asarray(np.linalg.solve(damped, right), np.float64))
         try:
             residuals = residuals_of(state)
@@ -145,31 +160,32 @@ def _step(
 
 def moved(state: State, step: Floats) -> State:
     """A state after a step (P,): the pose by a twist in the frame of the device, then the parameters."""
-    own = 6 if state.moves else 0
-    pose = state.pose
-    if own:
-        pose = np.eye(4)
-        turn = rotation_of(step[:3])
-        pose[:3, :3] = turn @ state.pose[:3, :3]
-        pose[:3, 3] = state.pose[:3, 3] + step[3:6]
-    return State(pose, state.moves, state.values.with_x(state.values.x + step[own:]))
+    pose = np.eye(4)
+    pose[:3, :3] = rotation_of(step[:3]) @ state.pose[:3, :3]
+    pose[:3, 3] = state.pose[:3, 3] + step[3:6]
+    values = state.values
+    return state._replace(pose=pose, values=values.with_x(np.maximum(values.x + step[6:], values.lowest)))
 
 
 def _slopes(drawn: Robot, state: State, rows: Measurements) -> Floats:
-    own = model(changed(drawn, state.values), state.values, rows.places)
-    q = shapes(own, rows.actuators)
-    points, slopes = derivatives(own, rows.actuators, q)
+    own = _model(drawn, state, rows)
+    turns = state.levelled and own.robot.hangs
+    points, slopes = derivatives(own, rows.actuators, of_gravity=turns)
     rotation = state.pose[:3, :3]
     slopes = np.asarray(np.matmul(rotation, slopes), np.float64)
-    if not state.moves:
-        return slopes
-    arms = points @ rotation.T
     pose = np.zeros((*points.shape, 6))
-    pose[..., 0, 1], pose[..., 0, 2] = arms[..., 2], -arms[..., 1]
-    pose[..., 1, 0], pose[..., 1, 2] = -arms[..., 2], arms[..., 0]
-    pose[..., 2, 0], pose[..., 2, 1] = arms[..., 1], -arms[..., 0]
+    pose[..., :3] = -_crossing(points @ rotation.T)
     pose[..., [0, 1, 2], [3, 4, 5]] = 1.0
+    if turns:  # a turn of the robot turns gravity the other way in its own world
+        pose[..., :3] += slopes[..., -3:] @ rotation.T @ _crossing(np.asarray(drawn.gravity))
+        slopes = slopes[..., :-3]
     return np.concatenate([pose, slopes], axis=-1)
+
+
+def _crossing(vectors: Floats) -> Floats:
+    """Matrices (..., 3, 3) that make cross products `vectors x ...`."""
+    result: Floats = -np.cross(vectors[..., None, :], np.eye(3))
+    return result
 
 
 def _loss(state: State, residuals: Floats, scale: float) -> float:
@@ -183,8 +199,7 @@ def _assembled(state: State, residuals: Floats, slopes: Floats, scale: float) ->
     flat = slopes.reshape(len(slopes), -1, slopes.shape[-1])
     weighted = (flat * weights[:, None, None]).reshape(-1, flat.shape[-1])
     hessian = weighted.T @ flat.reshape(-1, flat.shape[-1]) / scale**2
-    own = 6 if state.moves else 0
-    at = np.arange(own, len(hessian))
+    at = np.arange(6, len(hessian))
     hessian[at, at] += DRAWING * len(residuals) / state.values.widths**2
     return Fit(state, residuals, slopes, weights, scale, hessian)
 
@@ -192,9 +207,8 @@ def _assembled(state: State, residuals: Floats, slopes: Floats, scale: float) ->
 def _gradient(fit: Fit) -> Floats:
     """Gradient (P,) of half the loss."""
     result: Floats = np.einsum("n,nkcp,nkc->p", fit.weights, fit.slopes, fit.residuals, optimize=True) / fit.scale**2
-    own = 6 if fit.state.moves else 0
     values = fit.state.values
-    result[own:] += DRAWING * len(fit.residuals) * values.x / values.widths**2
+    result[6:] += DRAWING * len(fit.residuals) * values.x / values.widths**2
     return result
 
 
@@ -218,21 +232,20 @@ def left_out(fit: Fit, rows: Measurements, drawn: Robot) -> Floats:
     return result
 
 
-def begun(drawn: Robot, rows: Measurements, moves: bool, groups: tuple[Group, ...] = ()) -> State:
-    """The drawing, laid over the measurements (Kabsch) where the pose is fitted."""
-    values = Values(groups, np.zeros(sum(len(each.names) for each in groups)))
-    state = State(np.eye(4), moves, values)
-    if not moves:
-        return state
-    points = predict(drawn, state, rows)
+def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[Group, ...] = ()) -> State:
+    """The drawing, laid over the measurements (Kabsch), anew where the robot turns under gravity."""
+    state = State(np.eye(4), levelled, Values(groups, np.zeros(sum(len(each.names) for each in groups))))
     seen = np.isfinite(rows.points).all(axis=-1)
-    a, b = points[seen], rows.points[seen]
-    middle, there = np.median(a, axis=0), np.median(b, axis=0)
-    u, _, vt = np.linalg.svd((b - there).T @ (a - middle))
-    rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation, there - rotation @ middle
-    return state._replace(pose=pose)
+    there = rows.points[seen]
+    for _ in range(TURNS if levelled and drawn.hangs else 1):
+        points = predicted(_model(drawn, state, rows), rows.actuators)[seen]
+        a, b = np.median(points, axis=0), np.median(there, axis=0)
+        u, _, vt = np.linalg.svd((there - b).T @ (points - a))
+        pose = np.eye(4)
+        pose[:3, :3] = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+        pose[:3, 3] = b - pose[:3, :3] @ a
+        state = state._replace(pose=pose)
+    return state
 
 
 def extended(state: State, group: Group) -> State:

@@ -119,9 +119,7 @@ def read(
         raise InputError("measured", "no row has finite numbers", measured, "rows of numbers")
     kept = tuple(label for label, ok in zip(labels, good, strict=True) if ok)
     dropped = tuple(int(i) for i in np.flatnonzero(~good))
-    own = Measurements(values[good], points[good], kinds, kept, _folds(kept), np.flatnonzero(good), dropped, levers)
-    _check_size(robot, own)
-    return own
+    return Measurements(values[good], points[good], kinds, kept, _folds(kept), np.flatnonzero(good), dropped, levers)
 
 
 def _numbers(key: str, value: Stack, shape: tuple[int | None, int] | None) -> Floats:
@@ -197,8 +195,8 @@ def _folds(labels: tuple[str, ...]) -> NDArray[np.intp]:
     return np.array([fold[label] for label in labels], np.intp)
 
 
-def _check_size(robot: Robot, own: Measurements) -> None:
-    """Refuse measurements in another unit of length than the robot."""
+def refuse_size(robot: Robot, own: Measurements) -> None:
+    """Refuse measurements that are all equal, or in another unit of length than the robot."""
     points = own.points[:, own.levers > 0.0].reshape(-1, 3)
     points = points[np.isfinite(points).all(axis=1)]
     spread = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))

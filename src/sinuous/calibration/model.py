@@ -2,7 +2,8 @@
 
 In equilibrium `S (q - rest) = A' f` with `f = k max(0, d - A q)`; a change of anything in it moves `q` by
 `H^-1 (A' df + dA' f - dS (q - rest) + S drest)`, where `H = S + A' k A` over the lines that pull. Rigid actuators are
-lines of stiffness 1 that push, too, and nothing resists them: that is their least-squares solution.
+lines of stiffness 1 that push, too, and nothing resists them: that is their least-squares solution. Bodies that gravity
+bends are in equilibrium (`sinuous.kernels.statics.answers`).
 """
 
 from typing import NamedTuple
@@ -10,14 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.calibration.bodies import Loaded, at_rest
 from sinuous.calibration.measurements import Place
-from sinuous.calibration.parameters import Table, Values, lines_of
+from sinuous.calibration.parameters import Table, Values, changed, lines_of
 from sinuous.checks import Floats
+from sinuous.robot.elastic import Springs
 from sinuous.robot.robot import Robot
-from sinuous.robot.springs import Springs
 
-ANY = 1e300
-"""By how much values of rigid actuators may contradict each other: by anything, for that is what is fitted."""
+STEP = 1e-6
+"""Of differences of tables of loaded bodies: share of how far a parameter may be off, or of gravity."""
 
 
 class Model(NamedTuple):
@@ -25,8 +27,8 @@ class Model(NamedTuple):
 
     Attributes
     ----------
-    robot : Robot
-        With the values of the parameters.
+    robot, drawn : Robot
+        With the values of the parameters, and without.
     values : Values
     places : tuple of Place
     lines : Table
@@ -34,48 +36,54 @@ class Model(NamedTuple):
     """
 
     robot: Robot
+    drawn: Robot
     values: Values
     places: tuple[Place, ...]
     lines: Table
 
 
-def model(robot: Robot, values: Values, places: tuple[Place, ...]) -> Model:
-    """Make a model of a robot that has these values already."""
+def model(drawn: Robot, values: Values, places: tuple[Place, ...]) -> Model:
+    """Make a model of a robot with other values of its parameters."""
     tool = values.of("tool")
     if tool is not None:
         places = tuple(place._replace(offset=place.offset + tool) for place in places)
-    return Model(robot, values, places, lines_of(robot))
+    robot = changed(drawn, values)
+    return Model(robot, drawn, values, places, lines_of(robot))
 
 
-def shapes(own: Model, actuators: Floats) -> Floats:
-    """Configurations (N, n, 3) for values of actuators (N, m); what contradicts itself is answered silently."""
-    return own.robot.from_actuators(actuators, tolerance=ANY)
+def predicted(own: Model, actuators: Floats) -> Floats:
+    """Points (N, k, 3) of the places at values of actuators (N, m), in the robot's world."""
+    bodies = at_rest(own.robot, actuators)
+    return np.stack([bodies.point(place).position for place in own.places], axis=1)
 
 
-def predicted(own: Model, q: Floats) -> Floats:
-    """Points (N, k, 3) of the places in configurations (N, n, 3), in the robot's world."""
-    return np.stack([_point(own.robot, q, place)[0] for place in own.places], axis=1)
-
-
-def derivatives(own: Model, actuators: Floats, q: Floats) -> tuple[Floats, Floats]:
-    """Points (N, k, 3), and their derivatives (N, k, 3, P) by the parameters, in configurations of `shapes`."""
-    sensitivity = _sensitivity(own, actuators, q)
-    at = 0
-    columns: dict[str, slice] = {}
-    for each in own.values.groups:
-        columns[each.name] = slice(at, at + len(each.names))
-        at += len(each.names)
+def derivatives(own: Model, actuators: Floats, of_gravity: bool = False) -> tuple[Floats, Floats]:
+    """Points (N, k, 3), and their derivatives (N, k, 3, P) by the parameters, and by gravity (3) if asked."""
+    bodies, tool = at_rest(own.robot, actuators), own.values.columns("tool")
+    if isinstance(bodies, Loaded):
+        sensitivity = bodies.sensitivity(*_beside(own, of_gravity))
+    else:
+        sensitivity = _sensitivity(own, actuators, bodies.q)
     points, slopes = [], []
     for place in own.places:
-        point, rotation, jacobian = _point(own.robot, q, place)
-        slope = np.matmul(jacobian, sensitivity)
-        if "lengths" in columns:
-            slope[..., columns["lengths"]] += jacobian[..., _fixed(own.robot)] * _lengths(own.robot)
-        if "tool" in columns:
-            slope[..., columns["tool"]] += rotation
-        points.append(point)
+        point = bodies.point(place)
+        slope = np.matmul(point.jacobian, sensitivity)
+        if tool is not None:
+            slope[..., tool] += point.rotation
+        points.append(point.position)
         slopes.append(slope)
     return np.stack(points, axis=1), np.stack(slopes, axis=1)
+
+
+def _beside(own: Model, of_gravity: bool) -> tuple[list[Robot], Floats]:
+    """Robots with a little more of each parameter, and by how much."""
+    steps, gravity = STEP * own.values.widths, own.robot.gravity
+    robots = [changed(own.drawn, own.values.with_x(own.values.x + step)) for step in np.diag(steps)]
+    if of_gravity and gravity is not None:
+        step = STEP * float(np.linalg.norm(gravity))
+        robots += [own.robot.changed(gravity=gravity + axis) for axis in step * np.eye(3)]
+        steps = np.concatenate([steps, np.full(3, step)])
+    return robots, steps
 
 
 def _fixed(robot: Robot) -> NDArray[np.intp]:
@@ -85,19 +93,6 @@ def _fixed(robot: Robot) -> NDArray[np.intp]:
 
 def _lengths(robot: Robot) -> Floats:
     return np.array([s.length[0] for s in robot.segments if s.length[0] == s.length[1] > 0.0])
-
-
-def _point(robot: Robot, q: Floats, place: Place) -> tuple[Floats, Floats, Floats]:
-    """Positions (N, 3) of a place, the frames there (N, 3, 3), and derivatives (N, 3, 3 n) by the configuration."""
-    k = place.segment
-    cut = q.copy()
-    cut[:, k] *= place.share
-    frames = robot.forward(cut)[:, k]
-    jacobian = robot.jacobian(cut, k + 1)
-    jacobian[:, :, 3 * k : 3 * k + 3] *= place.share
-    arm = frames[:, :3, :3] @ place.offset
-    slope = jacobian[:, 3:] + np.cross(jacobian[:, :3], arm[:, :, None], axis=1)
-    return frames[:, :3, 3] + arm, frames[:, :3, :3], slope
 
 
 def _springs(robot: Robot) -> tuple[Springs, NDArray[np.intp]]:
@@ -162,6 +157,8 @@ def _sensitivity(own: Model, actuators: Floats, q: Floats) -> Floats:
     right = np.einsum("mc,nmp->ncp", springs.arms, pushed) + turned
     result = np.zeros((len(q), x.shape[1], count))
     result[:, columns] = np.linalg.solve(hessian, right)
+    if (grown := values.columns("lengths")) is not None:
+        result[:, _fixed(robot), np.arange(grown.start, grown.stop)] = _lengths(robot)
     return result
 
 

@@ -10,18 +10,40 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.robot.actuators import Lines
+from sinuous.robot.loads import Payload
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.segment import Segment, Stiffness
+from sinuous.statics.response import softest
 
 GroupName = Literal[
-    "base", "device", "stretch", "stiffness", "rest", "offsets", "lengths", "circles", "angles", "gains", "tool"
+    "base",
+    "device",
+    "stretch",
+    "stiffness",
+    "payload",
+    "rest",
+    "offsets",
+    "lengths",
+    "circles",
+    "angles",
+    "gains",
+    "tool",
 ]
 """Groups of parameters."""
 
 GROUPS: tuple[GroupName, ...] = get_args(GroupName)
 
-ORDER: tuple[GroupName, ...] = ("stretch", "offsets", "stiffness", "rest", "lengths", "circles", "angles", "gains")
+ORDER: tuple[GroupName, ...] = (
+    "stretch",
+    "offsets",
+    "stiffness",
+    "payload",
+    "rest",
+    "lengths",
+    "circles",
+    "angles",
+    "gains",
+)
 """In which order groups are tried."""
 
 WIDTHS: dict[GroupName, float] = {
@@ -29,6 +51,7 @@ WIDTHS: dict[GroupName, float] = {
     "device": 1e3,
     "stretch": 1.0,
     "stiffness": 1.0,
+    "payload": 1.0,
     "rest": 0.5,
     "offsets": 0.02,
     "lengths": 0.1,
@@ -37,7 +60,8 @@ WIDTHS: dict[GroupName, float] = {
     "gains": 0.1,
     "tool": 0.1,
 }
-"""How far a drawing may well be off: logarithms of ratios; rad; of `offsets` and `tool` lengths of the robot."""
+"""How far a drawing may well be off: logarithms of ratios; rad; of `offsets` and `tool` lengths of the robot; of
+`payload` masses that bend the softest segment by 1 rad, carried by a lever as long as the robot."""
 
 SOFT = 3.0
 """Where a robot has rigid tendons: ratio of the stiffness of a tendon times its lever squared to that of its segment,
@@ -82,15 +106,20 @@ def lines_of(robot: Robot) -> Table:
 def elastic(robot: Robot) -> Robot:
     """The same robot with tendons that stretch, where they are rigid: softness to begin a fit with.
 
-    The unit of force is such that all tendons have a stiffness of 1.
+    Where no segment has a stiffness, the unit of force is such that all tendons have a stiffness of 1.
     """
+    softness = [_lever(robot, segment) ** 2 * 0.5 * sum(segment.length) / SOFT for segment in robot.segments]
+    own = [
+        segment.stiffness.bend / each
+        for segment, each in zip(robot.segments, softness, strict=True)
+        if segment.stiffness is not None and each > 0.0
+    ]
+    pull = float(np.median(own)) if own else 1.0
     segments = []
-    for segment in robot.segments:
-        radius = _lever(robot, segment)
-        length = 0.5 * sum(segment.length)
-        bend = radius**2 * length / SOFT
-        tendons = None if segment.tendons is None else segment.tendons.changed(stiffness=1.0)
-        stiffness = Stiffness(bend) if segment.max_bend > 0.0 and bend > 0.0 else segment.stiffness
+    for segment, each in zip(robot.segments, softness, strict=True):
+        tendons = None if segment.tendons is None else segment.tendons.changed(stiffness=pull)
+        bends = segment.stiffness is None and segment.max_bend > 0.0 and each > 0.0
+        stiffness = Stiffness(pull * each) if bends else segment.stiffness
         segments.append(segment.changed(tendons=tendons, stiffness=stiffness))
     return robot.changed(segments=segments)
 
@@ -109,27 +138,41 @@ def can_stretch(robot: Robot) -> bool:
 
 
 class Group(NamedTuple):
-    """A group of parameters: its name, the names of its parameters, and how far each may well be off."""
+    """A group of parameters: its name, those of its parameters, how far each may be off, and their least values."""
 
     name: GroupName
     names: tuple[str, ...]
     widths: Floats
+    lowest: Floats
 
 
 def group(robot: Robot, name: GroupName) -> Group:
     """The parameters of a group for a robot; none where the robot has none of these."""
     names = tuple(_names(robot, name))
-    width = WIDTHS[name] * (robot.mean_length if name in ("offsets", "tool") else 1.0)
-    return Group(name, names, np.full(len(names), width))
+    width, lowest = WIDTHS[name], np.full(len(names), -np.inf)
+    if name in ("offsets", "tool"):
+        width *= robot.mean_length
+    elif name == "payload" and robot.gravity is not None and names:
+        width *= softest(robot) / (robot.mean_length * float(np.linalg.norm(robot.gravity)))
+        lowest = -np.array([payload.mass for payload in carried(robot)])
+    return Group(name, names, np.full(len(names), width), lowest)
+
+
+def carried(robot: Robot) -> tuple[Payload, ...]:
+    """What a robot carries: where nothing was drawn, a payload at its tip without mass."""
+    return robot.payload or (Payload(0.0),)
 
 
 def _names(robot: Robot, name: GroupName) -> Iterator[str]:
-    soft = robot.drive.elastic is not None
+    soft = _gives(robot)
     segments = list(zip(robot.segments, robot.segment_names, strict=True))
     lines = [(s, n, kind) for s, n in segments for kind in ("tendons", "chambers") if getattr(s, kind) is not None]
     match name:
         case "base" | "device":
             yield from (f"{name} {part}" for part in ("turn x", "turn y", "turn z", "x", "y", "z"))
+        case "payload":
+            count = len(carried(robot)) if robot.hangs else 0
+            yield from ("mass of the payload" if count == 1 else f"mass of payload[{i}]" for i in range(count))
         case "tool":
             yield from (f"tool {axis}" for axis in "xyz")
         case "stiffness":
@@ -145,7 +188,13 @@ def _names(robot: Robot, name: GroupName) -> Iterator[str]:
             yield from (f"offset of {robot.actuators[place].name}" for place in lines_of(robot).places)
         case _:
             word = {"stretch": "stretch", "circles": "circle", "angles": "angle", "gains": "gain"}[name]
-            yield from (f"{word} of {kind} of {n}" for _, n, kind in lines if soft or name != "stretch")
+            stretch = robot.drive.elastic is not None
+            yield from (f"{word} of {kind} of {n}" for _, n, kind in lines if stretch or name != "stretch")
+
+
+def _gives(robot: Robot) -> bool:
+    """Whether shapes depend on the stiffness of segments: tendons that stretch, or weight, work against it."""
+    return robot.drive.elastic is not None or robot.hangs
 
 
 @dataclass(frozen=True)
@@ -157,10 +206,15 @@ class Values:
 
     def of(self, name: GroupName) -> Floats | None:
         """Those of one group, or None where it is not fitted."""
+        columns = self.columns(name)
+        return None if columns is None else self.x[columns]
+
+    def columns(self, name: GroupName) -> slice | None:
+        """Where those of one group are in `x`, or None."""
         at = 0
         for each in self.groups:
             if each.name == name:
-                return self.x[at : at + len(each.names)]
+                return slice(at, at + len(each.names))
             at += len(each.names)
         return None
 
@@ -178,6 +232,11 @@ class Values:
         """How far each may well be off."""
         return np.concatenate([np.zeros(0), *(each.widths for each in self.groups)])
 
+    @property
+    def lowest(self) -> Floats:
+        """The least value of each."""
+        return np.concatenate([np.zeros(0), *(each.lowest for each in self.groups)])
+
 
 def changed(robot: Robot, values: Values) -> Robot:
     """The robot with these changes, but for the pose of its base and its tool."""
@@ -190,9 +249,11 @@ def changed(robot: Robot, values: Values) -> Robot:
             if (own := parts["lengths"]) is not None:
                 new["length"] = segment.length[0] * math.exp(own[fixed])
             fixed += 1
-        if robot.drive.elastic is not None and segment.stiffness is not None and segment.max_bend > 0.0:
+        if _gives(robot) and segment.stiffness is not None and segment.max_bend > 0.0:
             if (own := parts["stiffness"]) is not None:
-                new["stiffness"] = segment.stiffness._changed({"bend": segment.stiffness.bend * math.exp(own[stiff])})
+                factor, rod = math.exp(own[stiff]), segment.stiffness
+                stiffer = {key: factor * getattr(rod, key) for key in ("bend", "twist")}
+                new["stiffness"] = rod._changed({key: value for key, value in stiffer.items() if value < math.inf})
             if (own := parts["rest"]) is not None:
                 new["rest"] = segment.rest + own[2 * stiff : 2 * stiff + 2]
             stiff += 1
@@ -203,7 +264,11 @@ def changed(robot: Robot, values: Values) -> Robot:
                 new[kind] = _changed_lines(lines, parts, sets, slice(first, first + count))
                 sets, first = sets + 1, first + count
         segments.append(segment.changed(**new))
-    return robot.changed(segments=segments)
+    payload = robot.payload
+    if (own := parts["payload"]) is not None:
+        listed = zip(carried(robot), own, strict=True)
+        payload = tuple(each.changed(mass=each.mass + float(more)) for each, more in listed)
+    return robot.changed(segments=segments, payload=payload)
 
 
 def _changed_lines(own: Lines, parts: Mapping[GroupName, Floats | None], which: int, places: slice) -> Lines:

@@ -33,7 +33,7 @@ from sinuous.cli.options import (
     read_demands,
     with_groups,
 )
-from sinuous.errors import InputError
+from sinuous.errors import InputError, UnfinishedError
 
 _UsageError: Any = typer.BadParameter.__bases__[0]  # typer brings its own copy of click, under a private name
 
@@ -125,7 +125,7 @@ def batch(
     json: Json = False,
 ) -> int:
     """Solve the targets of a table, any number; interrupted, the same command goes on."""
-    from sinuous.cli.batch import batch_file, read_shard  # noqa: PLC0415
+    from sinuous.cli.places import batch_file, read_shard  # noqa: PLC0415
 
     run = {"chunk": chunk, "warm": warm, "shard": read_shard(shard), **crew.arguments()}
     return batch_file(file, targets, out, solving, run, json=json)
@@ -150,7 +150,7 @@ def explore(
     json: Json = False,
 ) -> int:
     """Fill a memory ahead with shapes and proved motions of a place that stays."""
-    from sinuous.cli.explore import explore_file  # noqa: PLC0415
+    from sinuous.cli.places import explore_file  # noqa: PLC0415
 
     return explore_file(file, solving, memory, {"rounds": rounds, "spacing": spacing, **crew.arguments()}, json=json)
 
@@ -170,7 +170,7 @@ def reach(
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the map as NPZ.")] = None,
 ) -> int:
     """Map what the robot reaches, with its obstacles and without, and why not more."""
-    from sinuous.cli.reach import reach_file  # noqa: PLC0415
+    from sinuous.cli.places import reach_file  # noqa: PLC0415
 
     grid = {"spacing": spacing, "directions": directions, "workers": workers}
     return reach_file(file, solving, grid, out, plot, json=json)
@@ -186,9 +186,9 @@ def train(
     seed: Annotated[int, typer.Option(help="Of the targets; the same seed gives the same networks.")] = 0,
 ) -> int:
     """Train networks that give the robot shapes for targets, for the method learned."""
-    from sinuous.cli.train import train_file  # noqa: PLC0415
+    from sinuous.cli.places import train_file  # noqa: PLC0415
 
-    return train_file(file, out, samples, width, rounds, seed)
+    return train_file(file, out, samples=samples, width=width, rounds=rounds, seed=seed)
 
 
 @app.command()
@@ -206,6 +206,12 @@ def calibrate(
     measured: Annotated[str, typer.Argument(metavar="MEASURED.csv", help="Columns: actuators, and x,y,z.")],
     fit: Annotated[str | None, typer.Option(help="What to fit, as base,offsets,stiffness; else it is chosen.")] = None,
     unit: Annotated[float, typer.Option(help="Length units of the robot in one of the measurements.")] = 1.0,
+    frame: Annotated[
+        str, typer.Option(help="Whose pose is fitted, and where gravity is known: base or device.")
+    ] = "base",
+    motion: Annotated[
+        Path | None, typer.Option(metavar="ROWS.csv", help="Rows of one motion: the robot has the bound of these.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="ROBOT.yaml", help="Write the calibrated robot.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw errors over rows and patterns.")] = None,
     json: Json = False,
@@ -213,7 +219,7 @@ def calibrate(
     """Fit a robot to measurements."""
     from sinuous.cli.calibrate import calibrate_file  # noqa: PLC0415
 
-    return calibrate_file(file, measured, fit, unit, out, plot, json=json)
+    return calibrate_file(file, measured, fit, unit, frame, motion, out, plot, json=json)
 
 
 @app.command()
@@ -320,10 +326,10 @@ def design(
     json: Json = False,
 ) -> int:
     """Find the robot that does all tasks of a file and has the least of something."""
-    from sinuous.cli.design import Wishes, design_file  # noqa: PLC0415
+    from sinuous.cli.design import design_file  # noqa: PLC0415
 
-    wishes = Wishes(minimise, tuple(vary or ()), robots, budget, workers)
-    return design_file(file, solving, wishes, out, csv, plot, json=json)
+    run = {"robots": robots, "budget": budget, "workers": workers}
+    return design_file(file, solving, minimise, vary or [], run, out, csv, plot, json=json)
 
 
 @app.callback(invoke_without_command=True)
@@ -371,7 +377,7 @@ def execute(commands: typer.Typer, name: str, arguments: Sequence[str] | None) -
     except _UsageError as error:
         _say(f"{name}: {error.format_message()}")
         return BAD_INPUT
-    except OSError as error:
+    except (OSError, UnfinishedError) as error:
         _say(f"{name}: {error}")
         return UNSOLVED
 

@@ -25,9 +25,6 @@ from sinuous.writing.plain import described
 EVERY = 1.0
 """Seconds of work that may be lost when a process is killed."""
 
-EARLIER_SUFFIX = ".journal"
-"""What earlier versions appended to the name of the file of answers for what they kept."""
-
 MakeEntry = Callable[[], dict[str, Any]]
 """Makes an entry of what was found, when it is to be written."""
 
@@ -52,16 +49,9 @@ class Journal:
         self._checkpoint = None if results is None else Checkpoint(results, record, "this command")
         self._found: dict[int, list[dict[str, Any]]] = {}
         self._problem, first = -1, 0
-        if results is not None and self._checkpoint is not None:
-            earlier = results.with_name(results.name + EARLIER_SUFFIX)
-            if earlier.exists():
-                raise InputError("--out", "was left by an earlier version", str(earlier), "no such file beside it")
-            if self._checkpoint.begun:
-                first = self._read(self._checkpoint)
-        self._new: tuple[int, list[tuple[int, MakeEntry]]] = (
-            first,
-            [],
-        )  # number of the next chunk, and what is to be in it
+        if self._checkpoint is not None and self._checkpoint.begun:
+            first = self._read(self._checkpoint)
+        self._new = first, list[tuple[int, MakeEntry]]()  # number of the next chunk, and what is to be in it
         self._written = clock.perf_counter()
 
     def __enter__(self) -> "Journal":

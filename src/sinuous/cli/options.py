@@ -18,7 +18,7 @@ from sinuous.writing.documents import written
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
-    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.problem import Preferences
     from sinuous.problem.target import Tolerance
 
 SOLVED = 0
@@ -232,9 +232,7 @@ class Output:
         InputError
             That names the option.
         """
-        for option, file in (("--out", self.out), ("--plot", self.plot), ("--csv", self.csv)):
-            if file is not None:
-                check_writable(option, file, files)
+        check_outputs(files, out=self.out, plot=self.plot, csv=self.csv)
         if self.plot is not None and is_page(self.plot):
             from sinuous.viewer.show import check_page  # noqa: PLC0415
 
@@ -381,6 +379,13 @@ def numbered(file: Path | None, number: int, files: int) -> Path | None:
         return file
     width = int(math.log10(files)) + 1
     return file.with_name(f"{file.stem}-{number:0{width}}{file.suffix}")
+
+
+def check_outputs(inputs: Sequence[str], **outputs: Path | None) -> None:
+    """Refuse files of options of these names that cannot be written, or are among the `inputs`."""
+    for name, file in outputs.items():
+        if file is not None:
+            check_writable(f"--{name}", file, inputs)
 
 
 def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:

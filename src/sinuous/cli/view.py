@@ -10,8 +10,7 @@ from typing import Any
 import typer
 
 from sinuous.cli.options import SOLVED, as_typed, check_writable
-from sinuous.cli.reading import say_notes
-from sinuous.cli.remembering import remembered
+from sinuous.cli.reading import remembered, say_notes
 from sinuous.errors import InputError
 from sinuous.motion.job import Job, load
 from sinuous.motion.motion import Motion

@@ -14,7 +14,7 @@ from sinuous.methods.registry import METHODS, name_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.motion.planning.walk import load_walk
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
@@ -114,7 +114,8 @@ def _shapes_under_load() -> None:
     straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
     HEAVY.shape(straight)
     Solver.once(HEAVY, None).solve(TARGET)
-    _ = Rest(HEAVY, straight).slopes
+    rest = Rest(HEAVY, straight)
+    _ = rest.slopes, rest.answers([rest.tables], np.ones(1))
     Motion(HEAVY, [straight, straight + 0.01])
 
 

@@ -21,16 +21,16 @@ from sinuous.cli.options import (
     Remembering,
     Timed,
 )
-from sinuous.cli.reading import Read, read_all, say_notes
-from sinuous.cli.remembering import remembered
+from sinuous.cli.reading import Read, read_all, remembered, say_notes
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of
 from sinuous.motion.knots import Entry, read_entry, write_entry
 from sinuous.motion.motion import Motion
+from sinuous.motion.paced import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
-from sinuous.motion.track import Pace, tracker_of
+from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
@@ -142,7 +142,7 @@ def _check_timed(problem: ProblemFile, timed: Timed) -> None:
 
 def _paces(problem: ProblemFile, timed: Timed) -> tuple[Pace, Floats | None]:
     """How fast the path of a file is followed, and the times of its waypoints where they have any."""
-    pace = Pace.of(problem.robot, problem.rates, timed.duration, problem.times)
+    pace = Pace.of(problem.robot, problem.rates, timed.duration, times=problem.times)
     own = pace.waypoints(len(problem.waypoints), problem.start is not None)
     return pace, own if problem.times is None else problem.times
 
@@ -225,14 +225,27 @@ def _prepare(problem: ProblemFile, solving: Remembering, prepare: Prepare, memor
     return prepared, clock.perf_counter() - began
 
 
-def _solve(solver: Solver, problem: ProblemFile, journal: Journal, advance: Callable[[], None]) -> Solution:
-    """Meet the target, or return the solution that is in the journal."""
-    targets = problem.waypoints[0]
-    kept: list[Solution] = _read(journal, lambda values: read_solution(solver, targets, problem.start, values))
-    solution = kept[0] if kept else solver.solve(targets, problem.start)
+def _once(
+    journal: Journal,
+    advance: Callable[[], None],
+    read: Callable[[dict[str, Any]], Any],
+    find: Callable[[], Any],
+    write: Callable[[Any], dict[str, Any]],
+) -> Any:
+    """Return the answer that is in the journal; where there is none, find it, and keep it there."""
+    kept = _read(journal, read)
+    answer = kept[0] if kept else find()
     if not kept:
-        journal.add(partial(write_solution, solution))
+        journal.add(partial(write, answer))
     advance()
+    return answer
+
+
+def _solve(solver: Solver, problem: ProblemFile, journal: Journal, advance: Callable[[], None]) -> Solution:
+    """Meet the target."""
+    asked = problem.waypoints[0], problem.start
+    read, find = partial(read_solution, solver, *asked), partial(solver.solve, *asked)
+    solution: Solution = _once(journal, advance, read, find, write_solution)
     return solution
 
 
@@ -244,41 +257,34 @@ def _solve_all(
     journal: Journal,
     advance: Callable[[], None],
 ) -> Alternatives:
-    """Find several solutions, or return those that are in the journal."""
-    targets = problem.waypoints[0]
+    """Find several solutions."""
+    asked = problem.waypoints[0], problem.start
 
     def read(values: dict[str, Any]) -> Alternatives:
-        best, *found = (read_solution(solver, targets, problem.start, each) for each in values["solutions"])
+        best, *found = (read_solution(solver, *asked, each) for each in values["solutions"])
         return Alternatives(tuple(found), best, values["seconds"])
 
-    def write() -> dict[str, Any]:
+    def find() -> Alternatives:
+        began = clock.perf_counter()
+        found = solver.solve_all(*asked, count=count, by=by)
+        best = found[0] if found else solver.solve(*asked)
+        return Alternatives(tuple(found), best, clock.perf_counter() - began)
+
+    def write(answer: Alternatives) -> dict[str, Any]:
         solutions = [write_solution(each) for each in (answer.best, *answer.solutions)]
         return {"solutions": solutions, "seconds": answer.seconds}
 
-    kept: list[Alternatives] = _read(journal, read)
-    if kept:
-        answer = kept[0]
-    else:
-        began = clock.perf_counter()
-        found = solver.solve_all(targets, problem.start, count=count, by=by)
-        best = found[0] if found else solver.solve(targets, problem.start)
-        answer = Alternatives(tuple(found), best, clock.perf_counter() - began)
-        journal.add(write)
-    advance()
+    answer: Alternatives = _once(journal, advance, read, find, write)
     return answer
 
 
 def _plan(
     timed: Timed, planner: Planner, problem: ProblemFile, journal: Journal, advance: Callable[[], None]
 ) -> Motion:
-    """Plan the motion, or return the one that is in the journal."""
+    """Plan the motion."""
     assert problem.start is not None
-    kept: list[Motion] = _read(journal, partial(motion_of, problem))
-    motion = kept[0] if kept else planner.plan(problem.start, problem.ends)
-    if not kept:
-        journal.add(motion.to_dict)
-    advance()
-    return _in_time(motion, problem, timed)
+    find = partial(planner.plan, problem.start, problem.ends)
+    return _in_time(_once(journal, advance, partial(motion_of, problem), find, Motion.to_dict), problem, timed)
 
 
 def _track(

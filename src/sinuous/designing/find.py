@@ -14,16 +14,15 @@ from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.assessing.tasks import Meet, read_tasks
 from sinuous.batch.checkpoint import Checkpoint, Memory, hash_of, problem_record
-from sinuous.batch.dispatch import Dispatcher, closing_engine
+from sinuous.batch.dispatch import all_done, begin
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task as Chunk
 from sinuous.designing.descent import Judging, can_descend
 from sinuous.designing.design import Change, Cut, Design, Found
 from sinuous.designing.fields import Space
 from sinuous.designing.judge import Judge
 from sinuous.designing.objectives import Objective, read_objectives
 from sinuous.designing.search import Candidates, Drawn, Search, front
-from sinuous.errors import InputError, UnfinishedError
+from sinuous.errors import InputError
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
@@ -146,7 +145,7 @@ class _Run:
         self.kept.open()
         known = set(self.kept.done())
         number = 0
-        with closing_engine(engine, Judging(self._judge), workers) as ready:
+        with begin(engine, Judging(self._judge), workers) as ready:
             while sum(int(each.tried.sum()) for each in self._found) < count:
                 drawn = self._search.generation(number, self._found)
                 if number not in known:
@@ -164,16 +163,9 @@ class _Run:
         """Have a generation judged, in chunks for all workers."""
         told, count = self._known(), len(drawn.combination)
         parts = np.array_split(np.arange(count), min(count, 4 * workers))
-        chunks = [
-            Chunk(i, int(part[0]), {**told, **{name: each[part] for name, each in drawn._asdict().items()}})
-            for i, part in enumerate(parts)
-        ]
-        blocks: dict[int, Block] = {}
-        dispatcher = Dispatcher(engine, iter(chunks), lambda chunk, block: blocks.__setitem__(chunk.number, block))
-        dispatcher.run()
-        if dispatcher.failed:
-            raise UnfinishedError(f"a robot could not be judged: {dispatcher.failed[0].why}")
-        return {name: np.concatenate([blocks[i][name] for i in range(len(parts))]) for name in blocks[0]}
+        chunks = ({**told, **{name: each[part] for name, each in drawn._asdict().items()}} for part in parts)
+        blocks = all_done(engine, chunks, "a robot could not be judged")
+        return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
 
     def _known(self) -> Block:
         """What judges are told of the generations before: see `Judge.judge`."""

@@ -109,7 +109,8 @@ class Judge:
         done: dict[int, Done] = {}
         for number in range(len(listed)) if order is None else order:
             start = None if begin is None or np.isnan(begin[number, 0, 0]) else begin[number, : len(robot)]
-            done[number] = _do(listed[number], solver, start)
+            task = listed[number]
+            done[number] = task.do(solver, start, explained=False) if isinstance(task, Meet) else task.do(solver)
             if stops and not whole and done[number].status != SOLVED:
                 return self._failing(len(done) - 1, 0.0, number)
         return self._judged(robot, [done[number] for number in range(len(listed))], whole)
@@ -140,13 +141,3 @@ class Judge:
         """Whether what is known of a robot without trying is no better than a robot that is known."""
         known = [of_robot(name, robot) for name in self.minimise]
         return all(value is not None and value >= bound for value, bound in zip(known, bounds, strict=True))
-
-
-def _do(task: Task, solver: Solver, start: Floats | None) -> Done:
-    """Try a task; of targets that are met at once nobody asks what holds them back, which takes longest."""
-    if not isinstance(task, Meet):
-        return task.do(solver)
-    found = solver.solve(task.targets, start)
-    shapes = found.q[None] if found.solved else None
-    proved = found.clearance, found.self_clearance
-    return Done(str(found.status), float(found.solved), *proved, found.seconds, None, None, shapes)

@@ -5,13 +5,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sinuous import checks
-from sinuous.assessing.moves import Move
-from sinuous.assessing.tasks import Cover, Follow, Meet
+from sinuous.assessing.tasks import Cover, Follow, Meet, Move
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
-from sinuous.files.problem_file import read_question
-from sinuous.files.setting import Setting, setting_of_values
+from sinuous.files.problem_file import Setting, read_question, setting_of_values
 from sinuous.robot.robot import Robot
 
 KEYS = ("tasks", "vary", "minimise")

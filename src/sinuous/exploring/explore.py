@@ -17,11 +17,10 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Batch, Number, Truth, Whole
 from sinuous.batch.checkpoint import hash_of
-from sinuous.batch.dispatch import Dispatcher, closing_engine
+from sinuous.batch.dispatch import all_done, begin
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task as Chunk
 from sinuous.checks import Floats
-from sinuous.errors import InputError, UnfinishedError, warn_of
+from sinuous.errors import InputError, warn_of
 from sinuous.exploring.exploration import Exploration
 from sinuous.exploring.explorer import Explorer, Kind
 from sinuous.motion.configurations import lever_metric, violated_by
@@ -65,29 +64,19 @@ TESTS = 400
 PAIRS = 64
 """Motions that are proved again together."""
 
-OWN: dict[str, Any] = {
-    "starts": None,
-    "rounds": None,
-    "spacing": None,
-    "engine": "threads",
-    "workers": None,
-    "progress": False,
-}
-"""Options that no solve has, and their defaults."""
 
-
-class ExploreArguments(SolveArguments, total=False):
-    """Options of `explore` as keyword arguments."""
-
-    starts: Batch | None
-    rounds: Whole | None
-    spacing: Number | None
-    engine: object
-    workers: Whole | None
-    progress: Truth
-
-
-def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[ExploreArguments]) -> Exploration:
+def explore(
+    robot: Robot,
+    scene: SceneLike | None = None,
+    *,
+    starts: Batch | None = None,
+    rounds: Whole | None = None,
+    spacing: Number | None = None,
+    engine: object = "threads",
+    workers: Whole | None = None,
+    progress: Truth = False,
+    **options: Unpack[SolveArguments],
+) -> Exploration:
     """Fill a memory ahead: shapes of a robot in a place that stays, and proved motions between them.
 
     Solves with this memory begin from these shapes, and `plan` walks along the motions. It is done in rounds, and what
@@ -133,21 +122,16 @@ def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[Expl
         When a worker fails again and again.
     """
     began = clock.perf_counter()
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
+    refuse_unknown(options, SolveArguments, *(explore.__kwdefaults__ or ()))
     given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
-    refuse_unknown(given, ExploreArguments)
-    own = {key: given.pop(key, default) for key, default in OWN.items()}
     place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
     memory = given.pop("memory", None)
     chosen = SolveOptions.of(given)
-    most = math.inf if own["rounds"] is None else checks.integer("rounds", own["rounds"], 0, 2**31 - 1)
-    near = reach_of(robot) / ACROSS
-    if own["spacing"] is not None:
-        near = checks.number("spacing", own["spacing"], above=0.0)
+    most = math.inf if rounds is None else checks.integer("rounds", rounds, 0, 2**31 - 1)
+    near = reach_of(robot) / ACROSS if spacing is None else checks.number("spacing", spacing, above=0.0)
     kept = Memory(robot) if memory is None else memory
-    if not isinstance(kept, Memory):
-        raise InputError("memory", "", memory, "a Memory")
+    checks.instance("memory", kept, Memory, "a Memory")
     kept.check(robot)
     if robot.hangs:
         raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
@@ -157,12 +141,12 @@ def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[Expl
         raise InputError("scene", f"{name} moves", name, "obstacles that stand still")
     check_sizes(robot, place)
     warn_of(suspicions(robot, snapshot))
-    wanted = _starts(chosen.demanded_of(robot), own["starts"])
+    wanted = _starts(chosen.demanded_of(robot), starts)
     explorer = Explorer(chosen.demanded_of(robot), Scene.of(snapshot), chosen)
-    count = read_workers(own["workers"])
+    count = read_workers(workers)
     with (
-        closing_engine(own["engine"], explorer, count) as ready,
-        ProgressBar(math.ceil(seconds) if checks.truth("progress", own["progress"]) else 0) as bar,
+        begin(engine, explorer, count) as ready,
+        ProgressBar(math.ceil(seconds) if checks.truth("progress", progress) else 0) as bar,
     ):
         run = _Run(explorer, kept, near, ready)
         run.prepare(wanted, chosen.seed)
@@ -256,16 +240,7 @@ class _Run:
 
     def _done(self, chunks: list[Block]) -> list[Block]:
         """Have chunks done by the workers."""
-        found: dict[int, Block] = {}
-
-        def keep(chunk: Chunk, block: Block) -> None:
-            found[chunk.number] = block
-
-        dispatcher = Dispatcher(self._engine, (Chunk(i, i, raw) for i, raw in enumerate(chunks)), keep)
-        dispatcher.run()
-        if dispatcher.failed:
-            raise UnfinishedError(f"a part of the place could not be explored: {dispatcher.failed[0].why}")
-        return [found[i] for i in range(len(chunks))]
+        return all_done(self._engine, chunks, "a part of the place could not be explored")
 
 
 def _slice(tasks: Block, at: int) -> Block:
@@ -308,16 +283,14 @@ class _Draws:
 
     def _anywhere(self, count: int) -> Floats:
         """Positions (count, 3) drawn evenly in the ball of the reach."""
-        found: Floats = self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
-        return found
+        return self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
 
     def _where_few(self, count: int) -> Numbers:
         """Numbers (count,) of shapes: every cell with a tip is as likely."""
         cells = np.floor(self._graph.tips / self._spacing).astype(np.int64)
         _, which, sizes = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
         weights = 1.0 / sizes[which.ravel()]
-        found: Numbers = self._rng.choice(len(cells), count, p=weights / weights.sum())
-        return found
+        return self._rng.choice(len(cells), count, p=weights / weights.sum())
 
     def _of_others(self, count: int) -> Numbers:
         """Numbers (count,) of shapes: every part but the largest is as likely."""
@@ -325,8 +298,7 @@ class _Draws:
             return np.empty(0, np.int64)
         others = np.flatnonzero(self._graph.parts > 0)
         weights = 1.0 / np.bincount(self._graph.parts)[self._graph.parts[others]]
-        found: Numbers = self._rng.choice(others, count, p=weights / weights.sum())
-        return found
+        return self._rng.choice(others, count, p=weights / weights.sum())
 
     def _near(self, kinds: Numbers, begins: Numbers, targets: Floats) -> Numbers:
         """Numbers (t, k) of the shapes nearby that tasks are told; -1: there are no more."""
@@ -350,5 +322,4 @@ class _Draws:
 def _in_ball(rng: np.random.Generator, count: int) -> Floats:
     """Points (count, 3) drawn evenly in the unit ball."""
     aside = rng.normal(size=(count, 3))
-    found: Floats = aside / np.linalg.norm(aside, axis=1, keepdims=True) * rng.random((count, 1)) ** (1.0 / 3.0)
-    return found
+    return aside / np.linalg.norm(aside, axis=1, keepdims=True) * rng.random((count, 1)) ** (1.0 / 3.0)

@@ -6,10 +6,10 @@ alternates: x y, y x, x y, ... (Strang's splitting), and what is left of it shri
 with 1 / m^2. A link that stretches has a prismatic joint. All joint values are linear in the configuration.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,46 +19,12 @@ from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.reprs import call
 
+if TYPE_CHECKING:
+    from sinuous.robot.robot import Robot
+
 MOST_TURNS = 1000
 
 Axis = Literal["x", "y", "z"]
-
-
-class Arc(Protocol):
-    """What a chain has to know of a `Segment`."""
-
-    @property
-    def length(self) -> tuple[float, float]:
-        """Least and greatest length."""
-        ...
-
-    @property
-    def max_bend(self) -> float:
-        """Largest bend, rad."""
-        ...
-
-
-class Arm(Protocol):
-    """What a chain has to know of a `Robot`, which stands above it: see there."""
-
-    name: str | None
-    radii: tuple[float, ...]
-    curvatures: tuple[float, ...]
-    segment_names: tuple[str, ...]
-    base: Floats
-    tool: Floats
-
-    @property
-    def segments(self) -> Sequence[Arc]:
-        """Base to tip."""
-        ...
-
-    @property
-    def mean_length(self) -> float:
-        """Sum of the mean lengths of the segments."""
-        ...
-
-    def __len__(self) -> int: ...
 
 
 @dataclass(frozen=True)
@@ -107,13 +73,13 @@ class JointChain(Frozen):
         Height of the tip on the z axis of the last link.
     """
 
-    robot: Arm
+    robot: "Robot"
     joints_per_segment: int
     joints: tuple[Joint, ...]
     first: Link
     end: float
 
-    def __init__(self, robot: Arm, joints_per_segment: Whole = 8) -> None:
+    def __init__(self, robot: "Robot", joints_per_segment: Whole = 8) -> None:
         count = checks.integer("joints_per_segment", joints_per_segment, 1, MOST_TURNS)
         build = _Build(robot, count)
         self._set(
@@ -137,8 +103,7 @@ class JointChain(Frozen):
     def values(self, q: Batch) -> Floats:
         """Joint values (..., j) of configurations (..., n, 3): rad, and lengths."""
         checked = checks.stack("q", q, (len(self.robot), 3))
-        result: Floats = checked.reshape(*checked.shape[:-2], -1) @ self.matrix.T
-        return result
+        return checked.reshape(*checked.shape[:-2], -1) @ self.matrix.T
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -150,7 +115,7 @@ class JointChain(Frozen):
 class _Build:
     """Joints and links while they are put together."""
 
-    def __init__(self, robot: Arm, count: int) -> None:
+    def __init__(self, robot: "Robot", count: int) -> None:
         self.joints: list[Joint] = []
         self.first = self.link = Link()
         self.height = 0.0

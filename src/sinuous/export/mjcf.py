@@ -8,14 +8,14 @@ Masses are nominal, there is no gravity, and links do not touch each other; they
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 from sinuous.checks import Floats
 from sinuous.export.chain import Joint, Link
 from sinuous.export.drives import STEP, Drive, DrivenChain, couplings
-from sinuous.export.urdf import THIN, TURNING
+from sinuous.export.urdf import THIN, TURNING, text, texts
 from sinuous.writing.documents import write_xml
 
 STIFF = "0.005 1"
@@ -41,7 +41,7 @@ def model_element(driven: DrivenChain) -> Element:
     robot = driven.chain.robot
     root = Element("mujoco", model=robot.name or "robot")
     SubElement(root, "compiler", angle="radian", autolimits="true")
-    SubElement(root, "option", gravity="0 0 0", timestep=_text(STEP), integrator="implicitfast")
+    SubElement(root, "option", gravity="0 0 0", timestep=text(STEP), integrator="implicitfast")
     own = SubElement(SubElement(root, "default"), "default", {"class": "arm"})
     SubElement(own, "geom", contype="1", conaffinity="0", rgba="0.85 0.55 0.3 1")
     _bodies(SubElement(root, "worldbody"), driven)
@@ -49,9 +49,9 @@ def model_element(driven: DrivenChain) -> Element:
     _servos(SubElement(root, "actuator"), driven.drives)
     equality = SubElement(root, "equality")
     for joint, leader, ratio in couplings(driven.chain):
-        SubElement(equality, "joint", joint1=joint, joint2=leader, polycoef=f"0 {_text(ratio)} 0 0 0", solref=STIFF)
-    rest = _texts(driven.controls([(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.segments]))
-    at_rest = _texts(_middle(joint) for joint in driven.chain.joints)
+        SubElement(equality, "joint", joint1=joint, joint2=leader, polycoef=f"0 {text(ratio)} 0 0 0", solref=STIFF)
+    rest = texts(driven.controls([(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.segments]))
+    at_rest = texts(_middle(joint) for joint in driven.chain.joints)
     SubElement(SubElement(root, "keyframe"), "key", name="rest", qpos=at_rest, ctrl=rest)
     return root
 
@@ -66,16 +66,16 @@ def _bodies(world: Element, driven: DrivenChain) -> None:
     numbers = {joint.name: i for i, joint in enumerate(chain.joints)}
     for joints in _together(chain.joints):
         height = joints[0].height + sum(_middle(joint) for joint in joints)
-        body = SubElement(body, "body", name=joints[-1].name, pos=f"0 0 {_text(height)}")
+        body = SubElement(body, "body", name=joints[-1].name, pos=f"0 0 {text(height)}")
         for joint in joints:
             i = numbers[joint.name]
-            inertia = {"armature": _text(driven.armature[i]), "damping": _text(driven.damping[i])}
+            inertia = {"armature": text(driven.armature[i]), "damping": text(driven.damping[i])}
             SubElement(body, "joint", {"name": joint.name} | _joint(joint) | inertia)
         _shapes(body, joints[-1].link, density, thin)
-    SubElement(body, "site", name="tip", pos=f"0 0 {_text(chain.end)}", size=_text(thin))
+    SubElement(body, "site", name="tip", pos=f"0 0 {text(chain.end)}", size=text(thin))
     at_tip = robot.tool.copy()
     at_tip[2, 3] += chain.end
-    SubElement(body, "site", {"name": "tool", "size": _text(thin)} | _pose(at_tip))
+    SubElement(body, "site", {"name": "tool", "size": text(thin)} | _pose(at_tip))
 
 
 def _together(joints: tuple[Joint, ...]) -> Iterator[list[Joint]]:
@@ -99,21 +99,21 @@ def _joint(joint: Joint) -> dict[str, str]:
     """What is said of a joint, as in MuJoCo."""
     middle = _middle(joint)
     low, high = (middle + BEYOND * (end - middle) for end in joint.limits)
-    kind = {"type": "slide", "ref": _text(middle)} if joint.axis == "z" else {"type": "hinge"}
-    return kind | {"axis": TURNING[joint.axis], "range": _texts((low, high))}
+    kind = {"type": "slide", "ref": text(middle)} if joint.axis == "z" else {"type": "hinge"}
+    return kind | {"axis": TURNING[joint.axis], "range": texts((low, high))}
 
 
 def _shapes(body: Element, link: Link, density: float, thin: float) -> None:
     """Add the shapes of a link; cylinders carry the mass, by their lengths."""
     for low, high, radius in link.cylinders:
-        size = f"{_text(radius or thin)} {_text(0.5 * (high - low))}"
+        size = f"{text(radius or thin)} {text(0.5 * (high - low))}"
         _shape(body, "cylinder", 0.5 * (low + high), size, density * (high - low), radius)
     for height, radius in link.balls:
-        _shape(body, "sphere", height, _text(radius or thin), 0.0, radius)
+        _shape(body, "sphere", height, text(radius or thin), 0.0, radius)
 
 
 def _shape(body: Element, kind: str, height: float, size: str, mass: float, radius: float) -> None:
-    shape = {"type": kind, "pos": f"0 0 {_text(height)}", "size": size, "mass": _text(mass)}
+    shape = {"type": kind, "pos": f"0 0 {text(height)}", "size": size, "mass": text(mass)}
     SubElement(body, "geom", shape if radius > 0.0 else shape | {"contype": "0"})
 
 
@@ -121,7 +121,7 @@ def _tendons(element: Element, drives: tuple[Drive, ...]) -> None:
     for drive in drives:
         tendon = SubElement(element, "fixed", name=drive.name)
         for joint, weight in drive.joints.items():
-            SubElement(tendon, "joint", joint=joint, coef=_text(weight))
+            SubElement(tendon, "joint", joint=joint, coef=text(weight))
 
 
 def _servos(element: Element, drives: tuple[Drive, ...]) -> None:
@@ -129,21 +129,13 @@ def _servos(element: Element, drives: tuple[Drive, ...]) -> None:
     for drive in drives:
         zero = drive.gain * drive.constant + drive.offset
         bias = -drive.stiffness * zero, -drive.stiffness, -drive.damping
-        servo = {"gear": _text(drive.gain), "gaintype": "fixed", "gainprm": _text(drive.stiffness)}
-        servo |= {"biastype": "affine", "biasprm": _texts(bias)}
+        servo = {"gear": text(drive.gain), "gaintype": "fixed", "gainprm": text(drive.stiffness)}
+        servo |= {"biastype": "affine", "biasprm": texts(bias)}
         if -math.inf < drive.limits[0] < drive.limits[1] < math.inf:
-            servo["ctrlrange"] = _texts(drive.limits)
+            servo["ctrlrange"] = texts(drive.limits)
         SubElement(element, "general", {"name": drive.name, "tendon": drive.name} | servo)
 
 
 def _pose(pose: Floats) -> dict[str, str]:
     axes = [*pose[:3, 0].tolist(), *pose[:3, 1].tolist()]
-    return {"pos": _texts(pose[:3, 3].tolist()), "xyaxes": _texts(axes)}
-
-
-def _texts(values: Iterable[float]) -> str:
-    return " ".join(map(_text, values))
-
-
-def _text(value: float) -> str:
-    return repr(float(value))
+    return {"pos": texts(pose[:3, 3].tolist()), "xyaxes": texts(axes)}

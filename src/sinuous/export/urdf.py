@@ -6,6 +6,7 @@ that collide.
 """
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -60,10 +61,10 @@ def _link(root: Element, name: str, link: Link, thin: float) -> None:
     element = SubElement(root, "link", name=name)
     inertial = SubElement(element, "inertial")
     SubElement(inertial, "mass", value="1")
-    moment = _text(0.4 * thin * thin)
+    moment = text(0.4 * thin * thin)
     SubElement(inertial, "inertia", ixx=moment, iyy=moment, izz=moment, ixy="0", ixz="0", iyz="0")
     for low, high, radius in link.cylinders:
-        size = {"length": _text(high - low)}
+        size = {"length": text(high - low)}
         _shape(element, "cylinder", 0.5 * (low + high), radius, thin, size)
     for height, radius in link.balls:
         _shape(element, "sphere", height, radius, thin, {})
@@ -72,24 +73,24 @@ def _link(root: Element, name: str, link: Link, thin: float) -> None:
 def _shape(element: Element, kind: str, height: float, radius: float, thin: float, size: dict[str, str]) -> None:
     for use in ("visual", "collision") if radius > 0.0 else ("visual",):
         shape = SubElement(element, use)
-        SubElement(shape, "origin", xyz=f"0 0 {_text(height)}")
-        SubElement(SubElement(shape, "geometry"), kind, {"radius": _text(radius or thin), **size})
+        SubElement(shape, "origin", xyz=f"0 0 {text(height)}")
+        SubElement(SubElement(shape, "geometry"), kind, {"radius": text(radius or thin), **size})
 
 
 def _joint(root: Element, parent: str, joint: Joint) -> None:
     kind = "prismatic" if joint.axis == "z" else "revolute"
     element = SubElement(root, "joint", name=joint.name, type=kind)
-    SubElement(element, "origin", xyz=f"0 0 {_text(joint.height)}")
+    SubElement(element, "origin", xyz=f"0 0 {text(joint.height)}")
     _ends(element, parent, joint.name)
     SubElement(element, "axis", xyz=TURNING[joint.axis])
-    low, high = map(_text, joint.limits)
+    low, high = map(text, joint.limits)
     SubElement(element, "limit", lower=low, upper=high, effort="1", velocity="1")
 
 
 def _fixed(root: Element, parent: str, child: str, pose: Floats) -> None:
     element = SubElement(root, "joint", name=f"{child}_joint", type="fixed")
     xyz, rpy = pose[:3, 3].tolist(), roll_pitch_yaw(pose[:3, :3])
-    SubElement(element, "origin", xyz=" ".join(map(_text, xyz)), rpy=" ".join(map(_text, rpy)))
+    SubElement(element, "origin", xyz=texts(xyz), rpy=texts(rpy))
     _ends(element, parent, child)
 
 
@@ -98,8 +99,14 @@ def _ends(element: Element, parent: str, child: str) -> None:
     SubElement(element, "child", link=child)
 
 
-def _text(value: float) -> str:
+def text(value: float) -> str:
+    """A number to the last digit."""
     return repr(float(value))
+
+
+def texts(values: Iterable[float]) -> str:
+    """Numbers with spaces between them."""
+    return " ".join(map(text, values))
 
 
 def roll_pitch_yaw(rotation: Floats) -> tuple[float, float, float]:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sinuous.methods.dls import Dls as Dls
-    from sinuous.methods.fabrik.avoiding import FabrikAvoid as FabrikAvoid
+    from sinuous.methods.fabrik.reaching import FabrikAvoid as FabrikAvoid
     from sinuous.methods.fabrik.reaching import Fabrikc as Fabrikc
     from sinuous.methods.fabrik.reaching import Fabrikx as Fabrikx
     from sinuous.methods.learned.search import Learned as Learned
     from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
-    from sinuous.methods.slinki.search import Slinki as Slinki
+    from sinuous.methods.slinki import Slinki as Slinki
 else:
 
     def __getattr__(name: str) -> Any:

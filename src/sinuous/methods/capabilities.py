@@ -1,17 +1,13 @@
 """What methods can be asked for, and which limits they keep."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import GOAL, HAS_POSITION, ORIENTATION, ROTATION, TARGET_SEGMENT
-
-if TYPE_CHECKING:
-    from sinuous.robot.robot import Robot
-
+from sinuous.robot.robot import Robot
 
 LIMITS = ("length", "bend", "curvature", "actuators")
 """Limits that a robot may have."""
@@ -66,7 +62,7 @@ class Capabilities:
         """Whether there is no target that is refused."""
         return self.direction and self.rotation and self.orientation_alone and self.elbows
 
-    def refuse_robot(self, method: str, robot: "Robot") -> None:
+    def refuse_robot(self, method: str, robot: Robot) -> None:
         """Refuse a robot that the method does not handle.
 
         Raises

@@ -23,12 +23,8 @@ from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.judge import Answer, Check, offer
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import Start, begin_from, compiled_search, search_by
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
+from sinuous.methods.search import Answer, Check, Start, begin_from, offer, search_by
 
 MOST_ROWS = 6
 """Rows of a target: a position and a rotation."""
@@ -181,6 +177,7 @@ class Dls(Options):
         Largest error that one step goes for, in robot lengths and rad together.
     """
 
+    compiled_search = staticmethod(search)
     method: ClassVar[str] = "dls"
     capabilities: ClassVar[Capabilities] = Capabilities(
         "Wampler 1986, Nakamura & Hanafusa 1986", rotation=True, orientation_alone=True
@@ -190,6 +187,6 @@ class Dls(Options):
     damping: float = number(0.1, low=0.0)
     clamp: float = number(0.5, above=0.0)
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search; see `Options.compiled`."""
-        return compiled_search(search, scratch_size(len(robot)), self.vector(), robot, scene)
+    def scratch(self, segments: int) -> int:
+        """Return the size of the scratch; see `Options.scratch`."""
+        return scratch_size(segments)

@@ -29,12 +29,8 @@ from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.capabilities import LIMITS, Capabilities
-from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import Start, begin_from, compiled_search, search_by
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
+from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 
 LOOKS = 8
 """Places of every segment that are looked at for obstacles."""
@@ -179,6 +175,7 @@ class MonteCarlo(Options):
         What is left of the range after a round that found nothing better.
     """
 
+    compiled_search = staticmethod(search)
     method: ClassVar[str] = "monte_carlo"
     capabilities: ClassVar[Capabilities] = Capabilities(
         "Qin et al. 2022", rotation=True, orientation_alone=True, elbows=True, limits=LIMITS, obstacles=True
@@ -188,6 +185,6 @@ class MonteCarlo(Options):
     samples: int = count(50, 1, 1_000_000)
     shrink: float = number(0.8, above=0.0, high=1.0)
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search; see `Options.compiled`."""
-        return compiled_search(search, 9 * len(robot) + 1, self.vector(), robot, scene)
+    def scratch(self, segments: int) -> int:
+        """Return the size of the scratch; see `Options.scratch`."""
+        return 9 * segments + 1

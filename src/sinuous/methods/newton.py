@@ -15,7 +15,6 @@ from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
-from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot, robot_group
@@ -36,33 +35,6 @@ NEARLY_GRAZING = 1.2 * GRAZING * ROOM
 def thinnest(robot: Robot) -> float:
     """Radius of the thinnest part of a body that has one."""
     return min((each for each in robot.radii if each > 0.0), default=THIN * robot.mean_length)
-
-
-@dataclass(frozen=True, repr=False)
-class Newton(Options):
-    """The method `newton`, which has no options."""
-
-    method: ClassVar[str] = "newton"
-    capabilities: ClassVar[Capabilities] = Capabilities(
-        source="this library; docs/design.md",
-        rotation=True,
-        orientation_alone=True,
-        elbows=True,
-        limits=LIMITS,
-        obstacles=True,
-        preferences=True,
-        routes=True,
-    )
-
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> "PreparedNewton":
-        """Prepare the method; see `Options.prepare`."""
-        compiled = self.compiled(robot, scene)
-        return PreparedNewton(self.method, self.capabilities, compiled, robot, scene, tolerance, preferences)
-
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the search for many problems; see `Options.compiled`."""
-        sizes, own = (len(robot), len(robot.actuation), len(scene)), len(robot_group(robot))
-        return Compiled(search_many, lambda targets: workspace_size(*sizes, targets) + own)
 
 
 class PreparedNewton(Prepared):
@@ -137,13 +109,32 @@ class PreparedNewton(Prepared):
         near = outcome.q.copy() if reference is None else np.array(reference)
         proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
         groups = self._robot, self._scene_group(scene), self._settings, rows
-        used, *better = prefer(*groups, near, proved, self._workspace(len(rows)), outcome.q)
-        position_error, angle_error, clearance, self_clearance, spent = better
-        return outcome._replace(
-            iterations=outcome.iterations + used,
-            position_error=position_error,
-            angle_error=angle_error,
-            clearance=clearance,
-            self_clearance=self_clearance,
-            seconds=outcome.seconds + spent,
+        used, *better, spent = prefer(*groups, near, proved, self._workspace(len(rows)), outcome.q)
+        reached: dict[str, Any] = dict(
+            zip(("position_error", "angle_error", "clearance", "self_clearance"), better, strict=True)
         )
+        return outcome._replace(iterations=outcome.iterations + used, seconds=outcome.seconds + spent, **reached)
+
+
+@dataclass(frozen=True, repr=False)
+class Newton(Options):
+    """The method `newton`, which has no options."""
+
+    method: ClassVar[str] = "newton"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        source="this library; docs/design.md",
+        rotation=True,
+        orientation_alone=True,
+        elbows=True,
+        limits=LIMITS,
+        obstacles=True,
+        preferences=True,
+        routes=True,
+    )
+
+    prepared = PreparedNewton
+
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the search for many problems; see `Options.compiled`."""
+        sizes, own = (len(robot), len(robot.actuation), len(scene)), len(robot_group(robot))
+        return Compiled(search_many, lambda targets: workspace_size(*sizes, targets) + own)

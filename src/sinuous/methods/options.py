@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -11,14 +12,23 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
+from sinuous.methods.prepared import Compiled, Prepared
+from sinuous.methods.search import check_size
+from sinuous.problem.problem import Preferences
+from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 
-if TYPE_CHECKING:
-    from sinuous.methods.prepared import Compiled, Prepared
-    from sinuous.problem.preferences import Preferences
-    from sinuous.problem.target import Tolerance
-    from sinuous.robot.robot import Robot
-    from sinuous.scene.scene import Scene
+
+def _typed(text: str) -> Any:
+    """Read what was typed as a problem file says it: a number, true or false, else a word."""
+    from sinuous.files.yaml_syntax import parse_yaml  # noqa: PLC0415
+
+    try:
+        return parse_yaml(text)
+    except InputError:
+        return text
 
 
 @dataclass(frozen=True)
@@ -26,69 +36,33 @@ class Kind:
     """What a value may be: how to check it, to read it from text, and to hand it to a kernel as a number."""
 
     check: Callable[[str, Any], Any]
-    read: Callable[[str, str], Any]
     encode: Callable[[Any], float] = float
+    read: Callable[[str], Any] = _typed
+
+
+def option(default: Any, kind: Kind) -> Any:
+    """Field for a value of some kind."""
+    return field(default=default, metadata={"kind": kind})
 
 
 def number(default: float, *, low: float = -np.inf, above: float = -np.inf, high: float = np.inf) -> Any:
     """Field for a finite number in a range; `above` is excluded, the other ends are allowed."""
-
-    def check(key: str, value: Any) -> float:
-        return checks.number(key, value, low=low, above=above, high=high)
-
-    return field(default=default, metadata={"kind": Kind(check, _read_number)})
+    return option(default, Kind(partial(checks.number, low=low, above=above, high=high)))
 
 
 def count(default: int, low: int, high: int) -> Any:
     """Field for a whole number from `low` to `high`."""
-
-    def check(key: str, value: Any) -> int:
-        return checks.integer(key, value, low, high)
-
-    return field(default=default, metadata={"kind": Kind(check, _read_count)})
+    return option(default, Kind(partial(checks.integer, low=low, high=high)))
 
 
 def choice(default: str, names: Sequence[str]) -> Any:
     """Field for one of several words; the kernel sees its place among them."""
-    expected = "one of " + ", ".join(names)
-
-    def check(key: str, value: Any) -> str:
-        if not isinstance(value, str) or value not in names:
-            raise InputError(key, "is not known", value, expected)
-        return value
-
-    return field(default=default, metadata={"kind": Kind(check, lambda _, text: text, lambda v: float(names.index(v)))})
+    return option(default, Kind(partial(checks.choice, words=names), names.index, str))
 
 
 def flag(default: bool) -> Any:
     """Field for yes or no."""
-
-    def check(key: str, value: Any) -> bool:
-        if not isinstance(value, (bool, np.bool_)):
-            raise InputError(key, "is neither yes nor no", value, "True or False")
-        return bool(value)
-
-    return field(default=default, metadata={"kind": Kind(check, _read_flag)})
-
-
-def _read_number(key: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(key, "not a number", text, "a number") from None
-
-
-def _read_count(key: str, text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise InputError(key, "not usable as a count", text, "a whole number") from None
-
-
-def _read_flag(key: str, text: str) -> bool:
-    if text.lower() not in ("true", "false"):
-        raise InputError(key, "is neither yes nor no", text, "true or false")
-    return text.lower() == "true"
+    return option(default, Kind(checks.truth))
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,7 +70,8 @@ class Options(ShortRepr):
     """Base of the options of every method: values are checked as they come in.
 
     A class of options says of its method what it is called (`method`), what it handles (`capabilities`), sets of values
-    that have a name (`presets`), and how it is compiled.
+    that have a name (`presets`), its `compiled_search`, and how many numbers of scratch
+    that takes (`scratch`).
 
     Raises
     ------
@@ -107,6 +82,8 @@ class Options(ShortRepr):
     method: ClassVar[str] = ""
     capabilities: ClassVar[Capabilities] = Capabilities("")
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({})
+    compiled_search: ClassVar[Callable[..., Any]]
+    prepared: ClassVar[type[Prepared]] = Prepared
 
     def __post_init__(self) -> None:
         for each in fields(self):
@@ -134,13 +111,13 @@ class Options(ShortRepr):
                 raise InputError(key, "unknown option", text, known)
             if key in values:
                 raise InputError(key, "given twice", text, "every option once")
-            values[key] = kinds[key].read(key, text)
+            values[key] = kinds[key].read(text)
         chosen = values.pop("preset", None)
         if chosen is not None:
             values = {**cls.presets[kinds["preset"].check("preset", chosen)], **values}
         return cls(**values)
 
-    def refuse(self, robot: "Robot") -> None:
+    def refuse(self, robot: Robot) -> None:
         """Refuse a robot that these options are not meant for; none by default.
 
         Raises
@@ -148,7 +125,7 @@ class Options(ShortRepr):
         InputError
         """
 
-    def ready(self, robot: "Robot", scene: "Scene") -> Self:
+    def ready(self, robot: Robot, scene: Scene) -> Self:
         """Return the same with all that is found out once for a robot in a scene: by default there is no such thing."""
         return self
 
@@ -156,13 +133,20 @@ class Options(ShortRepr):
         """All values in the order of the fields, as the kernel of the method reads them."""
         return np.array([each.metadata["kind"].encode(getattr(self, each.name)) for each in fields(self)], np.float64)
 
-    def prepare(self, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences") -> "Prepared":
-        """Prepare the method for a robot in a scene: compile or load its kernels."""
-        from sinuous.methods.prepared import Prepared  # noqa: PLC0415
+    def told(self, robot: Robot, scene: Scene) -> Floats:
+        """What the kernel of the method is told of them, a robot and a scene: by default all values."""
+        return self.vector()
 
-        compiled = self.compiled(robot, scene)
-        return Prepared(self.method, self.capabilities, compiled, robot, scene, tolerance, preferences)
-
-    def compiled(self, robot: "Robot", scene: "Scene") -> "Compiled":
-        """Return the compiled search of the method, and what it needs for this robot and scene."""
+    def scratch(self, segments: int) -> int:
+        """How many numbers (float64) of scratch the kernel of the method takes."""
         raise NotImplementedError
+
+    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> Prepared:
+        """Prepare the method for a robot in a scene: compile or load its kernels."""
+        compiled = self.compiled(robot, scene)
+        return self.prepared(self.method, self.capabilities, compiled, robot, scene, tolerance, preferences)
+
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the compiled search of the method, and what it needs for this robot and scene."""
+        size = check_size(len(robot), len(scene)) + self.scratch(len(robot))
+        return Compiled(self.compiled_search, lambda _: size, self.told(robot, scene))

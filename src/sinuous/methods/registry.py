@@ -7,21 +7,18 @@ found.
 
 from collections.abc import Iterable
 from importlib import import_module
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from sinuous.arguments import MethodName
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
+from sinuous.methods.prepared import Prepared
+from sinuous.problem.problem import Preferences
+from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 from sinuous.words import suggested
-
-if TYPE_CHECKING:
-    from sinuous.methods.prepared import Prepared
-    from sinuous.problem.preferences import Preferences
-    from sinuous.problem.target import Tolerance
-    from sinuous.robot.robot import Robot
-    from sinuous.scene.scene import Scene
-
 
 Choice = MethodName | Options
 """How a method is chosen: its name, or its options."""
@@ -31,9 +28,9 @@ METHODS: dict[MethodName, str] = {
     "opti_path": "opti_path.options.OptiPath",
     "dls": "dls.Dls",
     "fabrikc": "fabrik.reaching.Fabrikc",
-    "slinki": "slinki.search.Slinki",
+    "slinki": "slinki.Slinki",
     "fabrikx": "fabrik.reaching.Fabrikx",
-    "fabrik_avoid": "fabrik.avoiding.FabrikAvoid",
+    "fabrik_avoid": "fabrik.reaching.FabrikAvoid",
     "monte_carlo": "monte_carlo.MonteCarlo",
     "learned": "learned.search.Learned",
 }
@@ -83,12 +80,17 @@ def _known(name: str, more: str) -> MethodName:
     return name
 
 
+def options_of(method: Choice) -> Options:
+    """Return the options of a method, by default those of its name."""
+    return method if isinstance(method, Options) else options_class(name_of(method))()
+
+
 def capabilities(method: Choice) -> Capabilities:
     """What a method handles."""
     return options_class(name_of(method)).capabilities
 
 
-def ready(method: Choice, robot: "Robot", scene: "Scene", preferences: "Preferences") -> Choice:
+def ready(method: Choice, robot: Robot, scene: Scene, preferences: Preferences) -> Choice:
     """Return the choice with all that is found out once for a robot in a scene: see `Options.ready`.
 
     Raises
@@ -96,8 +98,7 @@ def ready(method: Choice, robot: "Robot", scene: "Scene", preferences: "Preferen
     InputError
         When there is no such method, or it does not handle this robot or these preferences.
     """
-    name = name_of(method)
-    chosen = method if isinstance(method, Options) else options_class(name)()
+    name, chosen = name_of(method), options_of(method)
     chosen.capabilities.refuse_robot(name, robot)
     if preferences and not chosen.capabilities.preferences:
         raise InputError("prefer", f"not handled by the method {name}", preferences, "no preferences")
@@ -105,9 +106,6 @@ def ready(method: Choice, robot: "Robot", scene: "Scene", preferences: "Preferen
     return method if own is chosen else own
 
 
-def prepare(
-    method: Choice, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences"
-) -> "Prepared":
+def prepare(method: Choice, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> Prepared:
     """Prepare a method that is ready."""
-    chosen = method if isinstance(method, Options) else options_class(name_of(method))()
-    return chosen.prepare(robot, scene, tolerance, preferences)
+    return options_of(method).prepare(robot, scene, tolerance, preferences)

@@ -1,22 +1,26 @@
 """The geometry of a path: straight pieces in configuration space, and parabolas that blend its corners.
 
 A piece is `c0 + c1 s + c2 s^2` for s from 0 to its length. All pieces together have a continuous slope, except in
-corners that are not blended.
+corners that are not blended. Under load it is a path of the drive, and corners are as round as the bound of
+`statics.between` shows that the loaded body stays near its way.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
 from sinuous.solving.between.steps import Steps
+from sinuous.statics.between import bounded_aside, leave
+from sinuous.statics.rest import Rest
 
 STRAIGHT = 1e-9
 """Steps are one leg where no place of the body leaves them by more, in lengths of the body at its longest."""
 
 ROUNDED = 1e-14
-"""The same where less is proved to be free: the rounding of knots in one line."""
+"""The same where less is proved to be free, and under load: the rounding of knots in one line."""
 
 KEPT = 0.5
 """Share of the proved clearance that rounding a corner leaves."""
@@ -26,6 +30,12 @@ NOTHING = 1e-12
 
 SHORT = 1e-6
 """A corner is not rounded where that would take less than so great a share of a step."""
+
+PARTS = 8
+"""Parts of a rounded corner at whose ends it is seen where the loaded body is; an even number."""
+
+TRIES, NARROWER, WIDEST = 12, 0.1, 0.9
+"""Arms that are tried under load, and the shares of one that the next may be."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,8 @@ def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     moving = sizes > 0.0
     free = steps_margins(robot, q, steps)
     # Where nothing is proved, no clearance has to be kept.
-    allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], STRAIGHT * levers[0])
+    most = ROUNDED if robot.hangs else STRAIGHT
+    allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], most * levers[0])
     first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
     margins = np.minimum.reduceat(np.where(moving, free, np.inf), first) if len(first) else first
     corners = np.concatenate([q[first], q[-1:]])
@@ -122,16 +133,17 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     """How far places of the body may leave each step (m,) and still be clear of obstacles and of the body itself.
 
     Where all places move by m at most, clearances shrink by m, and gaps of the body by 2 m. Where segments stretch,
-    which places are pi radii apart along the body changes too, by m at most, and with it the gap: 3 m in all. With
-    several radii any move may change which places concern each other, unless the body turns by less than a quarter turn
-    at both knots, of q (m + 1, n, 3): then it does so wherever it may get to, and no two places do.
+    under load too, which places are pi radii apart along the body changes too, by m at most, and with it the gap: 3 m
+    in all. With several radii any move may change which places concern each other, unless the body turns by less than
+    a quarter turn at both knots, of q (m + 1, n, 3): then it does so wherever it may get to, and no two places do. How
+    far a loaded body turns between knots is not looked at.
     """
     if len(set(robot.self_radii)) == 1:
-        stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
+        stretching = robot.hangs or any(segment.length[0] < segment.length[1] for segment in robot.segments)
         own = steps.room[1] / (3.0 if stretching else 2.0)
     else:
         turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)
-        never = not robot.avoids_itself or np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi
+        never = not robot.avoids_itself or (np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi) & (not robot.hangs)
         own = np.where(never, np.inf, 0.0)
     margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
     return margins
@@ -149,7 +161,8 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
 
     Nor by more than half of what is proved to be free. A parabola lies in the triangle of its corner, so it keeps all
     limits, which are convex; it is farthest from the legs in its middle, by a quarter of the sum of both arms. Where
-    the path turns by a right angle or more, the robot stops.
+    the path turns by a right angle or more, the robot stops. Under load the same holds of the loaded body, and of legs
+    on which it is; the robot stops where nothing bounds it.
     """
     slopes = np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
     bends = np.diff(slopes, axis=0)
@@ -158,6 +171,11 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
     shorter = np.minimum(legs.sizes[1:], legs.sizes[:-1])
     back = np.einsum("lnk,lnk->l", slopes[1:], slopes[:-1]) <= 0.0
     arms = np.where(back, 0.0, np.minimum(arms, 0.5 * shorter))
+    if robot.hangs:
+        corners = zip(legs.corners[1:-1], slopes[:-1], slopes[1:], strict=True)
+        allowed = np.where(bounded_aside(robot), allowed, 0.0)
+        own = zip(corners, arms.tolist(), allowed.tolist(), (SHORT * shorter).tolist(), strict=True)
+        arms = np.array([_arm_under_load(robot, corner, *numbers) for corner, *numbers in own])
     arms = np.concatenate([[0.0], np.where(arms < SHORT * shorter, 0.0, arms), [0.0]])
     pieces, lengths, stops = [], [], [True]
     for i, slope in enumerate(slopes):
@@ -172,6 +190,58 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
             lengths.append(2.0 * arms[i + 1])
             stops.append(False)
     return BlendedPath(np.array(pieces), np.array(lengths), np.array(stops))
+
+
+Corner = tuple[Floats, Floats, Floats]
+"""A drive (n, 3), and the slopes (n, 3) of the legs that lead there and on."""
+
+
+def _arm_under_load(robot: Robot, corner: Corner, arm: float, allowed: float, least: float) -> float:
+    """The greatest of some arms, from this one on, that keeps the loaded body near the legs; 0 where none does."""
+    for _ in range(TRIES):
+        if arm < least or allowed <= 0.0:
+            return 0.0
+        off = _off_legs(robot, corner, arm, allowed)
+        if off <= allowed:
+            return arm
+        arm *= min(WIDEST, max(NARROWER, WIDEST * allowed / off))
+    return 0.0
+
+
+def _off_legs(robot: Robot, corner: Corner, arm: float, enough: float) -> float:
+    """How far places of the loaded body are off the legs, at most, on the parabola of so long an arm.
+
+    Each part of it is held against one of the legs: by the shapes at the ends of both, and by how far the body may
+    leave the ways between them. Where the ends alone are more than `enough` apart that is all. Infinite: not known.
+    """
+    place, before, after = corner
+    shares = np.linspace(0.0, 1.0, PARTS + 1)[:, None, None]
+    along = arm * (2.0 * shares - 1.0)
+    on_legs = place + np.where(along < 0.0, along * before, along * after)
+    rounded = place + arm * (shares**2 * after - (1.0 - shares) ** 2 * before)
+    middle = Rest(robot, place)
+    back = _led(robot, middle, on_legs[PARTS // 2 - 1 :: -1])
+    legs = [*back[::-1], middle, *_led(robot, middle, on_legs[PARTS // 2 + 1 :])]
+    curve = [legs[0], *_led(robot, legs[0], rounded[1:])]
+    if any(each.states is None for each in (*legs, *curve)):
+        return np.inf
+    both = np.array([[each.arcs for each in way] for way in (legs, curve)])
+    levers = levers_of(robot, both.reshape(-1, *both.shape[2:]))
+    off = float(reach_of(both[1] - both[0], levers).max())
+    if off > enough:
+        return off
+    bow = arm * np.abs(after - before) / (4.0 * PARTS**2)
+    ways = [(leave(*pairs[0]), leave(*pairs[1], bow)) for pairs in zip(pairwise(legs), pairwise(curve), strict=True)]
+    return off + max(leg.aside + own.aside for leg, own in ways)
+
+
+def _led(robot: Robot, begin: Rest, drives: Floats) -> list[Rest]:
+    """Bodies at rest at drives (k, n, 3), each looked for from the one before."""
+    found = []
+    for drive in drives:
+        begin = Rest(robot, np.ascontiguousarray(drive), begin)
+        found.append(begin)
+    return found
 
 
 def levers_of(robot: Robot, q: Floats) -> Floats:

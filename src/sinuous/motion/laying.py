@@ -2,8 +2,10 @@
 
 Depth is the length of the curve up to the tip. A chain at depth d lies along the first d of the curve, from the base
 on. What is minimised is how far places of the body are off the curve, across it, and, much heavier, how far the tip is
-off.
+off. Under load these are places of the loaded body, and what is found is the drive.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +14,11 @@ from sinuous.checks import Floats
 from sinuous.motion.configurations import movable, within_limits
 from sinuous.problem.curve import Curve
 from sinuous.robot.robot import Robot
+from sinuous.statics.equilibrium import longest_body
+from sinuous.statics.rest import Rest
 
 PLACES = 8
-"""Places of every segment that are drawn to the curve."""
+"""Places of every segment that are drawn to the curve; under load they are shared among its arcs."""
 
 ROUNDS = 12
 """Most steps."""
@@ -42,17 +46,28 @@ def lay(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) 
     """Configurations (T, n, 3) within the limits of segments, along the curve, with the tip at `depths` (T,).
 
     From configurations `near` them every step is taken, so that they depend smoothly on all that is given; otherwise
-    those alone that bring places nearer.
+    those alone that bring places nearer. Where no body is at rest under its load, the drive is laid as if it had none.
     """
     q = _first(robot, curve, depths) if near is None else within_limits(robot, near)
+    if robot.hangs:
+        q = lay(robot.changed(gravity=None, payload=None), curve, depths) if near is None else q
+        rests = np.array([Rest(robot, each).states is not None for each in q], bool)
+        q[rests] = _laid(_LoadedChains(robot), curve, depths[rests], q[rests], near is not None)
+        return q
+    return _laid(_Chains(robot), curve, depths, q, near is not None)
+
+
+def _laid(chains: "_Chains", curve: Curve, depths: Floats, q: Floats, always: bool) -> Floats:
+    """Lead configurations (T, n, 3) to the curve; `always`: take every step."""
+    robot = chains.robot
     free = np.flatnonzero(movable(robot.segments))
-    if len(free) == 0:
+    if len(free) == 0 or len(q) == 0:
         return q
     nudges = np.where(free % 3 == 2, NUDGE * robot.mean_length, NUDGE)
     mu = np.full(len(depths), DAMPING)
-    residual, tangents = _residual(robot, curve, depths, q)
+    residual, tangents = chains.residual(curve, depths, q)
     for _ in range(ROUNDS):
-        jacobian = _jacobian(robot, q, tangents, free, nudges)
+        jacobian = chains.jacobian(q, tangents, free, nudges)
         transposed = jacobian.swapaxes(1, 2)
         normal, pull = transposed @ jacobian, transposed @ residual[..., None]
         scale = np.einsum("tii->ti", normal) + 1e-12 * np.einsum("tii->t", normal)[:, None]
@@ -60,12 +75,12 @@ def lay(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) 
         tried = q.reshape(len(q), -1).copy()
         tried[:, free] -= np.linalg.solve(normal, pull)[..., 0]
         tried = within_limits(robot, tried.reshape(q.shape))
-        new, new_tangents = _residual(robot, curve, depths, tried)
+        new, new_tangents = chains.residual(curve, depths, tried)
         before, after = (residual**2).sum(axis=1), (new**2).sum(axis=1)
-        better = after < before if near is None else np.full(len(q), True)
+        better = np.isfinite(after) if always else after < before
         mu = np.where(better, EASE * mu, HARDEN * mu)
         q[better], residual[better], tangents[better] = tried[better], new[better], new_tangents[better]
-        if near is None and (np.where(better, before - after, 0.0) <= ENOUGH * before).all():
+        if not always and (np.where(better, before - after, 0.0) <= ENOUGH * before).all():
             break
     return q
 
@@ -91,22 +106,77 @@ def _first(robot: Robot, curve: Curve, depths: Floats) -> Floats:
     return q
 
 
-def _places(robot: Robot, q: Floats) -> Floats:
-    """Places (..., n * PLACES, 3) of the body that are drawn to the curve; the last is the tip."""
-    return robot.backbone(q, PLACES)[..., 1:, :]
+class _Chains:
+    """Chains of one robot, and how far they are off a curve.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self._body = longest_body(robot) if robot.hangs else robot
+        self._places = math.ceil(PLACES * len(robot) / len(self._body))  # of every arc
+
+    def residual(self, curve: Curve, depths: Floats, q: Floats) -> tuple[Floats, Floats]:
+        """How far places are off the curve, across it (T, r), and tangents (T, places, 3) there, the tip's zero."""
+        arcs = self._arcs(q)
+        lengths = arcs[..., 2]
+        shares = np.arange(1, self._places + 1) / self._places
+        along = (np.cumsum(lengths, axis=1) - lengths)[..., None] + lengths[..., None] * shares
+        along = along.reshape(len(q), -1)
+        length = along[:, -1]
+        along *= np.divide(depths, length, out=np.ones_like(depths), where=length > 0.0)[:, None]
+        tangents = curve.tangent(along)
+        tangents[:, -1] = 0.0
+        return _across(self._at(arcs) - curve.at(along), tangents), tangents
+
+    def jacobian(self, q: Floats, tangents: Floats, free: NDArray[np.intp], nudges: Floats) -> Floats:
+        """Derivative (T, r, c) of what is minimised by the coordinates `free` (c,), by central differences."""
+        ahead, behind = self._beside(q, free, nudges), self._beside(q, free, -nudges)
+        slopes = (self._at(ahead) - self._at(behind)) / (2.0 * nudges[:, None, None, None])
+        return np.moveaxis(_across(slopes, tangents), 0, -1)
+
+    def _at(self, arcs: Floats) -> Floats:
+        """Places (..., N * places, 3) of bodies (..., N, 3) that are drawn to the curve; the last is the tip."""
+        return self._body.backbone(arcs, self._places)[..., 1:, :]
+
+    def _arcs(self, q: Floats) -> Floats:
+        """Bodies (T, N, 3) in configurations (T, n, 3)."""
+        return q
+
+    def _beside(self, q: Floats, free: NDArray[np.intp], nudges: Floats) -> Floats:
+        """Bodies (c, T, N, 3) where each of the coordinates `free` (c,) is moved by a nudge."""
+        moved = np.repeat(q.reshape(1, len(q), -1), len(free), axis=0)
+        moved[np.arange(len(free)), :, free] += nudges[:, None]
+        return moved.reshape(-1, *q.shape)
 
 
-def _residual(robot: Robot, curve: Curve, depths: Floats, q: Floats) -> tuple[Floats, Floats]:
-    """How far places are off the curve, across it (T, r), and tangents (T, places, 3) beside them, the tip's zero."""
-    lengths = q[..., 2]
-    shares = np.arange(1, PLACES + 1) / PLACES
-    along = (np.cumsum(lengths, axis=1) - lengths)[..., None] + lengths[..., None] * shares
-    along = along.reshape(len(q), -1)
-    length = along[:, -1]
-    along *= np.divide(depths, length, out=np.ones_like(depths), where=length > 0.0)[:, None]
-    tangents = curve.tangent(along)
-    tangents[:, -1] = 0.0
-    return _across(_places(robot, q) - curve.at(along), tangents), tangents
+class _LoadedChains(_Chains):
+    """The same under load: a configuration is a drive, its body one of arcs at rest."""
+
+    def __init__(self, robot: Robot) -> None:
+        super().__init__(robot)
+        self._rests: dict[bytes, Rest] = {}
+
+    def _rest(self, q: Floats) -> Rest:
+        key = q.tobytes()
+        if key not in self._rests:
+            self._rests[key] = Rest(self.robot, q.copy())
+        return self._rests[key]
+
+    def residual(self, curve: Curve, depths: Floats, q: Floats) -> tuple[Floats, Floats]:
+        """As without load; infinite where no body is at rest."""
+        residual, tangents = super().residual(curve, depths, q)
+        residual[[self._rest(each).states is None for each in q]] = np.inf
+        return residual, tangents
+
+    def _arcs(self, q: Floats) -> Floats:
+        return np.array([self._rest(each).shown for each in q])
+
+    def _beside(self, q: Floats, free: NDArray[np.intp], nudges: Floats) -> Floats:
+        return np.stack([self._rest(each).beside(free, nudges) for each in q], axis=1)
 
 
 def _across(off: Floats, tangents: Floats) -> Floats:
@@ -115,14 +185,3 @@ def _across(off: Floats, tangents: Floats) -> Floats:
     rest[..., -1, :] *= TIP
     flat: Floats = rest.reshape(*rest.shape[:-2], -1)
     return flat
-
-
-def _jacobian(robot: Robot, q: Floats, tangents: Floats, free: NDArray[np.intp], nudges: Floats) -> Floats:
-    """Derivative (T, r, c) of what is minimised by the coordinates `free` (c,), by central differences."""
-    moved = np.repeat(q.reshape(1, len(q), -1), 2 * len(free), axis=0)
-    for i, (column, nudge) in enumerate(zip(free, nudges, strict=True)):
-        moved[2 * i, :, column] += nudge
-        moved[2 * i + 1, :, column] -= nudge
-    places = _places(robot, moved.reshape(-1, *q.shape))
-    slopes = (places[0::2] - places[1::2]) / (2.0 * nudges[:, None, None, None])
-    return np.moveaxis(_across(slopes, tangents), 0, -1)

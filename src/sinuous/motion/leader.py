@@ -16,9 +16,8 @@ from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.robot.actuators import Stage
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, Uncertainty
 from sinuous.robot.segment import Segment
-from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
@@ -27,6 +26,8 @@ from sinuous.solving.between.loaded import unproved
 from sinuous.solving.between.steps import Prover, Steps
 from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
+from sinuous.statics.between import bounded
+from sinuous.statics.rest import bodies_at
 from sinuous.work_time import work_time
 
 EXACT = 1e-10
@@ -43,8 +44,8 @@ LAID = 8
 
 LEAST_LAID, MOST_LAID, MOST_KNOTS = 6, 400, 100_000
 
-ROUNDS, DIVIDED = 4, 4
-"""How often steps are divided: where the tip leaves the curve, then where they are not proved, into so many."""
+TIP_ROUNDS, ROUNDS, DIVIDED = 8, 4, 4
+"""How often steps are divided where the tip leaves the curve; and then where they are not proved, into so many."""
 
 SLACK = 0.1
 """How far below the clearances of its ends the bound of a step may be, as a share of them."""
@@ -123,7 +124,8 @@ def follow_the_leader(
     The length of the chain is the depth, so the robot has to be able to change it: by an insertion stage (a first
     segment that stretches and cannot bend, see `on_stage`), or by segments that stretch, which unroll. The base does
     not move otherwise. At every knot the tip is on the curve, and shapes are fitted to it by least squares; every step
-    is proved. `motion.deviation(curve)` measures both. `motion.reversed()` leads out again.
+    is proved. `motion.deviation(curve)` measures both. `motion.reversed()` leads out again. Under load it is the loaded
+    body that lies on the curve; where nothing bounds it between two knots, their step is `sampled`, not proved.
 
     Parameters
     ----------
@@ -155,7 +157,6 @@ def follow_the_leader(
     """
     begin = work_time()
     robot = SolveOptions(clearance=clearance, self_clearance=self_clearance).demanded_of(robot)
-    robot.refuse_load()
     path = curve_from_base(robot, curve)
     low, high = depths_of(robot)
     if low == high:
@@ -190,9 +191,10 @@ def curve_from_base(robot: Robot, curve: Rows | Curve | Solution) -> Curve:
 
 
 def _backbone(solution: Solution) -> Floats:
-    """Points (k, 3) of a body, without those where a segment has no length."""
+    """Points (k, 3) of a body, under load of the loaded one, without those where a segment has no length."""
     robot = solution.problem.robot
-    points = robot.backbone(solution.q)
+    body, arcs = bodies_at(robot, solution.q[None])
+    points = body.backbone(arcs[0])
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9 * robot.mean_length
     kept: Floats = points[np.append(True, apart)]
     return kept
@@ -207,16 +209,18 @@ class _Leader:
         bending = [s.length[1] for s in robot.segments if s.max_bend > 0.0 and s.length[1] > 0.0]
         count = np.clip(int(LAID * (end - self.low) / min(bending, default=end)), LEAST_LAID, MOST_LAID)
         self.depths = np.linspace(self.low, end, int(count) + 1)
+        self.unbounded = robot.hangs and not bounded(robot)  # shorter steps are no more than sampled then
         self.ended: Solution | None = None
         self.answers: dict[tuple[float, float], Floats] = {}
+        self.off: dict[tuple[float, float], float] = {}
 
     def motion(self, allowed: float, begin: float) -> Motion:
         """Find knots until the tip keeps to the curve and all steps are proved, or cannot be."""
         from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
         self.shapes = CubicSpline(self.depths, lay(self.robot, self.path, self.depths))
-        self.depths, self.q, self.clear, first = self._solved(self.depths)
-        for _ in range(ROUNDS):
+        self.depths, self.q, self.clear, first = self._solved(self.depths, self.shapes(self.depths))
+        for _ in range(TIP_ROUNDS):
             counts = np.ceil(np.sqrt(self._off() / allowed)).astype(np.intp)
             if not self._divide(np.maximum(counts, 1)):
                 break
@@ -224,19 +228,19 @@ class _Leader:
         prover = Prover(self.robot, scene, FINEST)
         for _ in range(ROUNDS):
             steps = self._proved(prover)
-            if not self._divide(np.where(steps.proved, 1, DIVIDED)):
+            if not self._divide(np.where(steps.proved | (steps.samples > 0) & self.unbounded, 1, DIVIDED)):
                 break
         else:
             steps = self._proved(prover)
         return self._put_together(scene, steps, first, work_time() - begin)
 
-    def _solved(self, depths: Floats) -> tuple[Floats, Floats, Floats, Solutions]:
-        """Put the tip on the curve at these depths; those from the first on that cannot be are left out.
+    def _solved(self, depths: Floats, near: Floats) -> tuple[Floats, Floats, Floats, Solutions]:
+        """Put the tip on the curve at these depths, near these shapes (t, n, 3).
 
-        Returns depths (t,), configurations (t, n, 3), their clearances (t, 2) as `Prover` takes them, and all
-        solutions.
+        Those from the first on where that cannot be are left out. Returns depths (t,), configurations (t, n, 3), their
+        clearances (t, 2) as `Prover` takes them, and all solutions.
         """
-        found = self.solver.solve_many(positions=self.path.at(depths), initial=self.shapes(depths), workers=1)
+        found = self.solver.solve_many(positions=self.path.at(depths), initial=near, workers=1)
         clear = np.stack([found.clearance, found.self_clearance], axis=1) - self.robot.least_demanded
         clear[np.isnan(clear)] = math.inf  # nothing to be clear of: all that are kept are solved
         failed = np.flatnonzero(~found.solved)
@@ -248,11 +252,15 @@ class _Leader:
 
     def _off(self) -> Floats:
         """How far the tip is off the curve at `LOOKS` places of every step, at most (t - 1,)."""
+        ends = list(pairwise(self.depths.tolist()))
+        new = np.array([i for i, step in enumerate(ends) if step not in self.off], np.intp)
         shares = (np.arange(1, LOOKS + 1) / (LOOKS + 1.0))[:, None, None, None]
-        between = (1.0 - shares) * self.q[:-1] + shares * self.q[1:]
-        tips = self.robot.forward(between)[..., -1, :3, 3]
-        off: Floats = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
-        return off
+        between = (1.0 - shares) * self.q[new] + shares * self.q[new + 1]
+        body, arcs = bodies_at(self.robot, between.reshape(-1, *self.q.shape[1:]))
+        tips = body.forward(arcs)[..., -1, :3, 3]
+        off = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
+        self.off.update(zip([ends[i] for i in new], off.tolist(), strict=True))
+        return np.array([self.off[step] for step in ends])
 
     def _divide(self, counts: np.ndarray) -> bool:
         """Divide every step into so many (t - 1,); returns False where there is nothing to divide."""
@@ -261,7 +269,7 @@ class _Leader:
             return False
         shares = np.concatenate([i + np.arange(1, count) / count for i, count in enumerate(counts) if count > 1])
         depths = np.interp(shares, np.arange(len(self.depths)), self.depths)
-        new, q, clear, _ = self._solved(depths)
+        new, q, clear, _ = self._solved(depths, self._between(depths))
         end = self.depths[-1] if len(new) == len(depths) else depths[len(new)]
         kept = self.depths <= end
         order = np.argsort(np.concatenate([self.depths[kept], new]), kind="stable")
@@ -269,6 +277,13 @@ class _Leader:
         self.q = np.concatenate([self.q[kept], q])[order]
         self.clear = np.concatenate([self.clear[kept], clear])[order]
         return True
+
+    def _between(self, depths: Floats) -> Floats:
+        """Shapes (t, n, 3) to begin from at other depths: laid, and as far aside of that as knots have been led."""
+        led = (self.q - self.shapes(self.depths)).reshape(len(self.q), -1)
+        aside = np.stack([np.interp(depths, self.depths, column) for column in led.T], axis=-1)
+        near: Floats = self.shapes(depths) + aside.reshape(-1, *self.q.shape[1:])
+        return near
 
     def _proved(self, prover: Prover) -> Steps:
         """Prove all steps; what was found of one before is kept."""

@@ -127,8 +127,7 @@ class Motion(NotebookMixin, Frozen):
         scene: SceneLike | Snapshot | None = None,
         times: Vector | None = None,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         knots = checks.rows("q", q, len(robot), 3)
         if len(knots) < 2:
             raise InputError("q", "", q, "at least two configurations")
@@ -262,8 +261,9 @@ class Motion(NotebookMixin, Frozen):
         blend : float
             How far any place of the body may leave the way to round a corner, in the length unit. More than half of
             what is proved to be free is never used, so that a rounded corner is as clear as is proved; where nothing is
-            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`. By default it
-            stops in all corners (`Trajectory.stops`), which may take several times as long.
+            proved, or where the way turns by a right angle or more, it stops. Under load places are those of the loaded
+            body; it stops where nothing bounds that, as of tendons with a stiffness. Needs the extra `timing`. By
+            default it stops in all corners (`Trajectory.stops`), which may take several times as long.
 
         Raises
         ------
@@ -336,8 +336,7 @@ class Motion(NotebookMixin, Frozen):
         """
         from sinuous.measures.following import deviation, line_in_front  # noqa: PLC0415
 
-        if not len(self.q):
-            raise InputError("motion", "has no knots", self, "a motion with knots")
+        self._refuse_empty()
         count = checks.integer("between", between, 0, 10_000) + 1
         at = np.arange((len(self.q) - 1) * count + 1) / count
         when = np.interp(at, np.arange(len(self.q)), self.times)
@@ -364,13 +363,13 @@ class Motion(NotebookMixin, Frozen):
         Raises
         ------
         InputError
-            When there is no such group, the motion follows another curve, or a depth is not on it.
+            When there is no such group, the motion follows another curve, a depth is not on it, or the robot is under
+            load.
         """
         from sinuous.measures.following import line_in_front  # noqa: PLC0415
         from sinuous.motion.leader_derivative import LeaderDerivative, Question  # noqa: PLC0415
 
-        if not len(self.q):
-            raise InputError("motion", "has no knots", self, "a motion with knots")
+        self._refuse_empty()
         when = checks.increasing("depths", depths, None)
         if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
             raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
@@ -434,11 +433,14 @@ class Motion(NotebookMixin, Frozen):
             no knots, or the file cannot be written.
         """
         written = self._at_rate(rate)
-        if not len(self.q):
-            raise InputError("motion", "has no knots", self, "a motion with knots")
+        self._refuse_empty()
         tables.write_ros(file, self.robot, written.times, written.q, None, of, joints_per_segment)
         warn_of_corners(written, self, "lines")
         return written
+
+    def _refuse_empty(self) -> None:
+        if not len(self.q):
+            raise InputError("motion", "has no knots", self, "a motion with knots")
 
     def _at_rate(self, rate: Number | None) -> Self:
         """Return the motion that a file is of: this one, or the one through samples at an even rate."""

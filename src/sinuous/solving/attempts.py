@@ -22,7 +22,7 @@ ATTEMPTS = {
     "laid": "chains laid along routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
-    "passages": "for `solve_all`: routes through passages that no solution leads through yet",
+    "passages": "routes through other passages; for `solve_all` those that no solution leads through yet",
 }
 """All attempts, by the names with which they are switched off, and what each makes."""
 

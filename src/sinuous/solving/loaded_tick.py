@@ -1,4 +1,4 @@
-"""One tick of a control loop of a robot under load: the step that `kernels.velocity` makes, for the loaded body.
+"""One tick of a control loop of a robot under load: the steps that `kernels.velocity` makes, for the loaded body.
 
 How tip and body move follows from the derivative of the equilibrium; all rows then go through one least-distance
 problem (Lawson & Hanson 1974, chapter 23). What is proved of the motion is what `between.steps` proves under load.
@@ -19,16 +19,17 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import POSE, TARGETS
 from sinuous.measures.body import nearest_meeting, segment_ends
-from sinuous.problem.target import Target
+from sinuous.problem.target import Target, Tolerance, meets
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.least_distance import least_distance
 from sinuous.solution.observed import vector_of
 from sinuous.solving.between.loaded import SAMPLED
 from sinuous.solving.between.steps import Prover
-from sinuous.solving.least_distance import least_distance
 from sinuous.solving.under_load import errors_of
 from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest
+from sinuous.work_time import work_time
 
 if TYPE_CHECKING:
     from sinuous.solving.velocity import Asked, RateLimits
@@ -45,11 +46,18 @@ AHEAD = 1.5
 ROOM = 1e-4
 """Gap that a step keeps, in mean lengths of the robot, so that it can be proved."""
 
-EXACT, DAMPING = 1e-9, 0.01
-"""Damping of a twist; and of targets, as a share of their residual, squared."""
+EXACT, DAMPING, FASTER, SLOWER = 1e-9, 0.01, 0.3, 10.0
+"""Damping of a twist; and of targets, as a share of their residual, squared, and how it changes after a step that was
+better or not."""
+
+DONE, HOPELESS = 1e-9, 1e6
+"""Steps end that move or gain no more than this, and where they would have to be damped so much more."""
 
 CUTS = 12
-"""Most bounds on the size of bends and of their changes that are added one after the other."""
+"""Most times that tangents to the discs of bends and of their changes are added."""
+
+OUTSIDE = 1e-9
+"""How far outside such a disc a step may lead, rad, before it is shortened."""
 
 SHRINKS = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.5)
 """By how much a step is shortened until rounding leaves it within limits and rates."""
@@ -58,6 +66,9 @@ SHY = 0.9
 """How much of what is proved is gone, where the rest is not."""
 
 HALVINGS = 4
+
+NO_BODY = -1.0
+"""The verdict about a start at which no equilibrium was found."""
 
 
 class Row(NamedTuple):
@@ -80,18 +91,19 @@ class Moves(NamedTuple):
     Attributes
     ----------
     rest : Rest
-    scale : ndarray (3 n,)
+    left : ndarray (6 t,)
+        What is left of the targets, see `under_load.errors_of`.
     points : ndarray (M, 3)
         Places of the backbone.
     of_points : ndarray (M, 3, 3 n)
     tip : ndarray (6, 3 n)
         Rotation (rad) and displacement of the tool.
     errors : ndarray (6 t, 3 n)
-        By how much what is left of the targets shrinks.
+        By how much that shrinks.
     """
 
     rest: Rest
-    scale: Floats
+    left: Floats
     points: Floats
     of_points: Floats
     tip: Floats
@@ -105,10 +117,12 @@ class LoadedTick:
     ----------
     robot : Robot
     scene : Snapshot
+    tolerance : Tolerance
+        With numbers, within which several steps end.
     """
 
-    def __init__(self, robot: Robot, scene: Snapshot) -> None:
-        self._robot, self.scene = robot, scene
+    def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
+        self._robot, self.scene, self._tolerance = robot, scene, tolerance
         self._body, self._prover = longest_body(robot), Prover(robot, scene)
         self._scale = np.stack([robot.limits[:, k.BEND_SCALE]] * 2 + [robot.limits[:, k.LENGTH_SCALE]], axis=-1).ravel()
         owners = self._prover.owners
@@ -131,12 +145,10 @@ class LoadedTick:
         if rest.states is None:
             return self._stay(answer, start)
         moves = self._moves(rest, goals)
-        step, active = self._step(asked, goals, moves, limits, dt, velocity)
-        q = self._within(start, step, limits, dt)
+        q, rounds, active = self._advance(asked, goals, moves, limits, dt, velocity)
         q = self._prove(answer, start, q)
-        change = ((q - start).ravel()) / np.where(self._scale > 0.0, self._scale, 1.0)
-        answer[t.REACHED : t.REACHED + 6] = moves.tip @ change
-        answer[t.ROUNDS] = 1.0
+        answer[t.REACHED : t.REACHED + 6] = moves.tip @ self._moved(q - start)
+        answer[t.ROUNDS] = rounds
         self._judge(answer, q, goals)
         answer[t.SHAPE : t.SHAPE + q.size] = q.ravel()
         listed = active[:room]
@@ -149,7 +161,7 @@ class LoadedTick:
 
     def _stay(self, answer: Floats, start: Floats) -> Floats:
         """Where no equilibrium is known nothing moves, and nothing is proved."""
-        answer[t.START] = -1.0
+        answer[t.START] = NO_BODY
         answer[[t.CLEARANCE, t.SELF_CLEARANCE]] = -math.inf
         answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.MERIT]] = math.inf
         answer[t.SHAPE : t.SHAPE + start.size] = start.ravel()
@@ -157,10 +169,10 @@ class LoadedTick:
 
     def _moves(self, rest: Rest, goals: tuple[Target, ...]) -> Moves:
         """Look at the bodies beside the one where the drive is, to which its derivative leads."""
-        robot, scale, unit = self._robot, self._scale, self._robot.mean_length
+        robot, scale = self._robot, self._scale
         moving = np.flatnonzero(scale > 0.0)
         size = len(scale)
-        pose, (left, _, _) = rest.pose(None), errors_of(rest, goals, unit) if goals else (np.zeros(0), 0.0, 0.0)
+        pose, (left, _, _) = rest.pose(None), self._errors(rest, goals)
         tip, errors = np.zeros((6, size)), np.zeros((len(left), size))
         bodies, states = [rest.arcs], rest.found[0]
         for i in moving.tolist():
@@ -171,14 +183,14 @@ class LoadedTick:
             tip[:3, i] = vector_of(there[:3, :3] @ pose[:3, :3].T) / DIFFERENCE
             tip[3:, i] = (there[:3, 3] - pose[:3, 3]) / DIFFERENCE
             if goals:
-                errors[:, i] = (left - errors_of(other, goals, unit)[0]) / DIFFERENCE
+                errors[:, i] = (left - self._errors(other, goals)[0]) / DIFFERENCE
             bodies.append(other.arcs)
         places = self._body.backbone(np.stack(bodies), SAMPLES)[:, 1:]
         of_points = np.zeros((*places.shape[1:], size))
         of_points[..., moving] = np.moveaxis(places[1:] - places[0], 0, -1) / DIFFERENCE
-        return Moves(rest, scale, places[0], of_points, tip, errors)
+        return Moves(rest, left, places[0], of_points, tip, errors)
 
-    def _step(
+    def _advance(
         self,
         asked: "Asked",
         goals: tuple[Target, ...],
@@ -186,20 +198,70 @@ class LoadedTick:
         limits: "RateLimits",
         dt: float,
         velocity: Floats | None,
+    ) -> tuple[Floats, int, list[tuple[float, Row]]]:
+        """Go on step by step, each kept that brings the targets nearer; a tick is the first, as it is.
+
+        Returns where it ends (n, 3), how many steps there were, and what held the last one back, strongest first.
+        """
+        start, tolerance, end, easing, rounds = moves.rest.q, self._tolerance, work_time() + asked.seconds, 1.0, 0
+        active = list[tuple[float, Row]]()
+        while rounds < asked.rounds and work_time() < end and easing <= HOPELESS:
+            step, active = self._step(asked, goals, moves, start, limits, dt, velocity, easing)
+            q = self._within(start, step, limits, dt)
+            rounds += 1
+            if asked.rounds == 1:
+                return q, rounds, active
+            before, near = float(moves.left @ moves.left), Rest(self._robot, q)
+            left, off, turn = (moves.left, 0.0, 0.0) if near.states is None else self._errors(near, goals)
+            moved = float(np.linalg.norm(self._moved(q - moves.rest.q)))
+            gained, easing = before - float(left @ left), SLOWER * easing
+            if gained > 0.0:
+                moves, easing = self._moves(near, goals), max(1e-6, FASTER / SLOWER * easing)
+            met = gained > 0.0 and meets(tolerance, off, turn)
+            if met or moved < DONE or 0.0 < gained < DONE * before:
+                break
+        return moves.rest.q, rounds, active
+
+    def _moved(self, change: Floats) -> Floats:
+        """A change of the drive (n, 3) in units of the scale (3 n,)."""
+        result: Floats = change.ravel() / np.where(self._scale > 0.0, self._scale, 1.0)
+        return result
+
+    def _errors(self, rest: Rest, goals: tuple[Target, ...]) -> tuple[Floats, float, float]:
+        return errors_of(rest, goals, self._robot.mean_length) if goals else (np.zeros(0), 0.0, 0.0)
+
+    def _step(
+        self,
+        asked: "Asked",
+        goals: tuple[Target, ...],
+        moves: Moves,
+        start: Floats,
+        limits: "RateLimits",
+        dt: float,
+        velocity: Floats | None,
+        easing: float,
     ) -> tuple[Floats, list[tuple[float, Row]]]:
-        """Find the step (3 n,), in units of the scale, and what holds it back, strongest first."""
-        unit = self._robot.mean_length
+        """Find the motion (3 n,) from the start, in units of the scale, and what holds it back, strongest first.
+
+        All but limits and rates is linear about the drive where the body of `moves` is.
+        """
+        unit, done = self._robot.mean_length, self._moved(moves.rest.q - start)
         if asked.kind == TARGETS:
-            rows, wanted = moves.errors, errors_of(moves.rest, goals, unit)[0]
-            damping = max(EXACT, DAMPING * float(wanted @ wanted))
+            rows, wanted = moves.errors, moves.left
+            damping = max(EXACT, DAMPING * easing * float(wanted @ wanted))
         else:
             weights = np.array([1.0 if asked.kind == POSE else 0.0] * 3 + [1.0 / unit] * 3)
             rows, wanted, damping = weights[:, None] * moves.tip, weights * np.array(asked.motion), EXACT
         square: Any = rows.T @ rows + damping * np.eye(len(self._scale))
         root: Floats = np.linalg.cholesky(square)
-        free: Floats = np.linalg.solve(square, rows.T @ wanted) * (moves.scale > 0.0)
+        free: Floats = np.linalg.solve(square, rows.T @ wanted) * (self._scale > 0.0)
         far = AHEAD * float(np.linalg.norm(moves.of_points @ free, axis=1).max()) if len(moves.points) else 0.0
-        fixed = [*self._contacts(asked.wish, min(far, unit), moves), *self._of_limits(moves, limits, dt, velocity)]
+        touched = [
+            row._replace(low=row.low + float(row.weights @ done))
+            for row in self._contacts(asked.wish, min(far, unit), moves)
+        ]
+        free = free + done
+        fixed = [*touched, *self._of_limits(start, limits, dt, velocity)]
         for wishes in (True, False):
             bounds = [row for row in fixed if wishes or not row.wish]
             for _ in range(CUTS):
@@ -207,13 +269,13 @@ class LoadedTick:
                 if found is None:
                     break
                 step, active = found
-                cut = self._worst_disc(moves, step, limits, dt, velocity if wishes else None)
-                if cut is None:
+                cuts = self._cuts(start, step, limits, dt, velocity if wishes else None)
+                if not cuts:
                     return step, active
-                bounds.append(cut)
+                bounds += cuts
             else:
                 return step, active
-        return np.zeros(len(free)), []
+        return done, []
 
     def _contacts(self, wish: float, ahead: float, moves: Moves) -> list[Row]:
         """Bounds of places of the body that are near obstacles: of each segment and obstacle the nearest."""
@@ -237,9 +299,9 @@ class LoadedTick:
                     rows.append(Row(weights, wish - gap, a.CLEARANCE, segment, i, True))
         return rows
 
-    def _of_limits(self, moves: Moves, limits: "RateLimits", dt: float, velocity: Floats | None) -> list[Row]:
+    def _of_limits(self, start: Floats, limits: "RateLimits", dt: float, velocity: Floats | None) -> list[Row]:
         """Bounds of lengths and actuators."""
-        rows, start, scale = list[Row](), moves.rest.q, moves.scale
+        rows, scale = list[Row](), self._scale
         table, own = self._robot.limits, start.size
         for j in np.flatnonzero(scale[2::3] > 0.0).tolist():
             at, rate = np.zeros(len(scale)), limits.segments[j]
@@ -257,12 +319,10 @@ class LoadedTick:
                 rows += _wished(at, before, dt * dt * actuator[own + a.SECOND], (-1, j))
         return [row for row in rows if math.isfinite(row.low) and row.weights.any()]
 
-    def _worst_disc(
-        self, moves: Moves, step: Floats, limits: "RateLimits", dt: float, velocity: Floats | None
-    ) -> Row | None:
-        """The bound on the size of a bend, or of its change, that a step leaves the most; `None`: it keeps all."""
-        worst, found = 1e-9, None
-        table, start, change = self._robot.limits, moves.rest.q, (step * moves.scale).reshape(-1, 3)
+    def _cuts(self, start: Floats, step: Floats, limits: "RateLimits", dt: float, velocity: Floats | None) -> list[Row]:
+        """Tangents to the discs, of bends and of their changes, that a step leaves."""
+        found = list[Row]()
+        table, change = self._robot.limits, (step * self._scale).reshape(-1, 3)
         for j in range(len(start)):
             bend, bent, length = start[j, :2], math.hypot(*start[j, :2]), start[j, 2] + change[j, 2]
             curved = table[j, k.MAX_CURVATURE]
@@ -275,12 +335,12 @@ class LoadedTick:
             for center, most, slope, kind in discs:
                 off = change[j, :2] - center
                 size = math.hypot(*off)
-                if size > most + worst and size > 0.0:
+                if size > most + OUTSIDE:
                     weights = np.zeros(len(step))
                     weights[3 * j : 3 * j + 2] = -off / size
                     weights[3 * j + 2] = slope
                     low = -(most - slope * change[j, 2]) - float(off @ center) / size
-                    worst, found = size - most, Row(weights * moves.scale, low, kind, j, -1)
+                    found.append(Row(weights * self._scale, low, kind, j, -1))
         return found
 
     def _within(self, start: Floats, step: Floats, limits: "RateLimits", dt: float) -> Floats:
@@ -364,7 +424,7 @@ class LoadedTick:
             low = float(at_rest[OF_PROOF + i * SEEN_WIDTH + LOW])
             answer[column] = low if clear else -math.inf
         if goals and rest.states is not None:
-            left, off, turn = errors_of(rest, goals, self._robot.mean_length)
+            left, off, turn = self._errors(rest, goals)
             answer[[t.MERIT, t.POSITION_ERROR, t.ANGLE_ERROR]] = float(left @ left), off, turn
 
 

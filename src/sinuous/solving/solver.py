@@ -18,8 +18,7 @@ from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
@@ -182,6 +181,7 @@ class Solver:
         within : Changes, optional
             `Rates(...) * dt`: nothing moves farther than that from `initial`, and the motion from there, linear in q,
             is proved clear. What is nearest to the target then is the answer, `rate_bound` where rates leave it short.
+            Under load, where nothing bounds the body on the way and it is only clear at samples, it is `unproved`.
         time : float, optional
             Budget of this solve in seconds, instead of that of the solver.
 
@@ -210,7 +210,7 @@ class Solver:
             reference = given[0]
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
         if within is not None:
-            return self._solve_within(problem, given, within, budget)
+            return self._solve_within(problem, given, within, budget[3])
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
         starts = given
@@ -232,11 +232,11 @@ class Solver:
         self, load: UnderLoad, target: Targets, initial: Initial | None, within: Changes | None, time: Number | None
     ) -> Solution:
         """Correct solutions of the robot without load, one after the other."""
-        if within is not None:
-            raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
         given = self._given(initial)
         problem = self._prepared_problem(target)
+        if within is not None:
+            return self._solve_within(problem, given, within, seconds)
         starts = self._starts_under_load(problem, given, seconds)
         outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
@@ -280,13 +280,12 @@ class Solver:
         own = self._resolver, given
         return [Solution(problem, outcome, outcome.seconds, *own, named) for outcome, named in several.best()]
 
-    def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
-        if not isinstance(within, Changes):
-            raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
+    def _solve_within(self, problem: Problem, given: Floats, within: Changes, seconds: float) -> Solution:
+        checks.instance("within", within, Changes, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
         began = work_time()
-        outcome = self._control.within(problem, given[0], within, budget[3])
+        outcome = self._control.within(problem, given[0], within, seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given, within=within)
 
     def loaded(
@@ -515,8 +514,7 @@ class Solver:
         """
         limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
         seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
-        own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
-        return own
+        return self._control.step(q, twist, dt, target=target, **limits, **seen)
 
     def __repr__(self) -> str:
         parts = f"{len(self.robot)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"
@@ -725,8 +723,7 @@ def _beyond_reach(solver: Solver) -> Target:
 
 def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:
     """Check what a solver is made of, and warn of what looks wrong."""
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
     if chosen.memory is not None:

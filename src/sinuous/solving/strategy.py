@@ -19,7 +19,7 @@ for most.
 """
 
 from collections.abc import Callable, Collection, Iterator
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, Attempts
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
@@ -70,7 +71,7 @@ PRICE_FINE = 8
 PRICE_ALTERNATIVES = 20
 """Price of the search for routes that differ (helix)."""
 
-PRICE_LAST = 110
+PRICE_LAST = 64
 """Price of the last search, over many fine cells: for routes that differ (halls), and proofs that large rooms are
 closed."""
 
@@ -102,6 +103,12 @@ REMEMBERED_SEVERAL = 16
 PASSAGES = -10
 """Price of routes through other passages, where several solutions are wanted: before everything else. A search after
 none was found with larger cells is dearer by 1 for each step."""
+
+OTHERS = 32
+"""Price of the first search for a route through other passages, where one solution is wanted (plates scan, nested)."""
+
+OTHERS_COST = 8
+"""Cost of each of them, screens and comparing included, and how much dearer each is than the one before."""
 
 PASSAGES_SEARCHES = 96
 """Most searches for routes through other passages."""
@@ -279,9 +286,18 @@ class RouteAttempts:
         self._plans = plans_of(searches)
         self._candidates = Candidates(searches, question, query, attempts.without)
         self._passes = 0
-        if passages is not None:
-            self._add_passage(passages(question, query), frozenset(), 0)
+        self._make_passages = passages
+        if passages is not None or not question.several:
+            self._add_passage(frozenset(), 0)
         self._add_first()
+
+    @cached_property
+    def _passages(self) -> Passages:
+        """The passages that routes lead through, once they are asked for."""
+        if self._make_passages is not None:
+            return self._make_passages(self._question, self._candidates.query)
+        curves = Curves(self._searches.robot, self._question.problem.scene, self._question.deadline)
+        return Passages(self._searches, curves, self._question, self._candidates.query, solved=lambda curve: False)
 
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
@@ -295,15 +311,15 @@ class RouteAttempts:
             self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
         self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
 
-    def _add_passage(
-        self, passages: Passages, closed: frozenset[int], step: int, again: bool = False, later: bool = False
-    ) -> None:
+    def _add_passage(self, closed: frozenset[int], step: int, again: bool = False, later: bool = False) -> None:
         """Add a search for a route while some passages are closed; `later`: there probably is none."""
         if step < len(self._searches.single_plans):
-            make = partial(self._pass, passages, closed, step, again)
-            self._attempts.add("passages", PASSAGES + (1 + step if later else 0), make, cost=0)
+            several = self._question.several
+            price = (PASSAGES if several else OTHERS + OTHERS_COST * self._passes) + (1 + step if later else 0)
+            make = partial(self._pass, closed, step, again)
+            self._attempts.add("passages", price, make, cost=0 if several else OTHERS_COST)
 
-    def _pass(self, passages: Passages, closed: frozenset[int], step: int, again: bool) -> Iterator[Batch]:
+    def _pass(self, closed: frozenset[int], step: int, again: bool) -> Iterator[Batch]:
         """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
 
         `again`: a route was found so already, but no solution along it, so several that differ are searched for.
@@ -311,17 +327,20 @@ class RouteAttempts:
         if self._passes >= PASSAGES_SEARCHES:
             return
         self._passes += 1
-        plan = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1)
+        plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages
         routes, cells = passages.routes(closed, plan)
         yield along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
         if not routes:
-            self._add_passage(passages, closed, step + 1, again, later=True)
+            self._add_passage(closed, step + 1, again, later=True)
             return
-        failed = yield from passages.starts(routes)
-        if failed:
-            self._add_passage(passages, closed, step + again, again=True)
+        if self._question.several:
+            failed = yield from passages.starts(routes)
+            if failed:
+                self._add_passage(closed, step + again, again=True)
+        elif passages.differs(routes[0]):
+            self._add_routes(routes, finest=False)
         for more in passages.closing(closed, routes[0]):
-            self._add_passage(passages, more, 0)
+            self._add_passage(more, 0)
 
     def _scattered_first(self) -> Iterator[Batch]:
         """Scattered starts, where looking for a route takes longer."""

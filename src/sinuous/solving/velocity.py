@@ -13,12 +13,13 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARGET_WIDTH, Outcome
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARGET_WIDTH, UNPROVED, Outcome
 from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import POSE, POSITION, TARGETS
 from sinuous.problem.problem import Problem, settings_group
-from sinuous.problem.target import Target, Targets, Tolerance, target_list, target_table
+from sinuous.problem.target import Target, Targets, Tolerance, meets, target_list, target_table
 from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
@@ -26,8 +27,10 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.observed import GAIN, corrected, observe
 from sinuous.solution.solution import Solution
 from sinuous.solution.step import Step, Wanted
-from sinuous.solving.loaded_tick import LoadedTick
+from sinuous.solving.loaded_tick import NO_BODY, LoadedTick
 from sinuous.solving.options import SolveOptions
+from sinuous.solving.under_load import given
+from sinuous.statics.rest import Rest, tensions_kept
 
 ROUNDS = 30
 """Most Newton steps of a solve within changes."""
@@ -206,8 +209,7 @@ class ControlLoop:
                 targets = tuple(corrected(self._robot, each, observed) for each in targets)
             kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
         wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
-        if rates is not None and not isinstance(rates, Rates):
-            raise InputError("rates", "", rates, "Rates")
+        checks.instance("rates", rates, Rates | None, "Rates")
         limits = self._limits_of(rates)
         before = None if velocity is None else _numbers("velocity", velocity, shape)
         if limits.accelerates and before is None:
@@ -215,10 +217,7 @@ class ControlLoop:
         scene = self._scene.snapshot()
         asked = Asked(kind, motion, rows, 1, self._beyond(wish), self._time)
         moved = before if limits.accelerates else None
-        if self._group is None:
-            answer = self._loaded(scene)(asked, targets, own, limits, seconds, moved, a.most_constraints(len(own)))
-        else:
-            answer = self._tick(scene, asked, own, limits, seconds, moved)
+        answer = self._answer(scene, asked, targets, own, limits, seconds, moved)
         wanted = Wanted(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
         return Step(wanted, own, answer, observed)
 
@@ -226,20 +225,23 @@ class ControlLoop:
         """What makes the ticks of this thread for a robot under load; that of the last scene is kept."""
         kept: LoadedTick | None = getattr(self._local, "loaded", None)
         if kept is None or kept.scene is not scene:
-            kept = self._local.loaded = LoadedTick(self._robot, scene)
+            kept = self._local.loaded = LoadedTick(self._robot, scene, self._tolerance)
         return kept
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
         asked = Asked(TARGETS, STILL, problem._rows, ROUNDS, self._beyond(self._wish), seconds)
-        answer = self._tick(problem.scene, asked, initial, self._limits_of(changes), 1.0, None)
+        limits = self._limits_of(changes)
+        answer = self._answer(problem.scene, asked, problem.targets, initial, limits, 1.0, None)
+        if answer[t.START] == NO_BODY:
+            return given(initial)
         q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
         off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
         first = t.SHAPE + initial.size + 1
         kinds = answer[first : first + t.ACTIVE_WIDTH * int(answer[t.ACTIVE]) : t.ACTIVE_WIDTH]
-        met, code = _met(problem.tolerance, off, turn), FAILED
-        if met and answer[t.PROVED] and min(clearance, own) > 0.0 and not self._robot.violations(q):
-            code = SOLVED
+        met, code = meets(problem.tolerance, off, turn), FAILED
+        if met and min(clearance, own) > 0.0 and self._holds(q) and answer[t.START] == CLEAR:
+            code = SOLVED if answer[t.PROVED] else UNPROVED
         elif answer[t.ROUNDS] == 0:
             code = LATE
         elif answer[t.PROVED] and bool(((kinds >= a.LENGTH_RATE) & (kinds < a.ACCELERATION)).any()):
@@ -259,6 +261,27 @@ class ControlLoop:
         if kept.most is not most:
             kept = self._limits = RateLimits(self._robot, most)
         return kept
+
+    def _holds(self, q: Floats) -> bool:
+        """Whether all limits are kept, under load also those of tensions."""
+        robot = self._robot
+        return not robot.violations(q) and (not robot.hangs or tensions_kept(robot, Rest(robot, q).pulls))
+
+    def _answer(
+        self,
+        scene: Snapshot,
+        asked: Asked,
+        targets: tuple[Target, ...],
+        initial: Floats,
+        limits: RateLimits,
+        dt: float,
+        velocity: Floats | None,
+    ) -> Floats:
+        """Make a tick, of the loaded body where there is one; see `_tick`."""
+        if self._group is None:
+            room = a.most_constraints(len(initial))
+            return self._loaded(scene)(asked, targets, initial, limits, dt, velocity, room)
+        return self._tick(scene, asked, initial, limits, dt, velocity)
 
     def _tick(
         self, scene: Snapshot, asked: Asked, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
@@ -302,12 +325,6 @@ def _numbers(key: str, value: Any, shape: tuple[int, int]) -> Floats:
         if math.isfinite(given.sum()):
             return given
     return checks.array(key, value, shape).copy()
-
-
-def _met(tolerance: Tolerance, off: float, turn: float) -> bool:
-    assert tolerance.position is not None
-    assert tolerance.angle is not None
-    return off <= tolerance.position and turn <= tolerance.angle
 
 
 def read_twist(twist: Any, dt: float) -> tuple[int, tuple[float, ...]]:

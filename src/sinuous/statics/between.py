@@ -8,6 +8,9 @@ gradient `r(y; s)` of the energy. In the norm `|u|^2 = sum m_j u_j^2`, m the sti
   `R <= c rho`, there is exactly one root in that ball at every s (Kantorovich; monotone operators), and it is within
   `R / c`. As the roots go on steadily, they are the equilibria that the body passes through.
 
+A drive on a parabola leaves the straight line, and takes the state without load with it: `x(s)` and `q(s)` are moved
+aside together, and R and c hold as far aside as they come.
+
 c is the least eigenvalue half-way, less what third derivatives can change. All of them are bounded by one rule: a
 tangent of the body is a product of rotations, whose m-th derivative along `u` is at most `A^m`, A the sum of the angles
 of u up to there. A line that follows the arcs pulls with a convex energy, where nothing twists, however taut it is.
@@ -65,6 +68,40 @@ def bounded(robot: Robot) -> bool:
     return not own.lines.straight.any() and not (through & twists).any()
 
 
+def bounded_aside(robot: Robot) -> bool:
+    """Whether it can also be bounded where the drive leaves the straight line: nothing stretches lines by itself."""
+    return robot.drive.elastic is None and bounded(robot)
+
+
+class Bows(NamedTuple):
+    """How far the drive takes arcs (N,) aside of the straight way, at most.
+
+    Attributes
+    ----------
+    bend, length : ndarray
+        Sizes, rad and lengths.
+    growth : ndarray
+        The latter, relative to the least length there.
+    """
+
+    bend: Floats
+    length: Floats
+    growth: Floats
+
+
+class Weights(NamedTuple):
+    """Weights (N,) that the directions of arcs carry, at most, and how much these change, on the way and aside of it.
+
+    Attributes
+    ----------
+    beyond, change, aside : ndarray
+    """
+
+    beyond: Floats
+    change: Floats
+    aside: Floats
+
+
 class Leave(NamedTuple):
     """By how much a body leaves a way: any place of it, and how far its end is turned (rad). Infinite: not bounded."""
 
@@ -75,20 +112,24 @@ class Leave(NamedTuple):
 UNBOUNDED = Leave(np.inf, np.inf)
 
 
-def leave(one: Rest, other: Rest) -> Leave:
+def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
     """How far the body leaves the way that is linear in `Rest.arcs`.
 
     Parameters
     ----------
     one, other : Rest
         Both in equilibrium, of one robot.
+    bow : ndarray (n, 3), optional
+        How far a drive on a parabola leaves the straight line between both, at most: every bend (rad) and length.
+        Tendons that stretch are not bounded then: their stretch is not linear in the drive.
     """
-    if one is other:
+    if one is other and bow is None:
         return Leave(0.0, 0.0)
-    if not bounded(one.robot):
+    if not (bounded(one.robot) if bow is None else bounded_aside(one.robot)):
         return UNBOUNDED
-    ends = _ends(one, other)
-    stiff, heavy = _weight_beyond(one, other), _offsets(one, other)
+    bows = _bows(one, other, np.zeros_like(one.q) if bow is None else bow)
+    ends = _widened(_ends(one, other), bows)
+    weights, heavy = _weight_beyond(one, other, bows), _offsets(one, other)
     share = np.sqrt(np.cumsum(ends.soft[:, 0] + ends.soft[:, 1]))  # sum of angles up to an arc <= share |u|
     long = np.sqrt(ends.soft[:, 2])  # change of a length <= long |u|
     way = Way(one, other)
@@ -96,18 +137,19 @@ def leave(one: Rest, other: Rest) -> Leave:
     gradients = [gradient, *(way.look(i / PARTS)[1] for i in range(1, PARTS) if 2 * i != PARTS)]
     sizes = ends.soft[:, [0, 0, 1, 2]]
     seen = max(float(np.sqrt((sizes * each**2).sum())) for each in gradients)
-    more = (_elastic(ends) + _pull(ends, stiff, heavy, share, long)) / (8.0 * PARTS**2)
-    left = seen + more + _slackening(one, other, ends)
+    more = (_elastic(ends) + _pull(ends, weights, heavy, share, long)) / (8.0 * PARTS**2)
+    left = seen + more + _slackening(one, other, ends) + _aside(ends, bows, weights, heavy, share, long)
     least = _least_eigenvalue(middle, softness)
     if not least > 0.0:
         return UNBOUNDED
-    turns = np.cumsum(_unrolled(ends))
+    bent = np.cumsum(bows.bend)
+    turns = np.cumsum(_unrolled(ends)) + bent
     for growth in GROWTH:
         radius = growth * left / least
-        sure = _sure(ends, least, radius, (stiff, heavy, share, long))
+        sure = _sure(ends, least, radius, (weights, heavy, share, long))
         if left <= sure * radius:
             off = left / sure
-            aside = off * ((ends.length + long * off) * share + long).sum() + (ends.length * turns).sum()
+            aside = off * ((ends.length + long * off) * share + long).sum() + (ends.length * turns + bows.length).sum()
             return Leave(float(aside), float(off * share[-1] + turns[-1]))
     return UNBOUNDED
 
@@ -135,16 +177,39 @@ def _ends(one: Rest, other: Rest) -> Ends:
     )
 
 
-def _weight_beyond(one: Rest, other: Rest) -> tuple[Floats, Floats]:
-    """Weight (N,) that the direction of every arc carries, at most, and how much that changes on the way."""
-    both = []
+def _bows(one: Rest, other: Rest, bow: Floats) -> Bows:
+    own = body_of(one.robot)
+    bend, length = np.hypot(bow[:, 0], bow[:, 1]) / own.counts, np.abs(bow[:, 2]) / own.counts
+    least = np.minimum(one.q[:, 2], other.q[:, 2]) / own.counts - length
+    growth = np.where(length > 0.0, length / np.maximum(least, 1e-300), 0.0)
+    return Bows(bend[own.owners], length[own.owners], growth[own.owners])
+
+
+def _widened(ends: Ends, bows: Bows) -> Ends:
+    """The same of ways that are so far aside, either way."""
+    bend, length, growth = bows
+    return ends._replace(
+        bend=ends.bend + bend,
+        rest=ends.rest + bend,
+        length=ends.length + length,
+        bend_change=ends.bend_change + 2.0 * bend,
+        rest_change=ends.rest_change + 2.0 * bend,
+        length_change=ends.length_change + 2.0 * length,
+        soft=ends.soft * (1.0 + growth)[:, None],
+        growth=ends.growth + 2.0 * growth * (1.0 + ends.growth),
+    )
+
+
+def _weight_beyond(one: Rest, other: Rest, bows: Bows) -> Weights:
+    both, aside = [], np.zeros(len(one.tables.arcs))
     for each in (one, other):
         own = np.linalg.norm(each.tables.arcs[:, t.WEIGHT :], axis=1)
+        aside = np.maximum(aside, np.cumsum((own * bows.growth)[::-1])[::-1])
         carried = np.zeros(len(own))
         loads = each.tables.loads
         np.add.at(carried, loads[:, t.LOAD_ARC].astype(int), np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1))
         both.append(np.cumsum((own + carried)[::-1])[::-1])
-    return np.maximum(*both), np.abs(both[1] - both[0])
+    return Weights(np.maximum(*both) + aside, np.abs(both[1] - both[0]) + 2.0 * aside, aside)
 
 
 def _offsets(one: Rest, other: Rest) -> Floats:
@@ -180,9 +245,9 @@ def _elastic(ends: Ends) -> float:
     return float(np.sqrt((soft * np.stack([bend, turn, pull], axis=1) ** 2).sum()))
 
 
-def _pull(ends: Ends, weights: tuple[Floats, Floats], offsets: Floats, share: Floats, long: Floats) -> float:
+def _pull(ends: Ends, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
     """The same of weights and payloads."""
-    beyond, change = weights
+    beyond, change, _ = weights
     A, dl = _angles(ends), ends.length_change
     once = ends.length * A * share + dl * share + A * long
     twice = ends.length * A**2 * share + 2.0 * dl * A * share + A**2 * long
@@ -193,6 +258,22 @@ def _angles(ends: Ends) -> Floats:
     """Sum of the angles by which the body changes, up to the end of every arc (N,)."""
     result: Floats = np.cumsum(ends.bend_change + ends.twist_change)
     return result
+
+
+def _aside(ends: Ends, bows: Bows, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
+    """By how much the gradient of the energy changes aside of the straight way, in the dual norm."""
+    b, dl, g = bows
+    v, c, soft = ends.bend, ends.rest, ends.soft
+    twists = soft[:, 1] > 0.0
+    stiff = (1.0 + ends.growth)[:, None] * np.divide(1.0, soft, out=np.zeros_like(soft), where=soft > 0.0)
+    bend = stiff[:, 0] * (2.0 * b + g * (v + c))
+    turn = 0.5 * stiff[:, 0] * (b * (v + c) + g * v * c) * twists + stiff[:, 1] * g * ends.twist
+    pull = stiff[:, 2] * g * ends.length
+    elastic = np.sqrt((soft * np.stack([bend, turn, pull], axis=1) ** 2).sum())
+    angles = np.cumsum(b)
+    moved = ends.length * angles * share + dl * share + angles * long
+    lighter = weights.aside * (ends.length * share + long)
+    return float(elastic + (weights.beyond * moved + lighter + offsets * angles * share).sum())
 
 
 def _slackening(one: Rest, other: Rest, ends: Ends) -> float:
@@ -228,14 +309,12 @@ def _least_eigenvalue(tables: Tables, softness: Floats) -> float:
     return 0.0 if values[0] <= 0.0 else min(1.0, 1.0 / float(values[-1]))
 
 
-def _sure(
-    ends: Ends, least: float, radius: float, of_weights: tuple[tuple[Floats, Floats], Floats, Floats, Floats]
-) -> float:
+def _sure(ends: Ends, least: float, radius: float, of_weights: tuple[Weights, Floats, Floats, Floats]) -> float:
     """Lower bound of the eigenvalues anywhere in the ball, at any time, in the norm of the softest stiffness.
 
     Half-way they are at `least`, and nothing is farther from there than half of the changes.
     """
-    (beyond, change), offsets, share, long = of_weights
+    (beyond, change, _), offsets, share, long = of_weights
     soft = ends.soft
     stiff = (1.0 + ends.growth) * np.divide(1.0, soft[:, 0], out=np.zeros(len(soft)), where=soft[:, 0] > 0.0)
     ends, change = _half(ends), 0.5 * change

@@ -199,8 +199,9 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
     """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad)."""
     owners = body_of(robot).owners
     alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
+    most = [2.0 * np.pi if each.max_bend > 0.0 or each.stiffness is not None else 0.0 for each in robot.segments]
     segments = [
-        robot.segments[k].changed(length=float(length), max_bend=2.0 * np.pi, arcs=1, mass=0.0, **alone)
+        robot.segments[k].changed(length=float(length), max_bend=most[k], arcs=1, mass=0.0, **alone)
         for k, length in zip(owners, lengths, strict=True)
     ]
     away: Any = {

@@ -13,7 +13,7 @@ from sinuous.arguments import LoadParameter
 from sinuous.checks import Floats
 from sinuous.groups import TWIST, ByGroups, Column, read_names
 from sinuous.robot.loads import Force, Load
-from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.segment import Stiffness
 from sinuous.statics.body import body_of
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def _beside(found: "Equilibrium", question: Question) -> _State | None:
     return _State(near.states, twist, near.tensions)
 
 
-def _softest(robot: "Robot") -> float:
+def softest(robot: "Robot") -> float:
     """Moment that bends the softest segment by 1 rad."""
     lengths = np.array([0.5 * sum(segment.length) for segment in robot.segments])
     own: float = (body_of(robot).stiffness[:, 0] / lengths).min()
@@ -154,7 +154,7 @@ def _of_payload(question: Question) -> Iterator[Column]:
 def _of_each(
     question: Question, names: Sequence[str], loads: Sequence[Load], put: Callable[[tuple[Any, ...]], Question]
 ) -> Iterator[Column]:
-    robot, moment = question.robot, _softest(question.robot)
+    robot, moment = question.robot, softest(question.robot)
     force = moment / robot.mean_length
     gravity = 1.0 if robot.gravity is None else max(float(np.linalg.norm(robot.gravity)), 1e-12)
     for i, load in enumerate(loads):
@@ -229,7 +229,7 @@ def _of_drive(question: Question) -> Iterator[Column]:
         return
     names, arm = [each.name for each in robot.actuators], 0.05 * robot.mean_length
     gains = 1.0 if question.drive == "tensions" else float(np.abs(robot.drive.motors.gain).max(initial=1.0))
-    scale = _softest(robot) / arm if question.drive == "tensions" else arm * gains
+    scale = softest(robot) / arm if question.drive == "tensions" else arm * gains
     yield from _entries(names, values, scale, lambda other: question._replace(values=other))
 
 

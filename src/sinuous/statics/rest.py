@@ -1,9 +1,11 @@
 """A body at rest under load, as searches and proofs read it: quickly found from one beside it, without the noun."""
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import packing
 from sinuous.checks import Floats
@@ -82,6 +84,39 @@ class Rest:
         differentiate(base, own.sections, of_lines, q, arcs, loads, lines, slopes, x, tensions, buffer, columns, pulls)
         return columns
 
+    def answers(self, beside: Sequence[Tables], steps: Floats) -> Floats:
+        """How the states change with p parameters (p, N, 4): tables with so much (p,) more of each."""
+        from sinuous.kernels.statics.answers import answer  # noqa: PLC0415
+        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+        arcs, loads, lines, slopes, _, states, _ = self.tables
+        x, tensions = self.found
+        over = 1.0 / steps
+        rigid = np.isinf(arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TWIST_STIFFNESS, t.STRETCH_STIFFNESS]])
+        given = np.array([np.where(rigid, each.states - states, 0.0) for each in beside])
+        beside_arcs, beside_loads = np.array([each.arcs for each in beside]), np.array([each.loads for each in beside])
+        beside_lines = np.array([each.lines for each in beside])
+        columns, pulls = np.empty((len(over), *x.shape)), np.empty((len(over), len(lines)))
+        base, buffer = packing.pose_row(self.robot.base), np.empty(room_for(len(x), len(lines), slopes))
+        answer(
+            base,
+            arcs,
+            loads,
+            lines,
+            slopes,
+            x,
+            tensions,
+            beside_arcs,
+            beside_loads,
+            beside_lines,
+            given,
+            over,
+            buffer,
+            columns,
+            pulls,
+        )
+        return columns
+
     @property
     def pulls(self) -> Floats:
         """Tensions of all actuators (m,), NaN of what is no line through what gives."""
@@ -104,15 +139,12 @@ class Rest:
 
     @cached_property
     def arcs(self) -> Floats:
-        """Configuration (N, 3) of the body as a robot of arcs: bends turned so that none is twisted."""
-        assert self.states is not None
-        states, result = self.states, np.empty((len(self.states), 3))
-        turns = self.rolls - states[:, t.TWIST]
-        cosine, sine = np.cos(turns), np.sin(turns)
-        result[:, 0] = cosine * states[:, 0] - sine * states[:, 1]
-        result[:, 1] = sine * states[:, 0] + cosine * states[:, 1]
-        result[:, 2] = states[:, t.LENGTH]
-        return result
+        """Configuration (N, 3) of the body as a robot of arcs, see `unrolled`."""
+        return unrolled(self.found[0])
+
+    def beside(self, coordinates: NDArray[np.intp], steps: Floats) -> Floats:
+        """The same (c, N, 3) at drives of which one of the coordinates (c,) is a small step (c,) away: linear in it."""
+        return unrolled(self.found[0] + steps[:, None, None] * self.slopes[coordinates])
 
     @property
     def shown(self) -> Floats:
@@ -148,6 +180,18 @@ def lines_that_follow(robot: Robot, q: Floats) -> Floats:
     stretch = drive.stretch(q + steps.reshape(-1, *q.shape))
     follow = drive.jacobian + (stretch[1:] - stretch[0]).T / STEP
     return lengths_of_lines(own, drive.displacements(q) + stretch[0] - follow @ q.ravel(), follow)
+
+
+def unrolled(states: Floats) -> Floats:
+    """Bodies (..., N, 3) as robots of arcs, in states (..., N, 4): bends turned so that none is twisted."""
+    twists = states[..., t.TWIST]
+    turns = np.cumsum(twists, axis=-1) - twists
+    cosine, sine = np.cos(turns), np.sin(turns)
+    result = np.empty((*twists.shape, 3))
+    result[..., 0] = cosine * states[..., 0] - sine * states[..., 1]
+    result[..., 1] = sine * states[..., 0] + cosine * states[..., 1]
+    result[..., 2] = states[..., t.LENGTH]
+    return result
 
 
 class Way:
@@ -211,7 +255,8 @@ def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
     """The body of a robot and its shapes (T, N, 3) at drives (T, n, 3); the robot and `q` where nothing bends it."""
     if not robot.hangs:
         return robot, q
-    return longest_body(robot), np.array([Rest(robot, one).shown for one in q])
+    body = longest_body(robot)
+    return body, np.array([Rest(robot, one).shown for one in q]).reshape(-1, len(body), 3)
 
 
 def rolled(angle: float) -> Floats:

@@ -2,7 +2,7 @@
 
 import time as clock
 from pathlib import Path
-from typing import Any, NamedTuple, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -25,19 +24,8 @@ from sinuous.solving.solver import Solver
 from sinuous.statics.equilibrium import longest_body
 from sinuous.workspace.grid import Voxels, directions_of, reach_of
 from sinuous.workspace.reach import Reach
-from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
+from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, Work, neighbours_of
 from sinuous.workspace.verdicts import Codes, Verdict
-
-
-class ReachArguments(SolveArguments, total=False):
-    """Options of `reach` as keyword arguments."""
-
-    low: Vector | None
-    high: Vector | None
-    workers: Whole | None
-    progress: Truth
-    out: str | Path | None
-
 
 SAMPLES = 6
 """Points of a segment at which it is looked for the obstacle that a body runs into."""
@@ -46,23 +34,18 @@ BODIES_TOGETHER = 20_000
 """Bodies that are looked at in one step: it bounds memory."""
 
 
-class _Work(NamedTuple):
-    """What all parts of the work share."""
-
-    robot: Robot
-    scene: Snapshot
-    places: Floats
-    neighbours: NDArray[np.int64]
-    directions: Floats
-    calls: Calls
-
-
 def reach(
     robot: Robot,
     scene: SceneLike | None = None,
     spacing: Number | None = None,
     directions: Whole | Rows = 26,
-    **options: Unpack[ReachArguments],
+    *,
+    low: Vector | None = None,
+    high: Vector | None = None,
+    workers: Whole | None = None,
+    progress: Truth = False,
+    out: str | Path | None = None,
+    **options: Unpack[SolveArguments],
 ) -> Reach:
     """Map what a robot reaches: the share of directions that is solved and proved in each voxel, and why not more.
 
@@ -101,26 +84,20 @@ def reach(
         problem, grid or version.
     """
     began = clock.perf_counter()
-    refuse_unknown(options, ReachArguments, "spacing", "directions")
-    given: dict[str, Any] = {"max_starts": 1, "routes": False, **options}
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
-    workers = read_workers(given.pop("workers", None))
-    shown = checks.truth("progress", given.pop("progress", False))
-    out = given.pop("out", None)
-    out = None if out is None else Path(out)
-    voxels = Voxels.about(robot, spacing, given.pop("low", None), given.pop("high", None))
-    axes, place = directions_of(directions), as_scene(scene)
-    given = only_reading(given)
+    refuse_unknown(options, SolveArguments, "spacing", "directions", *(reach.__kwdefaults__ or ()))
+    checks.instance("robot", robot, Robot, "a Robot")
+    count, shown = read_workers(workers), checks.truth("progress", progress)
+    voxels, axes, place = Voxels.about(robot, spacing, low, high), directions_of(directions), as_scene(scene)
+    given = only_reading({"max_starts": 1, "routes": False, **options})
     free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
-    checkpoint = None if out is None else Checkpoint(out, _record(solver, voxels, axes), "this map")
+    checkpoint = None if out is None else Checkpoint(Path(out), _record(solver, voxels, axes), "this map")
     if checkpoint is not None:
         checkpoint.open()
-    calls = Calls(workers, checkpoint)
+    calls = Calls(count, checkpoint)
     with code_first():
         taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]
-    work = _Work(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
+    work = Work(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
     with code_first(), ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
         alone = _without_obstacles(work, free, bar)
         among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
@@ -166,16 +143,16 @@ def _within_reach(free: Solver, voxels: Voxels, calls: Calls) -> NDArray[np.bool
     return np.concatenate(near).reshape(voxels.shape)
 
 
-def _without_obstacles(work: _Work, free: Solver, bar: ProgressBar) -> Answers:
-    rounds = Rounds(free, work.places, work.neighbours, work.directions, work.calls)
+def _without_obstacles(work: Work, free: Solver, bar: ProgressBar) -> Answers:
+    rounds = Rounds(free, work)
     rounds.begin(np.arange(rounds.answers.codes.size), None, bar)
     rounds.from_neighbours()
     return rounds.answers
 
 
-def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: ProgressBar) -> tuple[Codes, NDArray[np.int16]]:
+def _among_obstacles(work: Work, solver: Solver, alone: Answers, bar: ProgressBar) -> tuple[Codes, NDArray[np.int16]]:
     """Verdicts (m, d), and the obstacle (m,) that takes most directions away, -1 where none does."""
-    rounds = Rounds(solver, work.places, work.neighbours, work.directions, work.calls)
+    rounds = Rounds(solver, work)
     codes = rounds.answers.codes
     free = alone.codes == Verdict.SOLVED
     rounds.begin(np.flatnonzero(free), alone.q.reshape(-1, *alone.q.shape[2:]), bar)
@@ -190,17 +167,16 @@ def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: ProgressB
     return codes, _blame(work, codes, alone)
 
 
-def _blocked_places(work: _Work, solver: Solver) -> NDArray[np.int64]:
+def _blocked_places(work: Work, solver: Solver) -> NDArray[np.int64]:
     """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
     near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.needed_radii))
     if not len(near):
         return near
     codes, _ = work.calls.solve(solver, positions=work.places[near])
-    blocked: NDArray[np.int64] = near[codes == Verdict.TARGET_BLOCKED]
-    return blocked
+    return near[codes == Verdict.TARGET_BLOCKED]
 
 
-def _blame(work: _Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
+def _blame(work: Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
     """Which obstacle takes most directions away from each place."""
     hit, taken = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
     at = np.concatenate([hit[0], taken[0]])

@@ -16,13 +16,13 @@ from sinuous.frozen import Frozen
 from sinuous.notebook import NotebookMixin
 from sinuous.workspace.grid import Voxels
 from sinuous.workspace.verdicts import Codes, Verdict
-from sinuous.writing.documents import written
+from sinuous.writing.archives import read_archive, write_archive
 
 Truths = NDArray[np.bool_]
 
 FORMAT = 2
 
-ARRAYS = "directions", "verdicts", "free", "obstacles", "base"
+ARRAYS, NUMBERS = ("directions", "verdicts", "free", "obstacles", "base"), ("farthest", "seconds")
 """What a file of a map holds under the name of the attribute."""
 
 
@@ -170,14 +170,10 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When the file cannot be written.
         """
-        own: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
-        grid: dict[str, Any] = {"first": self.voxels.first, "spacing": self.voxels.spacing}
-        words: dict[str, Any] = {
-            "names": np.array(self.names, np.str_),
-            "codes": np.array([code.name.lower() for code in Verdict]),
-        }
-        with written(file), Path(file).open("wb") as out:
-            np.savez_compressed(out, reach=FORMAT, farthest=self.farthest, seconds=self.seconds, **own, **grid, **words)
+        own = {name: getattr(self, name) for name in (*ARRAYS, *NUMBERS)}
+        words = {"names": np.array(self.names, np.str_), "codes": np.array([code.name.lower() for code in Verdict])}
+        grid = {"first": self.voxels.first, "spacing": self.voxels.spacing}
+        write_archive(file, compressed=True, reach=FORMAT, **own, **grid, **words)
 
     @classmethod
     def load(cls, file: str | Path) -> "Reach":
@@ -188,22 +184,10 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When it is no such file.
         """
-        try:
-            with np.load(file) as data:
-                if int(data["reach"]) != FORMAT:
-                    raise InputError("reach", "of another version", int(data["reach"]), str(FORMAT), str(file))
-                own = {name: data[name] for name in ARRAYS}
-                shape = own["verdicts"].shape[:3]
-                voxels = Voxels(data["first"], float(data["spacing"]), shape)
-                names = tuple(map(str, data["names"].tolist()))
-                numbers = {name: float(data[name]) for name in ("farthest", "seconds")}
-                return cls(voxels=voxels, names=names, **numbers, **own)
-        except OSError as error:
-            raise InputError("file", f"cannot be read: {error}", str(file), "a map of a workspace") from None
-        except (ValueError, KeyError, EOFError) as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError("file", str(error), str(file), "a map of a workspace") from None
+        with read_archive(file, "reach", (FORMAT,), "a map of a workspace") as data:
+            own = {name: data[name] for name in ARRAYS} | {name: float(data[name]) for name in NUMBERS}
+            voxels = Voxels(data["first"], float(data["spacing"]), own["verdicts"].shape[:3])
+            return cls(voxels=voxels, names=tuple(map(str, data["names"].tolist())), **own)
 
     def to_dict(self) -> dict[str, Any]:
         """Return its totals as plain values."""
@@ -245,8 +229,7 @@ class Reach(NotebookMixin, Frozen):
         return "\n".join(parts)
 
     def _share(self, codes: Codes) -> Floats:
-        share: Floats = (codes == Verdict.SOLVED).mean(axis=-1)
-        return share
+        return (codes == Verdict.SOLVED).mean(axis=-1)
 
     def _index(self, place: Floats) -> tuple[int, int, int]:
         x, y, z = np.rint((place - self.voxels.first) / self.voxels.spacing).astype(int).tolist()

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from sinuous.batch.checkpoint import Checkpoint
 from sinuous.checks import Floats
 from sinuous.progress import ProgressBar
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.solver import Solver
 from sinuous.workspace.verdicts import Codes, Verdict, verdicts_of
 
@@ -74,12 +76,13 @@ class Answers(NamedTuple):
     q: NDArray[np.float32]
 
 
-class Rounds:
-    """Solves all directions of places.
+class Work(NamedTuple):
+    """What is to be found out of a robot in a scene.
 
-    Parameters
+    Attributes
     ----------
-    solver : Solver
+    robot : Robot
+    scene : Snapshot
     places : ndarray (m, 3)
     neighbours : ndarray (m, 6)
         Numbers of the places beside each, -1 where there is none.
@@ -87,10 +90,20 @@ class Rounds:
     calls : Calls
     """
 
-    def __init__(self, solver: Solver, places: Floats, neighbours: Whole, directions: Floats, calls: Calls) -> None:
-        self._solver, self._places, self._directions = solver, places, directions
-        self._neighbours, self._calls = neighbours, calls
-        shape = len(places), len(directions)
+    robot: Robot
+    scene: Snapshot
+    places: Floats
+    neighbours: Whole
+    directions: Floats
+    calls: Calls
+
+
+class Rounds:
+    """Solves all directions of places by a solver."""
+
+    def __init__(self, solver: Solver, work: Work) -> None:
+        self._solver, self._work = solver, work
+        shape = len(work.places), len(work.directions)
         self.answers = Answers(
             np.full(shape, Verdict.NOT_FOUND, np.uint8), np.zeros((*shape, len(solver.robot), 3), np.float32)
         )
@@ -125,7 +138,7 @@ class Rounds:
         codes = self.answers.codes
         count = codes.shape[1]
         places, directions = np.nonzero((codes >= Verdict.OBSTACLE) & (tried < TRIES))
-        beside = self._neighbours[places]
+        beside = self._work.neighbours[places]
         solved = (beside >= 0) & (codes[beside, directions[:, None]] == Verdict.SOLVED)
         rank = np.cumsum(solved, axis=1) - 1
         wanted = solved & (rank == tried[places, directions][:, None])
@@ -134,10 +147,10 @@ class Rounds:
         return places[some] * count + directions[some], near * count + directions[some]
 
     def _solve(self, asked: Whole, initial: NDArray[np.float32] | None) -> None:
-        place, direction = np.divmod(asked, len(self._directions))
+        place, direction = np.divmod(asked, len(self._work.directions))
         given = None if initial is None else initial.astype(np.float64)
-        goals = {"positions": self._places[place], "directions": self._directions[direction], "initial": given}
-        codes, q = self._calls.solve(self._solver, **goals)
+        places, directions = self._work.places[place], self._work.directions[direction]
+        codes, q = self._work.calls.solve(self._solver, positions=places, directions=directions, initial=given)
         flat = self.answers.codes.ravel()
         better = (flat[asked] >= Verdict.OBSTACLE) & ((codes != Verdict.NOT_FOUND) | (flat[asked] > codes))
         flat[asked[better]] = codes[better]

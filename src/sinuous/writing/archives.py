@@ -11,8 +11,8 @@ from sinuous.errors import InputError
 from sinuous.writing.documents import written
 
 
-def write_archive(file: str | Path, **arrays: Any) -> None:
-    """Write arrays by their names: a file that was there stays until the new one is complete.
+def write_archive(file: str | Path, *, compressed: bool = False, **arrays: Any) -> None:
+    """Write arrays by their names, perhaps compressed: a file that was there stays until the new one is complete.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def write_archive(file: str | Path, **arrays: Any) -> None:
     with written(path):
         try:
             with draft.open("wb") as out:
-                np.savez(out, **arrays)
+                (np.savez_compressed if compressed else np.savez)(out, **arrays)
             draft.replace(path)
         finally:
             draft.unlink(missing_ok=True)

@@ -23,7 +23,6 @@ from sinuous.kernels.between.sweep import (
 )
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.clock import allow, begin
-from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import read_scene
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_robot
@@ -59,7 +58,7 @@ def prove(
 @pytest.mark.parametrize("slack", [1.0, SLACK])
 def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
     verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
-    for seed in range(75):
+    for seed in range(50):
         case = random_case(seed)
         (answer,) = prove(case, slack)
         clearance, gap = sampled_case(seed)
@@ -72,8 +71,8 @@ def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
         else:
             assert answer[UNTIL] < 1.0
             assert min(clearance, gap) < 0.02, seed
-    assert verdicts[CLEAR] > 25
-    assert verdicts[TOUCHING] > 7
+    assert verdicts[CLEAR] > 16
+    assert verdicts[TOUCHING] > 4
     assert verdicts[UNDECIDED] < 3
 
 
@@ -193,15 +192,22 @@ def test_spheres_are_proved_as_capsules_without_length_are() -> None:
     assert {CLEAR, TOUCHING} <= verdicts
 
 
-def test_meshes_and_clouds_are_no_different() -> None:
-    """The same box as a primitive, as triangles and as a cloud of points: what one proves, the others do not deny."""
-    rng = np.random.default_rng(5)
-    box = sn.Box((0.9, 0.0, 1.6), (0.3, 0.5, 0.4))
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * (0.15, 0.25, 0.2) + box.center
+BOX = sn.Box((0.9, 0.0, 1.6), (0.3, 0.5, 0.4))
+
+
+def box_otherwise(rng: np.random.Generator) -> tuple[Scene, Scene]:
+    """The box as triangles, and as a cloud of points."""
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * (0.15, 0.25, 0.2) + BOX.center
     faces = "013 032 467 475 045 051 237 276 026 064 157 173"
     triangles = [tuple(map(int, face)) for face in faces.split()]
-    points = rng.uniform(-1, 1, (4000, 3)) * (0.15, 0.25, 0.2) + box.center
-    others = Scene([sn.Mesh(corners, triangles)]), Scene([sn.PointCloud(points, 0.02)])
+    points = rng.uniform(-1, 1, (4000, 3)) * (0.15, 0.25, 0.2) + BOX.center
+    return Scene([sn.Mesh(corners, triangles)]), Scene([sn.PointCloud(points, 0.02)])
+
+
+def test_meshes_and_clouds_are_no_different() -> None:
+    """What is proved of the box as a primitive, the same as triangles and as a cloud of points do not deny."""
+    rng = np.random.default_rng(5)
+    others, box = box_otherwise(rng), BOX
     robot = sn.Robot.uniform(3, (0.8, 1.0), 2.0, radius=0.05)
     verdicts = []
     for _ in range(40):
@@ -215,6 +221,23 @@ def test_meshes_and_clouds_are_no_different() -> None:
             assert sampled(case)[0] > -0.03
         verdicts.append(one[VERDICT])
     assert {CLEAR, TOUCHING} == set(verdicts)
+
+
+def test_a_motion_that_is_clear_is_bounded_as_tightly_as_it_is_asked_for() -> None:
+    """A distance that is just as far as it was asked for is enough, whatever its last digit: also of meshes, clouds."""
+    rng = np.random.default_rng(5)
+    others = box_otherwise(rng)
+    robot = sn.Robot.uniform(3, (0.8, 1.0), 2.0, radius=0.05)
+    clear = 0
+    for i in range(60):
+        q0 = shape(robot, rng)
+        case = Case(robot, others[i % 2], q0, q0 + 0.3 * (shape(robot, rng) - q0))
+        if prove(case, 1.0)[0, VERDICT] == CLEAR:
+            clear += 1
+            (answer,) = prove(case)
+            assert answer[VERDICT] == CLEAR
+            assert answer[SEEN + LOW] >= (1.0 - 1e-6) * ((1.0 - SLACK) * answer[SEEN + LEAST] - 1e-6)
+    assert clear > 30
 
 
 def test_the_part_within_the_mount_may_touch_what_it_stands_in() -> None:
@@ -238,7 +261,7 @@ def test_the_proof_ends_by_its_deadline() -> None:
 def test_one_row_is_bounded_again_as_the_whole_proof_bounds_it(row: int) -> None:
     """From what a proof without a tight bound saw; the other row stays as it is."""
     bounded = tighter = 0
-    for seed in range(75):
+    for seed in range(50):
         case = random_case(seed)
         (loose,), (tight,) = prove(case, 1.0), prove(case)
         if loose[VERDICT] != CLEAR or tight[VERDICT] != CLEAR:
@@ -255,11 +278,10 @@ def test_one_row_is_bounded_again_as_the_whole_proof_bounds_it(row: int) -> None
             assert low >= (1.0 - SLACK) * min(known, least) - 1e-6, seed
         bounded += math.isfinite(low)
         tighter += bool(low > loose[SEEN + row * SEEN_WIDTH + LOW])
-    assert bounded > 15
-    assert tighter > 5 or row == 1
+    assert bounded > 10
+    assert tighter > 3 or row == 1
 
 
-@entry
 def bound_row(robot: Array, scene: Array, knots: Array, terms: Terms, workspace: Array, seen: Array, row: int) -> bool:
     """Bound a row of `seen` (2, 6) of the motion between two knots (2, n, 3) again."""
     own, around = read_robot(robot), read_scene(scene)

@@ -8,7 +8,7 @@ import pytest
 from sinuous.checks import Floats
 from sinuous.kernels.fields.candidates import LISTED, listed
 from sinuous.kernels.fields.candidates import span as span_of
-from sinuous.kernels.fields.distances import beside_chord
+from sinuous.kernels.fields.distances import beside
 from sinuous.kernels.fields.grids import grid_of
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
 from sinuous.scene.meshes.mesh import Mesh
@@ -16,7 +16,8 @@ from sinuous.scene.prepared import parts, sampling, trees
 from sinuous.scene.prepared.sampling import CELLS
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from tests.helpers import kernel_scene, random_pose, vec
+from tests.helpers import kernel_scene, random_pose, random_unit
+from tests.kernels.fields.patches import patch_of, points_of
 from tests.scene import shapes
 
 RNG = np.random.default_rng(0)
@@ -103,24 +104,28 @@ def test_lists_keep_within_the_memory_that_samples_have() -> None:
 
 @pytest.mark.parametrize("name", MESHES)
 @pytest.mark.parametrize("moved", [False, True])
-def test_what_is_beside_a_free_chord_is_no_nearer_than_its_bound(name: str, moved: bool) -> None:
+def test_what_is_beside_a_free_patch_is_no_nearer_than_its_bound(name: str, moved: bool) -> None:
     """And across the surface, where a body is proved to be clear, the bound of a short chord is nearly the truth."""
+    still = np.zeros(3)
     mesh = MESHES[name]
     pose = random_pose(RNG) if moved else np.eye(4)
     own = Scene([mesh.placed(pose) if moved else mesh])
     scene, snapshot = kernel_scene(own), own.snapshot()
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    centers = (low + (high - low) * RNG.random((800, 3))) @ pose[:3, :3].T + pose[:3, 3]
+    centers = (low + (high - low) * RNG.random((500, 3))) @ pose[:3, :3].T + pose[:3, 3]
     away, bounds, short = snapshot.distance(centers), [], []
     for center, d, g in zip(centers, away, snapshot.gradient(centers), strict=True):
-        chord = RNG.normal(size=3) * RNG.choice([0.01, 0.1, 1.0]) * max(d, 0.01)
+        sizes = RNG.choice([0.01, 0.1, 0.5]) * max(d, 0.01) * np.array([[1.0], [1.0], [0.1]])
+        chord, onward, twist = RNG.normal(size=(3, 3)) * sizes * RNG.choice([0.0, 1.0], (3, 1), p=[0.2, 0.8])
         aside = RNG.choice([0.0, 0.05]) * abs(d)
-        found = beside_chord(scene, 0, vec(center), vec(chord), aside)
-        line = center + np.linspace(-0.5, 0.5, 101)[:, None] * chord
+        found = beside(scene, 0, patch_of(center, chord, onward, twist), aside, math.inf)[0]
         if d > 0.0 and found > -math.inf:
-            assert found <= snapshot.distance(line).min() - aside + 1e-12
+            swept = points_of(center, chord, onward, twist)
+            assert found <= snapshot.distance(swept).min() - aside + 1e-12
             bounds.append(found)
-        across = 0.02 * d * np.cross(g, chord) / np.linalg.norm(np.cross(g, chord))
-        short.append(d <= 1e-3 or beside_chord(scene, 0, vec(center), vec(across), 0.0) > 0.998 * d)
-    assert len(bounds) > 60
+        across = 0.01 * d * np.cross(g, random_unit(RNG))
+        low, slope = beside(scene, 0, patch_of(center, across, still, still), 0.0, math.inf)
+        short.append(d <= 1e-3 or low > 0.998 * d)
+        assert d <= 1e-3 or low == -math.inf or abs(np.linalg.norm(slope) - 1.0) < 1e-9
+    assert len(bounds) > 35
     assert np.mean(short) > 0.9  # not where something else is as near, or a list is full

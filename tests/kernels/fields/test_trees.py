@@ -10,7 +10,8 @@ from sinuous.kernels.fields import trees
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.prepared.trees import with_planes
-from tests.helpers import Floats, vec
+from tests.helpers import Floats, random_unit, vec
+from tests.kernels.fields.patches import patch_of, points_of
 
 KINDS = (TRIANGLES, BALLS, CUBES)
 HALF = 0.15
@@ -86,6 +87,29 @@ def test_only_what_is_within_reach_is_found(kind: int) -> None:
                 assert lifted == trees.lift(reach)
             else:
                 assert trees.unlift(lifted) == pytest.approx(nearest, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("count", [1, 5, 200])
+def test_no_point_of_a_patch_is_nearer_than_its_bound(kind: int, count: int) -> None:
+    """And a patch across the gradient of one primitive is bounded by what its center says."""
+    rng = np.random.default_rng(count)
+    store, tree, items = planted(kind, draw(kind, count, rng))
+    for _ in range(100):
+        center = 1.5 * rng.normal(size=3)
+        d = float(each(kind, items, center).min())
+        own = rng.normal(size=(3, 3)) * rng.choice([0.0, 0.01, 0.3], (3, 1))
+        low, _ = trees.beside(store, tree, patch_of(center, *own), math.inf)
+        swept = points_of(center, *own)
+        assert low <= min(float(each(kind, items, p).min()) for p in swept) + 1e-12
+        assert trees.beside(store, tree, patch_of(center, *own), low - 0.1)[0] == low - 0.1
+        if d > 0.1:
+            still = np.zeros((3, 3))
+            low, g = trees.beside(store, tree, patch_of(center, *still), math.inf)
+            assert low == pytest.approx(d, abs=1e-12)
+            across = 0.3 * d * np.cross(g, random_unit(rng))
+            low, _ = trees.beside(store, tree, patch_of(center, across, *still[1:]), math.inf)
+            assert low == pytest.approx(d, rel=1e-9) if count == 1 else low > d - np.linalg.norm(across)
 
 
 def test_many_in_one_place_and_in_a_row() -> None:

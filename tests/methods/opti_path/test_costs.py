@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import costs as path_costs
-from sinuous.methods.opti_path.costs import Setting, Weights
-from sinuous.methods.opti_path.options import OptiPath, OrientationCost
+from sinuous.methods.opti_path import gradient as path_costs
+from sinuous.methods.opti_path.gradient import OrientationCost, Setting, Weights
+from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Aim, get_arc
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.obstacles import Sphere
@@ -32,7 +32,7 @@ def aim(directed: bool = True) -> Aim:
 
 
 def field() -> Potential:
-    return Potential(np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.2, REACH, 0.05)
+    return Potential(kernel_scene(SCENE), np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.2, REACH, 0.05)
 
 
 def c_of(p: Floats) -> float:
@@ -83,5 +83,5 @@ def test_an_arc_costs_what_the_paper_says(seed: int, orientation: OrientationCos
     for k in range(N):
         arc = get_arc(path.arcs, k)
         assert path_costs.shape_cost(own, WEIGHTS, aim(), path, k, arc) == pytest.approx(shapes[k], abs=1e-9)
-        body = path_costs.body_cost(kernel_scene(SCENE), field(), own, WEIGHTS, path, k, vec(points[k]), arc)
+        body = path_costs.body_cost(field(), own, WEIGHTS, path, k, vec(points[k]), arc)
         assert body == pytest.approx(bodies[k], abs=1e-9)

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import gradient as path_gradient
-from sinuous.methods.opti_path.costs import Setting, Weights
+from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Path
-from tests.helpers import Floats, kernel_scene
+from tests.helpers import Floats
 from tests.kernels.workspace import make_clock
-from tests.methods.opti_path.test_costs import SCENE, WEIGHTS, aim, arc_costs, c_of, field, setting
+from tests.methods.opti_path.test_costs import WEIGHTS, aim, arc_costs, c_of, field, setting
 from tests.methods.opti_path.test_path import N, make_path, wavy
 
 
 def gradient(path: Path, chosen: Setting, backwards: bool, obstacles: bool = True) -> tuple[Floats, Floats]:
     compute = path_gradient.gradient_backwards if backwards else path_gradient.gradient_by_differences
-    compute(kernel_scene(SCENE), field(), chosen, WEIGHTS, aim(), path, obstacles, make_clock())
+    compute(field(), chosen, WEIGHTS, aim(), path, obstacles, make_clock())
     return path.update[1:-1].copy(), path.avoid[1:-1].copy()
 
 
@@ -100,7 +100,7 @@ def test_a_dead_band_costs_nothing_within() -> None:
     for band, free in ((0.0, False), (0.4, False), (0.8, True)):
         path = make_path(points, band)
         path_gradient.gradient_backwards(
-            kernel_scene(SCENE), field(), setting(), Weights(1.0, 0.0, 0.0, 0.0), aim(False), path, False, make_clock()
+            field(), setting(), Weights(1.0, 0.0, 0.0, 0.0), aim(False), path, False, make_clock()
         )
         assert (np.abs(path.update[1:-1]).max() < 1e-9) == free
 

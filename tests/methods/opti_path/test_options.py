@@ -10,10 +10,9 @@ from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_conf
 from sinuous import methods
 from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
+from sinuous.methods.opti_path import search as path_steps
 from sinuous.methods.opti_path import starts as path_starts
-from sinuous.methods.opti_path import steps as path_steps
-from sinuous.methods.opti_path.costs import Setting, Weights
-from sinuous.methods.opti_path.options import Exponent, PotentialKind
+from sinuous.methods.opti_path.gradient import Exponent, PotentialKind, Setting, Weights
 from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.scene import Scene
@@ -78,15 +77,13 @@ def lengths_after(target: sn.Target, iterations: int, exponent: Exponent) -> Flo
     assert target.direction is not None
     aim = Aim(vec(target.position), vec(target.direction), True, 57.5)
     path_starts.single(robot.limits.copy(), setting, aim, path)
-    nothing = Potential(np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 0.0)
+    nothing = Potential(kernel_scene(Scene()), np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 0.0)
     seen = []
     for _ in range(iterations):
         paths.trace(path)
         seen.append(path.arcs[:, 14].max())
         weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
-        path_gradient.gradient_backwards(
-            kernel_scene(Scene()), nothing, setting, weights, aim, path, False, make_clock()
-        )
+        path_gradient.gradient_backwards(nothing, setting, weights, aim, path, False, make_clock())
         path_steps.move(setting, path, 57.5)
     return np.array(seen)
 

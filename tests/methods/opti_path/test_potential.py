@@ -29,10 +29,10 @@ def grid(scene: Scene, spacing: float, radius: float, nodes: int, extent: float 
     return sampled[8:].reshape(nodes, nodes, nodes), place
 
 
-def made(values: Floats, place: Floats) -> potential.Potential:
+def made(values: Floats, place: Floats, scene: Scene = SCENE) -> potential.Potential:
     """As `read_potential` does it; no kernel can return an array."""
     x, y, z, spacing, radius = place[0].tolist()
-    return potential.Potential(values, (x, y, z), spacing, SLOPE, REACH, radius)
+    return potential.Potential(kernel_scene(scene), values, (x, y, z), spacing, SLOPE, REACH, radius)
 
 
 def test_the_potential_is_the_papers_and_its_slope_is_continuous() -> None:
@@ -49,9 +49,8 @@ def test_the_exact_potential_is_that_of_the_distance_of_the_surface() -> None:
     rng = np.random.default_rng(0)
     place = np.array([[0.0, 0.0, 0.0, 1.0, 0.05]])
     exact = made(np.empty((0, 0, 0)), place)
-    table = kernel_scene(SCENE)
     for p in rng.uniform(-1.2, 1.2, (200, 3)):
-        value, gradient = potential.exact(table, exact, vec(p))
+        value, gradient = potential.exact(exact, vec(p))
         assert value == pytest.approx(literal(float(SCENE.distance(p)) - 0.05), abs=1e-12)
         slope = [
             (literal(float(SCENE.distance(p + s)) - 0.05) - literal(float(SCENE.distance(p - s)) - 0.05)) / 2e-6
@@ -108,7 +107,7 @@ def test_there_is_nothing_outside_the_grid() -> None:
 
 def test_without_a_grid_the_obstacles_are_asked() -> None:
     values, place = grid(SCENE, 0.05, 0.0, 51)
-    table, p = kernel_scene(SCENE), (0.15, 0.1, 0.22)
-    exact = potential.potential_at(table, made(np.empty((0, 0, 0)), place), p)
-    assert exact == potential.exact(table, made(values, place), p)
-    assert potential.potential_at(table, made(values, place), p) == potential.interpolated(made(values, place), p)
+    p = (0.15, 0.1, 0.22)
+    exact = potential.potential_at(made(np.empty((0, 0, 0)), place), p)
+    assert exact == potential.exact(made(values, place), p)
+    assert potential.potential_at(made(values, place), p) == potential.interpolated(made(values, place), p)

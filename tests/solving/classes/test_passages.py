@@ -26,7 +26,7 @@ def explored(
 ) -> list[Batch]:
     scene, tolerance = Scene(obstacles), Tolerance().for_robot(ROBOT)
     problem = Problem(ROBOT, target, scene, tolerance)
-    question = Question(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds)
+    question = Question(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds, several=True)
     searches, curves = Searches(ROBOT, scene, tolerance), Curves(ROBOT, scene.snapshot())
     make = partial(Passages, searches, curves, solved=solved)
     without = set(ATTEMPTS) - {"passages"}
@@ -108,3 +108,12 @@ def test_passages_of_new_routes_come_before_finer_cells(monkeypatch: pytest.Monk
     assert [cell for closed, cell in asked if closed <= 1][:2] == [first, first]
     later = [cell for _, cell in asked]
     assert later.index(min(later)) > sum(cell == first for cell in later) // 2
+
+
+def test_one_solution_is_looked_for_along_one_route_of_each_class() -> None:
+    scene, tolerance = Scene(pillar()), Tolerance().for_robot(ROBOT)
+    question = Question(Problem(ROBOT, TARGET, scene, tolerance), np.empty((0, len(ROBOT), 3)), lambda: 60.0)
+    without = set(ATTEMPTS) - {"passages", "laid"}
+    attempts = attempts_of(question, Scattered(3, 3), Searches(ROBOT, scene, tolerance), without=without)
+    left, right = sorted(crossed(list(attempts.batches()), 150.0))
+    assert left < 0.0 < right

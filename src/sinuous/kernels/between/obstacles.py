@@ -3,8 +3,9 @@
 All places of a piece of the segment, at all times of the interval, are near the middle of four corners: the two ends of
 the piece at the two ends of the interval. Distances change by no more than one moves. Where an obstacle is a convex
 primitive, its distance is a convex function: no less than its tangent at the middle says, at the corner where that is
-least. Where the body must stay inside one, the distance is concave, and so it is least at a corner. What cannot be
-decided is halved: the piece of the segment, or, where motion is what leaves it open, the interval of time.
+least. So is that to each triangle of a mesh and each ball of a cloud. Where the body must stay inside a primitive, the
+distance is concave, and so it is least at a corner. What cannot be decided is halved: the piece of the segment, or,
+where motion is what leaves it open, the interval of time.
 """
 
 import math
@@ -19,7 +20,8 @@ from sinuous.kernels.chain.kinematics import body_point, place_on
 from sinuous.kernels.chain.rates import bow
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, look, price_of, slope
+from sinuous.kernels.fields.distances import Scene, beside, look, price_of, slope
+from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING, ROUNDOFF, SIGN, SPHERE, TREE
@@ -139,10 +141,29 @@ def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> Corners:
 
 
 @kernel
-def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece) -> tuple[float, float, float]:
-    """Lower bound of the distance of a piece to a primitive, from its corners; what place and time leave open of it."""
+def _sagging(piece: Piece) -> float:
+    """How far the body is from the chord of a piece, at most; infinite where it is bent by more than half a turn."""
+    return sag(2.0 * piece.half, piece.bend) if piece.bend <= math.pi else math.inf
+
+
+@kernel
+def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece, reach: float) -> tuple[float, float, float]:
+    """Lower bound of the distance of a piece to an obstacle, from its corners; what place and time leave open of it.
+
+    What is not less than `reach` need not be exact.
+    """
     c0, c1, c2, c3 = corners
     center = scale(0.25, add(add(c0, c1), add(c2, c3)))
+    sagging = _sagging(piece)
+    if scene.table[i, KIND] >= TREE:
+        along, onward = sub(add(c1, c3), add(c0, c2)), sub(add(c2, c3), add(c0, c1))
+        twist = sub(add(c0, c3), add(c1, c2))
+        patch = Patch(center, scale(0.25, along), scale(0.25, onward), scale(0.25, twist))
+        low, g = beside(scene, i, patch, sagging, reach)
+        if low == -math.inf:
+            return low, piece.half, piece.reach - piece.half - piece.radius
+        aside = abs(dot(g, patch.onward)) + abs(dot(g, patch.twist))
+        return low - piece.lag, sagging + abs(dot(g, patch.along)), piece.lag + aside
     d, g = slope(scene, i, center, math.inf, EXACT)
     z = dot(g, center)
     g0, g1, g2, g3 = dot(g, c0) - z, dot(g, c1) - z, dot(g, c2) - z, dot(g, c3) - z
@@ -151,7 +172,6 @@ def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece) -> tuple[f
         d0, d1 = slope(scene, i, c0, math.inf, EXACT)[0], slope(scene, i, c1, math.inf, EXACT)[0]
         d2, d3 = slope(scene, i, c2, math.inf, EXACT)[0], slope(scene, i, c3, math.inf, EXACT)[0]
         low = min(d0, d1, d2, d3)
-    sagging = sag(2.0 * piece.half, piece.bend) if piece.bend <= math.pi else math.inf
     space = sagging + 0.5 * max(abs(g1 - g0), abs(g3 - g2))
     return low - sagging - piece.lag, space, piece.lag + 0.5 * max(abs(g2 - g0), abs(g3 - g1))
 
@@ -201,7 +221,7 @@ def _decide(
         if _far(sweep, i, piece, max(enough, seen[LEAST] + piece.radius - piece.lag)):
             continue
         drift = drift_of(sweep, i, interval.h, piece.center, piece.reach) + scene.table[i, ROUNDOFF]
-        enough = reach + drift + max(wanted(aim, seen), aim.rounding)
+        enough = reach + drift + wanted(aim, seen) + aim.rounding
         looks += price_of(scene, i)
         d, most = look_here(scene, i, piece.center, enough, BOUND)
         if d < enough and most - d > LOOSENESS * (piece.reach - piece.radius):
@@ -213,12 +233,15 @@ def _decide(
             if gap < 0.0:
                 return TOUCHING, piece.half, reach, looks
         low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
-        if scene.table[i, KIND] < TREE and not good_enough(low, aim, seen):
+        aside = piece.radius + aim.rounding + drift
+        primitive = scene.table[i, KIND] < TREE
+        likely = primitive or good_enough(d - aside - piece.lag - _sagging(piece), aim, seen)
+        if likely and not good_enough(low, aim, seen):
             if not known:
                 known, corners = True, _corners_of(sweep, interval, piece)
-            by_corners, place, motion = _by_corners(scene, i, corners, piece)
-            low = max(low, by_corners - piece.radius - aim.rounding - drift)
-            looks += 2
+            by_corners, place, motion = _by_corners(scene, i, corners, piece, enough)
+            low = max(low, by_corners - aside)
+            looks += 2 * price_of(scene, i)
         if good_enough(low, aim, seen):
             seen[LOW] = min(seen[LOW], low)
             continue

@@ -9,7 +9,7 @@ where that bound is what keeps a piece from being decided.
 Close to a convex primitive that would take pieces as short as the clearance. Its distance is a convex function: on a
 chord it is no less than its tangent at the middle says at the worse end, and the piece is no farther from its chord
 than it sags. Both are of second order in h where the tangent is across the gradient, as it is at the closest place. The
-same is true of each triangle of a mesh.
+same is true of each triangle of a mesh, and of each ball of a cloud.
 """
 
 import math
@@ -19,7 +19,8 @@ from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, 
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel, shared
-from sinuous.kernels.fields.distances import Scene, beside_chord
+from sinuous.kernels.fields.distances import Scene, beside
+from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import RADIUS, ROUNDOFF
@@ -64,14 +65,14 @@ def _by_tangents(
 
     `middle`: the place in its middle; `ends`: those of its ends.
     """
-    center, chord = scale(0.5, add(ends[0], ends[1])), sub(ends[1], ends[0])
-    least = math.inf
+    nothing, least = (0.0, 0.0, 0.0), math.inf
+    patch = Patch(scale(0.5, add(ends[0], ends[1])), scale(0.5, sub(ends[1], ends[0])), nothing, nothing)
     for j in range(count):
         i, roundoff = among[j], scene.table[among[j], ROUNDOFF]
         d = look_here(scene, i, middle, least + half + roundoff, BOUND)[0] - roundoff
         low = d - half
         if low < least and d > 0.0:
-            low = max(low, beside_chord(scene, i, center, chord, sagging) - roundoff)
+            low = max(low, beside(scene, i, patch, sagging, least + roundoff)[0] - roundoff)
         least = min(least, low)
     return least
 

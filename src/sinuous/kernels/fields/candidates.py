@@ -11,9 +11,9 @@ import math
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import trees, triangles
 from sinuous.kernels.fields.grids import Grid, grid_of
-from sinuous.kernels.fields.primitives import FLAT
-from sinuous.kernels.fields.trees import Tree, tree_of, unlift
-from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, sub
+from sinuous.kernels.fields.primitives import Patch, patch_size
+from sinuous.kernels.fields.trees import Tree, item_beside, tree_of, unlift
+from sinuous.kernels.maths.vectors import Array, Vec, norm, sub
 from sinuous.kernels.tables import FIRST_CELL, NORMALS, TRIANGLE_SIZE
 
 CELL_SIZE, FIRST, NUMBER, DISTANCE = 3, 0, 1, 2
@@ -98,29 +98,30 @@ def closest(store: Array, tree: Tree, grid: Grid, cell: tuple[int, float], p: Ve
 
 
 @kernel
-def to_chord(store: Array, tree: Tree, grid: Grid, center: Vec, chord: Vec) -> float:
-    """Lower bound of the distance of a straight chord about `center` from the surface; -inf: none known.
+def beside(store: Array, tree: Tree, grid: Grid, patch: Patch) -> tuple[float, Vec]:
+    """Lower bound of the distance of a patch from the surface; -inf: none known.
 
-    The distance to one triangle is a convex function: on the chord no less than its tangent says at the worse end.
+    Also the gradient, at the center, of the distance to the triangle that decides.
     """
-    cell, far = cell_of(grid, center)
+    g = (0.0, 0.0, 1.0)
+    cell, far = cell_of(grid, patch.center)
     if cell < 0:
-        return -math.inf
+        return -math.inf, g
     first, number = grid.at + int(store[cell + FIRST]), int(store[cell + NUMBER])
     if number == 0:
-        return -math.inf
-    half, least, most = 0.5 * norm(chord), math.inf, span(grid)
+        return -math.inf, g
+    size, least, most = patch_size(patch), math.inf, span(grid)
     unlisted = listed(store[first], most)[1] + math.sqrt(3.0) * grid.spacing
     if number < 0:
         unlisted = min(unlisted, listed(store[first - number - 1], most)[1])
     for at in range(first, first + abs(number)):
         item, from_middle = listed(store[at], most)
-        if from_middle - far - half >= least:
-            return least
-        away, _ = triangles.offset(store, tree.items + TRIANGLE_SIZE * item, center)
-        d = norm(away)
-        least = min(least, d - (0.5 * abs(dot(away, chord)) / d if half < FLAT * d else half))
-    return min(least, unlisted - far - half)
+        if from_middle - far - size >= least:
+            return least, g
+        low, own = item_beside(store, tree, item, patch, size)
+        if low < least:
+            least, g = low, own
+    return min(least, unlisted - far - size), g
 
 
 @kernel

@@ -10,7 +10,7 @@ from typing import Any
 from sinuous.kernels.clock import TREE_LOOKS
 from sinuous.kernels.compile import apart, entry, kernel
 from sinuous.kernels.fields import primitives, solids
-from sinuous.kernels.fields.primitives import primitive
+from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, get_mat, get_vec, mat_vec, norm, sub, vec_mat
@@ -97,16 +97,21 @@ def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: fl
 
 
 @kernel
-def beside_chord(scene: Scene, i: int, center: Vec, chord: Vec, aside: float) -> float:
-    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a straight chord; -inf: none known.
+def beside(scene: Scene, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
+    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
 
-    `center` is the middle of the chord, which leads from end to end. One point of all that has to be known to be free.
+    One point of all that has to be known to be free. Also the gradient, at the center, of the distance to what decides.
+    What is not less than `reach` need not be exact.
     """
     if scene.table[i, KIND] < TREE:
-        return primitives.beside_chord(scene.table, i, center, chord, aside)
-    if scene.table[i, PLACED] != 0.0:
-        chord = vec_mat(chord, get_mat(scene.table, i, PLACE + POSE_ROTATION))
-    return solids.beside_chord(scene.table, scene.store, i, _own(scene, i, center), chord, aside)
+        return primitives.beside(scene.table, i, patch, aside)
+    if scene.table[i, PLACED] == 0.0:
+        return solids.beside(scene.table, scene.store, i, patch, aside, reach)
+    turn = get_mat(scene.table, i, PLACE + POSE_ROTATION)
+    along, onward, twist = vec_mat(patch.along, turn), vec_mat(patch.onward, turn), vec_mat(patch.twist, turn)
+    own = Patch(_own(scene, i, patch.center), along, onward, twist)
+    low, g = solids.beside(scene.table, scene.store, i, own, aside, reach)
+    return low, mat_vec(turn, g)
 
 
 @kernel

@@ -5,13 +5,18 @@ a kind of its own because it is so common.
 """
 
 import math
+from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, dot, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING, SIGN, SPHERE
 
 FLAT = 100.0
-"""Longest half of a chord, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
+"""Largest size of a patch, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
+
+Patch = namedtuple("Patch", ["center", "along", "onward", "twist"])
+"""What a straight chord sweeps while both its ends move straight on: `center + a along + b onward + a b twist` for all
+a and b of -1 to 1. All of it lies between its four corners. A chord at rest has no `onward` and no `twist`."""
 
 
 @kernel
@@ -81,13 +86,25 @@ def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
 
 
 @kernel
-def beside_chord(table: Array, i: int, center: Vec, chord: Vec, aside: float) -> float:
-    """Lower bound of the distance to primitive `i` of all that is within `aside` of a chord; -inf: none known.
+def patch_size(patch: Patch) -> float:
+    """No point of a patch is farther from its center than that."""
+    return norm(patch.along) + norm(patch.onward) + norm(patch.twist)
 
-    `center` is the middle of the chord, which leads from end to end. The distance to a convex primitive is a convex
-    function: on the chord it is no less than its tangent says at the worse end.
+
+@kernel
+def lean(g: Vec, patch: Patch) -> float:
+    """Least of a linear function with the gradient `g` on a patch, of which it is 0 at the center: at a corner."""
+    a, b, c = dot(g, patch.along), dot(g, patch.onward), dot(g, patch.twist)
+    return min(c - a - b, a - b - c, b - a - c, a + b + c)
+
+
+@kernel
+def beside(table: Array, i: int, patch: Patch, aside: float) -> tuple[float, Vec]:
+    """Lower bound of the distance to primitive `i` of all that is within `aside` of a patch; -inf: none known.
+
+    The distance to a convex primitive is a convex function: on the patch it is no less than its tangent at the center
+    says at the worst corner. Also its gradient there.
     """
-    if table[i, SIGN] < 0.0:
-        return -math.inf
-    d, g = primitive(table, i, center)
-    return d - 0.5 * abs(dot(g, chord)) - aside if 0.5 * norm(chord) < FLAT * d else -math.inf
+    d, g = primitive(table, i, patch.center)
+    known = table[i, SIGN] > 0.0 and patch_size(patch) < FLAT * d
+    return (d + lean(g, patch) - aside if known else -math.inf), g

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields import blocks, candidates, discs, grids, triangles
+from sinuous.kernels.fields import blocks, candidates, discs, grids, trees
 from sinuous.kernels.fields.grids import Grid, grid_of
-from sinuous.kernels.fields.primitives import box
-from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, tree_of, unlift
+from sinuous.kernels.fields.primitives import Patch
+from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, item_slope, lift, tree_of, unlift
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import (
-    BALLS,
     CUBES,
     EXACT_BELOW,
     FIRST_CELL,
@@ -29,7 +28,6 @@ from sinuous.kernels.tables import (
     SAMPLES,
     SIGN,
     TREE,
-    TRIANGLE_SIZE,
     TRIANGLES,
 )
 
@@ -45,16 +43,7 @@ KNOWN = 1e-9
 @kernel
 def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
-    tree = tree_of(table, i)
-    if tree.kind == TRIANGLES:
-        d, g = triangles.signed(store, tree.items + TRIANGLE_SIZE * item, int(table[i, NORMALS]), item, p)
-    elif tree.kind == BALLS:
-        at = tree.items + 4 * item
-        away = sub(p, triangles.read(store, at))
-        far = norm(away)
-        d, g = far - store[at + 3], (scale(1.0 / far, away) if far > 0.0 else (0.0, 0.0, 1.0))
-    else:
-        d, g = box(sub(p, triangles.read(store, tree.items + 3 * item)), (tree.half, tree.half, tree.half))
+    d, g = item_slope(store, tree_of(table, i), item, p, int(table[i, NORMALS]))
     sign = table[i, SIGN]
     return sign * (d - table[i, ROUNDING]), scale(sign, g)
 
@@ -213,16 +202,21 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
 
 
 @kernel
-def beside_chord(table: Array, store: Array, i: int, center: Vec, chord: Vec, aside: float) -> float:
-    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a chord; -inf where none is known.
+def beside(table: Array, store: Array, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
+    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
 
-    Of a mesh with lists, if one point of it is free: then all of it is, because the surface is farther away.
+    If one point of all that is free: then it all is, because the surface is farther away. Also the gradient, at the
+    center, of the distance to what decides. What is not less than `reach` need not be exact.
     """
-    if table[i, FIRST_CELL] < 0.0:
-        return -math.inf
-    away = candidates.to_chord(store, tree_of(table, i), grid_of(table, i, FIRST_CELL), center, chord)
+    tree, g = tree_of(table, i), (0.0, 0.0, 1.0)
+    if table[i, KIND] != TREE or (table[i, SIGN] < 0.0 and tree.kind != TRIANGLES):
+        return -math.inf, g
+    if table[i, FIRST_CELL] >= 0.0:
+        away, g = candidates.beside(store, tree, grid_of(table, i, FIRST_CELL), patch)
+    else:
+        away, g = trees.beside(store, tree, patch, reach + table[i, ROUNDING] + aside)
     low = away - table[i, ROUNDING] - aside
-    return low if low > 0.0 else -math.inf
+    return (low if low > 0.0 else -math.inf), g
 
 
 @entry

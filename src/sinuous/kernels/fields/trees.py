@@ -11,10 +11,11 @@ order and saves most of the roots.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry, inline, kernel
 from sinuous.kernels.fields import triangles
+from sinuous.kernels.fields.primitives import FLAT, Patch, box, lean, patch_size
 from sinuous.kernels.fields.triangles import read
-from sinuous.kernels.maths.vectors import Array, Vec, dot, sub
+from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, scale, sub
 from sinuous.kernels.tables import (
     COUNT,
     CUBE_HALF,
@@ -98,37 +99,91 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
 
 
 @kernel
-def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
-    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
-    found = -1
-    if box_distance(store, tree.nodes + NODE_SIZE, p) >= best:
-        return found, best
-    node, due = 1, 1  # a bit in `due` for every level: whether the sibling is still to be visited; the root's is 1
+def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) -> tuple[int, int]:
+    """Go down from a node, or on from node 0, to the next leaf whose box is closer to `p` than `best` (lifted).
+
+    Returns it, or 0 where there is none; and a bit for every level of it: whether the sibling is still to be visited.
+    The root's bit is 1. From a leaf it goes on to the next.
+    """
     first_leaf = 1 << tree.levels
+    descend = node == 0 and box_distance(store, tree.nodes + NODE_SIZE, p) < best
+    if node == 0:
+        node = due = 1
     while True:
-        descend = False
-        if node >= first_leaf:
-            leaf = node - first_leaf
-            for i in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
-                d = item_distance(store, tree, i, p, best)
-                if d < best:
-                    found, best = i, d
-        else:
-            left = box_distance(store, tree.nodes + 2 * NODE_SIZE * node, p)
-            right = box_distance(store, tree.nodes + 2 * NODE_SIZE * node + NODE_SIZE, p)
-            if min(left, right) < best:
-                node = 2 * node + (1 if right < left else 0)
-                due = 2 * due + (1 if max(left, right) < best else 0)
-                descend = True
         while not descend:
             while due & 1 == 0:
                 due >>= 1
                 node >>= 1
             if due == 1:
-                return found, best
+                return 0, due
             due ^= 1
             node ^= 1
             descend = box_distance(store, tree.nodes + NODE_SIZE * node, p) < best
+        if node >= first_leaf:
+            return node, due
+        left = box_distance(store, tree.nodes + 2 * NODE_SIZE * node, p)
+        right = box_distance(store, tree.nodes + 2 * NODE_SIZE * node + NODE_SIZE, p)
+        descend = min(left, right) < best
+        if descend:
+            node = 2 * node + (1 if right < left else 0)
+            due = 2 * due + (1 if max(left, right) < best else 0)
+
+
+_leaf_here = inline(_leaf)
+
+
+@kernel
+def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
+    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
+    found, node, due = -1, 0, 1
+    while True:
+        node, due = _leaf_here(store, tree, node, due, p, best)
+        if node == 0:
+            return found, best
+        leaf = node - (1 << tree.levels)
+        for i in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
+            d = item_distance(store, tree, i, p, best)
+            if d < best:
+                found, best = i, d
+
+
+@kernel
+def item_slope(store: Array, tree: Tree, i: int, p: Vec, normals: int) -> tuple[float, Vec]:
+    """Distance of `p` to primitive `i`, and its gradient; of a triangle signed where `normals` begin in the store."""
+    if tree.kind == TRIANGLES:
+        return triangles.signed(store, tree.items + TRIANGLE_SIZE * i, normals, i, p)
+    if tree.kind == CUBES:
+        return box(sub(p, read(store, tree.items + 3 * i)), (tree.half, tree.half, tree.half))
+    at = tree.items + 4 * i
+    away = sub(p, read(store, at))
+    far = norm(away)
+    return far - store[at + 3], (scale(1.0 / far, away) if far > 0.0 else (0.0, 0.0, 1.0))
+
+
+@kernel
+def item_beside(store: Array, tree: Tree, i: int, patch: Patch, size: float) -> tuple[float, Vec]:
+    """Lower bound of the distance of a patch to primitive `i`, by the tangent at its center, and the gradient there."""
+    d, g = item_slope(store, tree, i, patch.center, -1)
+    return d + (lean(g, patch) if size < FLAT * d else -size), g
+
+
+@kernel
+def beside(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, Vec]:
+    """Lower bound of the distance of a patch to all primitives, if it is less than `best`, else that.
+
+    Also the gradient, at the center, of the distance to the primitive that decides.
+    """
+    size, g = patch_size(patch), (0.0, 0.0, 1.0)
+    node, due = 0, 1
+    while True:
+        node, due = _leaf_here(store, tree, node, due, patch.center, lift(best + size))
+        if node == 0:
+            return best, g
+        leaf = node - (1 << tree.levels)
+        for i in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
+            low, own = item_beside(store, tree, i, patch, size)
+            if low < best:
+                best, g = low, own
 
 
 @kernel

@@ -21,10 +21,12 @@ Curved = tuple[float, float, float, float, float, float, float, float, float, fl
 
 
 @kernel
-def _rooted(square: float, slope: Slope, curved: Curved) -> tuple[float, Slope, Curved]:
-    """The root of a quantity, with its derivatives from those of the quantity."""
+def _rooted(square: float, slope: Slope, curved: Curved, hx: float, hy: float) -> tuple[float, Slope, Curved]:
+    """The root of a quantity, with its derivatives from those of the quantity; in an arc of no length `l - v . h`."""
     root = math.sqrt(square)
-    half = 0.5 / root if root > 0.0 else 0.0
+    if root == 0.0:
+        return 0.0, (-hx, -hy, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    half = 0.5 / root
     a, b, c, d = half * slope[0], half * slope[1], half * slope[2], half * slope[3]
     over = 2.0 * half
     return (
@@ -76,7 +78,7 @@ def straight(
         2.0 * G * turned,
         4.0 * G,
     )
-    return _rooted(4.0 * square * math.sin(0.5 * twist) ** 2 + 2.0 * G * ab, slope, curved)
+    return _rooted(4.0 * square * math.sin(0.5 * twist) ** 2 + 2.0 * G * ab, slope, curved, hx, hy)
 
 
 @kernel
@@ -98,7 +100,7 @@ def along(vx: float, vy: float, twist: float, length: float, hx: float, hy: floa
         2.0 * turned,
         2.0,
     )
-    return _rooted(a * a + square * twist * twist, slope, curved)
+    return _rooted(a * a + square * twist * twist, slope, curved, hx, hy)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""FABRIKc and FABRIKx: forward and backward reaching for sections of one or several arcs.
+"""FABRIKc, FABRIKx and FABRIK with obstacle avoidance: forward and backward reaching for sections of arcs.
 
 With one segment a section this is FABRIKc: Zhang et al., "FABRIKc: an efficient iterative inverse kinematics solver for
 continuum robots" (2018). The paper has segments of fixed length; those that stretch are what others call exFABRIKc, of
@@ -11,6 +11,13 @@ could not be had, so chosen here are: which sections there are (`pieces` segment
 varies along them (`taper`). Lengths are those that the start has. Answers are configurations of the robot's segments
 like any other.
 
+FABRIK with obstacle avoidance is FABRIKc that steps aside: Wu et al., "A novel obstacle avoidance heuristic algorithm
+of continuum robot based on FABRIK" (2022), which could not be had either. After every iteration each segment is looked
+at in some places; where one is inside an obstacle, the joints that shape the segment (its key points) are moved away
+from the obstacle, along the gradient of the distance. Chosen here are the places, that the deepest of a segment counts,
+that its own joint moves by all of a push and the joint before by half, and that the push aims a little beyond contact,
+farther whenever the proof of the whole body finds an overlap that the places had missed.
+
 What else was chosen where the papers could not be had is said in `sinuous.methods.fabrik.links`.
 """
 
@@ -21,27 +28,41 @@ from typing import ClassVar
 
 import numpy as np
 
+from sinuous.checks import Floats
+from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import SEGMENT_LOOKS, spend
+from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import obstacle, price
 from sinuous.kernels.maths.buffers import cut
-from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold, unfold
-from sinuous.methods.fabrik.links import Chain, carve_chain, group, reach_back, reach_out
-from sinuous.methods.judge import Answer, Check, offer, target_errors
+from sinuous.methods.fabrik.links import (
+    Chain,
+    axis_of,
+    carve_chain,
+    end_goal,
+    fold,
+    group,
+    reach_back,
+    reach_out,
+    unfold,
+)
 from sinuous.methods.options import Options, count, flag, number
-from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import Start, begin_from, compiled_search, search_by
+from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
-PATIENCE = 25
-"""Iterations in a row that gain less than a hundredth before a start is given up."""
+PATIENCE, PATIENCE_ASIDE = 25, 40
+"""Iterations in a row that gain less than a hundredth before a start is given up; the same while it steps aside."""
 
 Work = namedtuple("Work", ["chain", "q", "kept"])
 """Scratch of one solve: the links, the configuration (n, 3) that they stand for, and the best of one start."""
+
+Aside = namedtuple("Aside", ["looks", "push", "margin"])
+"""How obstacles are avoided: places of every segment that are looked at, none where they are not avoided; how far a
+joint is moved, as a share of what is missing to a clearance; and that clearance (length unit)."""
 
 
 def scratch_size(n: int) -> int:
@@ -68,49 +89,113 @@ def reach(problem: Problem, chain: Chain, frames: Array, q: Array) -> None:
 
 
 @kernel
-def descend(problem: Problem, check: Check, work: Work, most: int) -> int:
-    """Reach back and out until the target is met, nothing is gained any more, or time is over.
+def push_away(problem: Problem, check: Check, chain: Chain, q: Array, aside: Aside) -> float:
+    """Move the joints of segments that overlap; returns the deepest overlap that was seen.
 
-    Begins at `work.chain`; fills `work.kept` with the best and returns the number of iterations.
+    `q` (n, 3) is the configuration, the frames of `check` what follows from it. Segments are looked at while there is
+    time.
     """
+    if aside.looks == 0 or not has_obstacles(problem):
+        return 0.0
+    overlap = travel = 0.0
+    cost = aside.looks * price(problem.scene)
+    for k in range(q.shape[0]):
+        if spend(check.clock, cost):
+            break
+        rotation, position = frame(check.frames, k)
+        clearance, which, place = deepest(problem, rotation, position, get_vec(q, k, 0), k, travel, aside.looks)
+        travel += q[k, 2]
+        overlap = max(overlap, -clearance)
+        if clearance < 0.0:
+            _, away = obstacle(problem.scene, which, place, math.inf)
+            push = aside.push * (aside.margin - clearance)
+            put_vec(chain.joints, k, 0, add_scaled(get_vec(chain.joints, k, 0), push, away))
+            if k > 0:
+                put_vec(chain.joints, k - 1, 0, add_scaled(get_vec(chain.joints, k - 1, 0), 0.5 * push, away))
+    return overlap
+
+
+@kernel
+def descend(problem: Problem, check: Check, work: Work, most: int, aside: Aside) -> tuple[int, bool]:
+    """Reach back and out, and step aside, until the target is met, nothing is gained any more, or time is over.
+
+    Begins at `work.chain`; fills `work.kept` with the best. Returns the number of iterations, and whether the target is
+    met by a shape that is clear in the places that were looked at.
+    """
+    patience = PATIENCE if aside.looks == 0 else PATIENCE_ASIDE
     least, slow = math.inf, 0
     copy(work.q, work.kept)
     for iteration in range(most):
         reach(problem, work.chain, check.frames, work.q)
         off, turn = target_errors(problem, check.frames)
-        wrong = off / problem.unit + turn
+        overlap = push_away(problem, check, work.chain, work.q, aside)
+        wrong = (off + overlap) / problem.unit + turn
+        met = off <= problem.position_tolerance and turn <= problem.angle_tolerance and overlap == 0.0
         slow = 0 if wrong < 0.99 * least else slow + 1
-        if wrong < least:
+        if wrong < least or met:
             least = wrong
             copy(work.q, work.kept)
-        met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
-        if met or slow >= PATIENCE or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
-            return iteration + 1
-    return most
+        if met or slow >= patience or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
+            return iteration + 1, met
+    return most, False
 
 
 @kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.methods.search`.
+    """Follow one start; see `sinuous.methods.search`. The `options` (7,): see `laid_out`.
 
-    `options` (4,): most iterations from one start, segments of a section, their taper, and whether lengths may change.
+    Where obstacles are avoided and the proof finds an overlap that was not seen, the margin doubles; there is as much
+    patience for all of that as for nothing that is gained.
     """
-    n, pieces = problem.limits.shape[0], int(options[1])
+    n, most, pieces, looks = problem.limits.shape[0], int(options[0]), int(options[1]), int(options[4])
     work = carve(scratch, n, (n + pieces - 1) // pieces)
     group(work.chain, n, pieces, options[2])
     source = begin_from(problem, check, start, work.q)
     fold(problem.limits, work.chain, check.frames, options[3] != 0.0, work.q)
-    used = descend(problem, check, work, int(options[0]))
-    return used, offer(problem, check, work.kept, source, answer)
+    used, left, margin = 0, most, options[6] * problem.unit
+    while True:
+        more, met = descend(problem, check, work, left, Aside(looks, options[5], margin))
+        used += more
+        solved = offer(problem, check, work.kept, source, answer)
+        if solved or not met or looks == 0 or over(check.clock):
+            return used, solved
+        left, margin = min(left - more, PATIENCE_ASIDE), 2.0 * margin
 
 
 search = search_by(follow)
 
 
+def laid_out(
+    iterations: int,
+    pieces: int = 1,
+    taper: float = 0.0,
+    stretch: bool = False,
+    looks: int = 0,
+    push: float = 0.0,
+    margin: float = 0.0,
+) -> Floats:
+    """Options of the three methods as the kernel reads them (7,); a method has its fields, and these without them."""
+    return np.array([iterations, pieces, taper, stretch, looks, push, margin], np.float64)
+
+
+class Fabrik(Options):
+    """What the three methods have in common."""
+
+    compiled_search = staticmethod(search)
+
+    def scratch(self, segments: int) -> int:
+        """Return the size of the scratch; see `Options.scratch`."""
+        return scratch_size(segments)
+
+    def told(self, robot: Robot, scene: Scene) -> Floats:
+        """Return the options as the kernel reads them; see `Options.told`."""
+        return laid_out(**vars(self))
+
+
 @dataclass(frozen=True, repr=False)
-class Fabrikc(Options):
+class Fabrikc(Fabrik):
     """Options of the method `fabrikc`.
 
     Attributes
@@ -127,14 +212,9 @@ class Fabrikc(Options):
     iterations: int = count(300, 1, 1_000_000)
     stretch: bool = flag(True)
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search; see `Options.compiled`."""
-        one_segment_a_section = np.array([float(self.iterations), 1.0, 0.0, float(self.stretch)])
-        return compiled_search(search, scratch_size(len(robot)), one_segment_a_section, robot, scene)
-
 
 @dataclass(frozen=True, repr=False)
-class Fabrikx(Options):
+class Fabrikx(Fabrik):
     """Options of the method `fabrikx`.
 
     Attributes
@@ -155,7 +235,30 @@ class Fabrikx(Options):
     pieces: int = count(1, 1, 10_000)
     taper: float = number(0.0, low=-0.9, high=0.9)
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search; see `Options.compiled`."""
-        no_stretch = np.array([*self.vector(), 0.0])
-        return compiled_search(search, scratch_size(len(robot)), no_stretch, robot, scene)
+
+@dataclass(frozen=True, repr=False)
+class FabrikAvoid(Fabrik):
+    """Options of the method `fabrik_avoid`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most iterations from one start.
+    looks : int
+        Places of every segment that are looked at for obstacles.
+    push : float
+        How far a key point is pushed, as a share of what is missing.
+    margin : float
+        Clearance that a push aims for, in robot lengths.
+    stretch : bool
+        Whether segments may change the lengths that the start gave them, within their limits.
+    """
+
+    method: ClassVar[str] = "fabrik_avoid"
+    capabilities: ClassVar[Capabilities] = Capabilities("Wu et al. 2022", obstacles=True)
+
+    iterations: int = count(300, 1, 1_000_000)
+    looks: int = count(8, 1, 10_000)
+    push: float = number(1.5, above=0.0)
+    margin: float = number(0.002, low=0.0)
+    stretch: bool = flag(True)

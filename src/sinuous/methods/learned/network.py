@@ -59,8 +59,7 @@ class Network(Frozen):
     """
 
     def __init__(self, robot: Robot, layers: Sequence[Sequence[Any]]) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         if len(layers) != len(KINDS):
             raise InputError("layers", "", len(layers), f"{len(KINDS)} networks: for " + ", ".join(KINDS))
         read = [_read(f"layers[{i}]", own, INPUTS[i], 3 * len(robot)) for i, own in enumerate(layers)]
@@ -102,7 +101,7 @@ class Network(Frozen):
             When the file cannot be written.
         """
         named = zip(KINDS, self.layers, strict=True)
-        own = {f"{kind}_{i}": each for kind, layers in named for i, each in enumerate(layers)}
+        own: dict[str, Any] = {f"{kind}_{i}": each for kind, layers in named for i, each in enumerate(layers)}
         write_archive(file, network=FORMAT, robot=json.dumps(self.robot.to_dict()), **own)
 
     @classmethod

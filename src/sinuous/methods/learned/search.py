@@ -12,7 +12,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from sinuous.errors import InputError
+from sinuous import checks
+from sinuous.checks import Floats
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
@@ -20,12 +21,10 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import GIVEN, GOAL, ORIENTATION, REMEMBERED, TARGET_POSITION
 from sinuous.methods import dls
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.judge import Answer, Check, offer
 from sinuous.methods.learned.network import CAPABILITIES, MOST_WIDTH, Network
 from sinuous.methods.learned.training import train
 from sinuous.methods.options import Kind, Options, count
-from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import NO_START, Start, compiled_search, own_number, search_by
+from sinuous.methods.search import NO_START, Answer, Check, Start, offer, own_number, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
@@ -99,8 +98,7 @@ search = search_by(follow)
 
 
 def _network(key: str, value: Any) -> Network | None:
-    if value is not None and not isinstance(value, Network):
-        raise InputError(key, "", value, "a Network, as sn.train returns it")
+    checks.instance(key, value, Network | None, "a Network, as sn.train returns it")
     return value
 
 
@@ -116,10 +114,11 @@ class Learned(Options):
         Most damped least-squares steps from the answer of the network; 0: none.
     """
 
+    compiled_search = staticmethod(search)
     method: ClassVar[str] = "learned"
     capabilities: ClassVar[Capabilities] = CAPABILITIES
 
-    network: Network | None = field(default=None, metadata={"kind": Kind(_network, lambda _, file: Network.load(file))})
+    network: Network | None = field(default=None, metadata={"kind": Kind(_network, read=Network.load)})
     steps: int = count(200, 0, 1_000_000)
 
     def refuse(self, robot: Robot) -> None:
@@ -131,9 +130,12 @@ class Learned(Options):
         """Train a network where there is none; see `Options.ready`."""
         return self if self.network is not None else replace(self, network=train(robot, scene))
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search; see `Options.compiled`."""
+    def scratch(self, segments: int) -> int:
+        """Return the size of the scratch; see `Options.scratch`."""
+        return 2 * MOST_WIDTH + dls.scratch_size(segments)
+
+    def told(self, robot: Robot, scene: Scene) -> Floats:
+        """Return the number of steps, then the networks; see `Options.told`."""
         network = self.ready(robot, scene).network
         assert network is not None
-        options = np.concatenate([[float(self.steps)], network.table()])
-        return compiled_search(search, 2 * MOST_WIDTH + dls.scratch_size(len(robot)), options, robot, scene)
+        return np.concatenate([[float(self.steps)], network.table()])

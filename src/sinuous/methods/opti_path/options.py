@@ -8,18 +8,25 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal, Self, TypedDict, Unpack, get_args
+from typing import Any, ClassVar, Self, Unpack, get_args
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
+from sinuous.methods.opti_path.gradient import (
+    Exponent,
+    Gradient,
+    Metric,
+    OptiPathArguments,
+    OrientationCost,
+    PotentialKind,
+    Schedule,
+)
 from sinuous.methods.opti_path.potential import sample
 from sinuous.methods.opti_path.search import scratch_size, search
 from sinuous.methods.options import Options, choice, count, flag, number
-from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import compiled_search
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
@@ -28,47 +35,6 @@ MOST_NODES = 2**24
 
 EXTENT = 200
 """Nodes along an edge of the grid, at most, when the spacing is left open."""
-
-Gradient = Literal["adjoint", "differences"]
-Exponent = Literal["adjacent", "literal"]
-OrientationCost = Literal["squared", "norm"]
-Schedule = Literal["constant", "length", "orientation", "cooling", "gated"]
-Metric = Literal["identity", "difference", "acceleration"]
-PotentialKind = Literal["grid", "exact"]
-
-
-class OptiPathArguments(TypedDict, total=False):
-    """Options of the method `opti_path` as keyword arguments, as type checkers see them; see `OptiPath`."""
-
-    gradient: Gradient
-    disturbance: float
-    attenuation: float
-    exponent: Exponent
-    orientation: OrientationCost
-    length_weight: float
-    orientation_weight: float
-    obstacle_weight: float
-    schedule: Schedule
-    cooling: float
-    metric: Metric
-    regularisation: float
-    largest_step: float
-    slope: float
-    influence: float
-    arcs_weight: float
-    samples: int
-    project: bool
-    potential: PotentialKind
-    spacing: float
-    iterations: int
-    blend: float
-    dead_band: float
-    bend_weight: float
-    bow: float
-    other_guess: bool
-    restarts: bool
-    settle: int
-
 
 FAITHFUL: Mapping[str, Any] = {
     "gradient": "differences",
@@ -159,6 +125,7 @@ class OptiPath(Options):
         it is handed over, so that the next solve, which starts from it, does not get caught.
     """
 
+    compiled_search = staticmethod(search)
     method: ClassVar[str] = "opti_path"
     capabilities: ClassVar[Capabilities] = Capabilities(
         "Sun & Wang, An Optimization-Based Inverse Kinematics Solver for Continuum Manipulators in Intricate "
@@ -206,11 +173,11 @@ class OptiPath(Options):
         values: dict[str, Any] = {**FAITHFUL, **changes}
         return cls(**values)
 
-    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
-        """Return the compiled search, with the potential sampled for this scene; see `Options.compiled`."""
-        return compiled_search(search, scratch_size(len(robot)), self._with_potential(robot, scene), robot, scene)
+    def scratch(self, segments: int) -> int:
+        """Return the size of the scratch; see `Options.scratch`."""
+        return scratch_size(segments)
 
-    def _with_potential(self, robot: Robot, scene: Scene) -> Floats:
+    def told(self, robot: Robot, scene: Scene) -> Floats:
         """All values, then the potential, see `potential.read_potential`: without values where it is not sampled."""
         own = self.vector()
         unit = robot.mean_length / len(robot)

@@ -18,9 +18,9 @@ from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, norm, scale
 BLOCK = 8
 """Nodes along the edge of a block that is looked at as a whole before its nodes are."""
 
-Potential = namedtuple("Potential", ["values", "origin", "spacing", "slope", "reach", "radius"])
-"""Values (x, y, z) at the nodes of a grid, none: exact; where its first node is and how far nodes are apart; the
-parameters of `c`; and the radius of the body."""
+Potential = namedtuple("Potential", ["scene", "values", "origin", "spacing", "slope", "reach", "radius"])
+"""The obstacles; values (x, y, z) at the nodes of a grid, none: exact; where its first node is and how far nodes are
+apart; the parameters of `c`; and the radius of the body."""
 
 
 @kernel
@@ -34,21 +34,21 @@ def hinge(d: float, slope: float, reach: float) -> tuple[float, float]:
 
 
 @kernel
-def read_potential(sampled: Array, slope: float, reach: float) -> Potential:
-    """Take a group apart: shape (3), origin (3), spacing, radius of the body, then the values."""
+def read_potential(scene: Scene, sampled: Array, slope: float, reach: float) -> Potential:
+    """Take the group `sampled` apart: shape (3), origin (3), spacing, radius of the body, then the values."""
     nx, ny, nz = int(sampled[0]), int(sampled[1]), int(sampled[2])
     origin = (sampled[3], sampled[4], sampled[5])
-    return Potential(sampled[8:].reshape((nx, ny, nz)), origin, sampled[6], slope, reach, sampled[7])
+    return Potential(scene, sampled[8:].reshape((nx, ny, nz)), origin, sampled[6], slope, reach, sampled[7])
 
 
 @kernel
-def exact(scene: Scene, potential: Potential, p: Vec) -> tuple[float, Vec]:
+def exact(potential: Potential, p: Vec) -> tuple[float, Vec]:
     """Potential and its gradient at `p`, from the obstacles themselves."""
-    d, which = nearest(scene, p)
+    d, which = nearest(potential.scene, p)
     c, slope = hinge(d - potential.radius, potential.slope, potential.reach)
     if c == 0.0:
         return 0.0, ZERO
-    return c, scale(slope, obstacle(scene, which, p, math.inf)[1])
+    return c, scale(slope, obstacle(potential.scene, which, p, math.inf)[1])
 
 
 @kernel
@@ -75,11 +75,11 @@ def interpolated(potential: Potential, p: Vec) -> tuple[float, Vec]:
 
 
 @kernel
-def potential_at(scene: Scene, potential: Potential, p: Vec) -> tuple[float, Vec]:
+def potential_at(potential: Potential, p: Vec) -> tuple[float, Vec]:
     """Potential and its gradient at `p`."""
     if potential.values.shape[0] > 0:
         return interpolated(potential, p)
-    return exact(scene, potential, p)
+    return exact(potential, p)
 
 
 @entry
@@ -91,7 +91,7 @@ def sample(scene: Array, sampled: Array, shape: tuple[float, float], centre: Arr
     """
     slope, reach = shape
     obstacles = read_scene(scene)
-    potential = read_potential(sampled, slope, reach)
+    potential = read_potential(obstacles, sampled, slope, reach)
     values = potential.values
     middle = get_vec(centre, 0, 0)
     spacing = potential.spacing

@@ -87,9 +87,8 @@ class Passages:
         """
         failed = False
         for route in routes:
-            classes = len(self._known)
-            known = self._recognise(route)
-            if len(self._known) > classes or not self._solved(known):
+            new, known = self.differs(route), self._recognise(route)
+            if new or not self._solved(known):
                 for batch in self._along(route):
                     yield batch
                     if self._solved(known):
@@ -97,6 +96,12 @@ class Passages:
                 else:
                     failed = True
         return failed
+
+    def differs(self, route: Floats) -> bool:
+        """Whether a route (K, 3) is of a new class, which is known from then on."""
+        classes = len(self._known)
+        self._recognise(route)
+        return len(self._known) > classes
 
     def closing(self, closed: frozenset[int], route: Floats) -> Iterator[frozenset[int]]:
         """Yield what is closed together with each passage of a route (k, 3), unless that was closed before."""

@@ -109,6 +109,7 @@ class Searches:
 
     Attributes
     ----------
+    robot : Robot
     coarse, fine : Plan
         The quickest searches with coarse cells, and with fine ones.
     proves : bool
@@ -119,7 +120,7 @@ class Searches:
     """Whether what they call is compiled, or loaded, in this process."""
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
-        self._robot, self._scene, self._tolerance = robot, scene, tolerance
+        self.robot, self._scene, self._tolerance = robot, scene, tolerance
         self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
         self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, Walls] | None = None
@@ -205,7 +206,7 @@ class Searches:
         """Whether the base is enclosed by obstacles, looked at once a scene."""
         known = self._about
         if known is None or known[0] is not scene:
-            base, ahead = self._robot.base, self._robot.mount + AHEAD * self._radius
+            base, ahead = self.robot.base, self.robot.mount + AHEAD * self._radius
             place, frame = base[:3, 3] + ahead * base[:3, 2], base[:3, :3].reshape(1, 9).copy()
             met = rays_met(scene._kernel_group, frame, place[None].copy(), self._longest)
             known = self._about = scene, met >= ENCLOSED
@@ -252,13 +253,13 @@ class Searches:
             if left <= 0.0:
                 break
             fits.append(fitted(groups, route, left))
-        return np.array(fits).reshape(-1, len(self._robot), 3)
+        return np.array(fits).reshape(-1, len(self.robot), 3)
 
     def load(self, *, anew: bool = False) -> None:
         """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""
         if anew or not Searches.loaded:
             Searches.loaded = True
-            problem = Problem.prepared(self._robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
+            problem = Problem.prepared(self.robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
             query = self.query(problem)
             if query is not None:
                 self.find(problem, query, self.coarse._replace(cells=256), 0.0)
@@ -268,7 +269,7 @@ class Searches:
             self._enclosed(problem.scene)
             self.distances(problem, line)
             self.widths_across(problem, line)
-            groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
+            groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
             Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
@@ -283,7 +284,7 @@ class Searches:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
         distances_along(
-            problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.needed_radii), distances
+            problem.scene._kernel_group, points, WIDE * max(self._radius, *self.robot.needed_radii), distances
         )
         return distances
 

@@ -125,7 +125,7 @@ class Derivative:
         if not len(self._problem.scene):
             return None
         if not hasattr(self, "_clearance"):
-            self._clearance = clearance_change(self._problem, self._configuration, self._plan, self._moved())
+            self._clearance = clearance_change(self._problem, self._configuration, self._plan, self._rows.moved)
         return PerGroup(self.wrt, lambda name: self._clearance[self._plan.chosen(name, self._problem)])
 
     def labels(self, name: Parameter) -> tuple[str, ...]:
@@ -141,7 +141,7 @@ class Derivative:
         InputError
             When it has another shape.
         """
-        given = checks.array("cotangent", cotangent, self._configuration.shape).ravel() @ self._moved()
+        given = checks.array("cotangent", cotangent, self._configuration.shape).ravel() @ self._rows.moved
         return {name: given[self._plan.chosen(name, self._problem)] for name in self.wrt}
 
     def jvp(self, tangent: Vector | Mapping[Parameter, Vector]) -> Floats:
@@ -160,7 +160,7 @@ class Derivative:
             When a name was not asked for, or a tangent has another shape.
         """
         whole = self._tangent(tangent)
-        moved = self._moved() @ whole if self.regular else self._one_way(whole)
+        moved = self._rows.moved @ whole if self.regular else self._one_way(whole)
         return moved.reshape(self._configuration.shape)
 
     def one_sided(self, name: Parameter) -> tuple[Floats, Floats]:
@@ -184,12 +184,8 @@ class Derivative:
         held = [f"active {', '.join(dict.fromkeys(each.constraint for each in self.active))}"] if self.active else []
         return call("Derivative", [", ".join(self.wrt), told, *held])
 
-    def _moved(self) -> Floats:
-        """Derivatives (3 n, p) of the configuration by all parameters."""
-        return self._rows.moved
-
     def _of_q(self, name: Parameter) -> Floats:
-        chosen = self._moved()[:, self._plan.chosen(name, self._problem)]
+        chosen = self._rows.moved[:, self._plan.chosen(name, self._problem)]
         return checks.closed(chosen.reshape(*self._configuration.shape, chosen.shape[1]))
 
     def _tangent(self, tangent: Any) -> Floats:

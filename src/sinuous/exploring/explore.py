@@ -122,8 +122,7 @@ def explore(
         When a worker fails again and again.
     """
     began = clock.perf_counter()
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     refuse_unknown(options, SolveArguments, *(explore.__kwdefaults__ or ()))
     given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
     place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
@@ -132,8 +131,7 @@ def explore(
     most = math.inf if rounds is None else checks.integer("rounds", rounds, 0, 2**31 - 1)
     near = reach_of(robot) / ACROSS if spacing is None else checks.number("spacing", spacing, above=0.0)
     kept = Memory(robot) if memory is None else memory
-    if not isinstance(kept, Memory):
-        raise InputError("memory", "", memory, "a Memory")
+    checks.instance("memory", kept, Memory, "a Memory")
     kept.check(robot)
     if robot.hangs:
         raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")

@@ -19,6 +19,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, prove
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
@@ -47,41 +48,7 @@ from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.step.targets import NONE, direction_vector, end_pose, end_segment, rotation_vector
-from sinuous.kernels.tables import (
-    ANGLE_ERROR,
-    ARC,
-    BOUND,
-    CLEARANCE,
-    CODE,
-    DIRECTION,
-    FAILED,
-    GIVEN,
-    GOAL,
-    HAS_POSITION,
-    ITERATIONS,
-    LAST_SEGMENT,
-    LATE,
-    MAX_LENGTH,
-    MAX_VALUE,
-    MERIT,
-    METHOD_OPTIONS,
-    MIN_LENGTH,
-    MIN_VALUE,
-    ORIENTATION,
-    OUT_OF_REACH,
-    POSITION_ERROR,
-    RANDOM,
-    ROTATION,
-    SECONDS,
-    SELF_CLEARANCE,
-    SOLVED,
-    SOURCE,
-    STARTS,
-    TARGET_POSITION,
-    UNPROVED,
-    WEIGHTS,
-    Budget,
-)
+from sinuous.kernels.tables import Budget
 
 SLACK = 0.1
 """How far below the true clearance its proved bound may be, as a share of it."""
@@ -141,14 +108,14 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
     off = turn = 0.0
     for i in range(problem.targets.shape[0]):
         rotation, position = end_pose(frames, problem.tool, end_segment(problem.targets, i, frames.shape[0] - 1))
-        if problem.targets[i, HAS_POSITION] != 0.0:
-            off = max(off, norm(sub(get_vec(problem.targets, i, TARGET_POSITION), position)))
+        if problem.targets[i, t.HAS_POSITION] != 0.0:
+            off = max(off, norm(sub(get_vec(problem.targets, i, t.TARGET_POSITION), position)))
         miss = NONE
-        if problem.targets[i, ORIENTATION] == ROTATION:
-            miss = rotation_vector(mat_mat(get_mat(problem.targets, i, GOAL), transpose(rotation)))
-        elif problem.targets[i, ORIENTATION] == DIRECTION:
+        if problem.targets[i, t.ORIENTATION] == t.ROTATION:
+            miss = rotation_vector(mat_mat(get_mat(problem.targets, i, t.GOAL), transpose(rotation)))
+        elif problem.targets[i, t.ORIENTATION] == t.DIRECTION:
             tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
-            miss = direction_vector(tangent, get_vec(problem.targets, i, GOAL))
+            miss = direction_vector(tangent, get_vec(problem.targets, i, t.GOAL))
         turn = max(turn, norm(miss))
     return off, turn
 
@@ -162,11 +129,11 @@ def excess(problem: Problem, q: Array) -> tuple[float, float]:
     for k in range(q.shape[0]):
         own = get_vec(q, k, 0)
         total = add(total, own)
-        length = max(length, problem.limits[k, MIN_LENGTH] - own[2], own[2] - problem.limits[k, MAX_LENGTH])
+        length = max(length, problem.limits[k, t.MIN_LENGTH] - own[2], own[2] - problem.limits[k, t.MAX_LENGTH])
         bend = max(bend, math.hypot(own[0], own[1]) - bend_cap(problem.limits, k, max(0.0, own[2])))
-        while j < problem.actuation.shape[0] and problem.actuation[j, LAST_SEGMENT] == k:
-            seen = dot(get_vec(problem.actuation, j, WEIGHTS), total if runs_through(problem.actuation, j) else own)
-            length = max(length, problem.actuation[j, MIN_VALUE] - seen, seen - problem.actuation[j, MAX_VALUE])
+        while j < problem.actuation.shape[0] and problem.actuation[j, t.LAST_SEGMENT] == k:
+            seen = dot(get_vec(problem.actuation, j, t.WEIGHTS), total if runs_through(problem.actuation, j) else own)
+            length = max(length, problem.actuation[j, t.MIN_VALUE] - seen, seen - problem.actuation[j, t.MAX_VALUE])
             j += 1
     return length, bend
 
@@ -180,7 +147,7 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
     in robot lengths and rad.
     """
     if not finite(q):  # comparisons with NaN are false, also those that should find something wrong
-        return FAILED, math.inf, math.inf, math.inf, math.inf, True, math.inf
+        return t.FAILED, math.inf, math.inf, math.inf, math.inf, True, math.inf
     forward(q, check.frames)
     off, turn = target_errors(problem, check.frames)
     length, bend = excess(problem, q)
@@ -205,12 +172,12 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
     crossing = max(0.0, -self_clearance) if own == TOUCHING else 0.0
     lengths = off * off + length * length + overlap * overlap + crossing * crossing
     merit = lengths / (problem.unit * problem.unit) + turn * turn + bend * bend
-    code = FAILED
+    code = t.FAILED
     if off <= problem.position_tolerance and turn <= problem.angle_tolerance and not bound:
         if verdict == CLEAR and own == CLEAR:
-            code = SOLVED
+            code = t.SOLVED
         elif TOUCHING not in (verdict, own):
-            code = UNPROVED
+            code = t.UNPROVED
     return code, off, turn, clearance, self_clearance, bound, merit
 
 
@@ -222,16 +189,21 @@ def offer(problem: Problem, check: Check, q: Array, source: int, answer: Answer)
     """
     record = answer.record
     code, off, turn, clearance, self_clearance, bound, merit = finish(problem, check, q)
-    if record[CODE] == SOLVED and code != SOLVED:
+    if record[t.CODE] == t.SOLVED and code != t.SOLVED:
         return False
-    if not finite(q) or not (code == SOLVED or merit < record[MERIT]):
+    if not finite(q) or not (code == t.SOLVED or merit < record[t.MERIT]):
         return False
     copy(q, answer.best)
-    if record[CODE] < OUT_OF_REACH or code == SOLVED:
-        record[CODE] = code
-    record[SOURCE], record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE] = source, off, turn, clearance
-    record[SELF_CLEARANCE], record[BOUND], record[MERIT] = self_clearance, 1.0 if bound else 0.0, merit
-    return code == SOLVED
+    if record[t.CODE] < t.OUT_OF_REACH or code == t.SOLVED:
+        record[t.CODE] = code
+    record[t.SOURCE], record[t.POSITION_ERROR], record[t.ANGLE_ERROR], record[t.CLEARANCE] = (
+        source,
+        off,
+        turn,
+        clearance,
+    )
+    record[t.SELF_CLEARANCE], record[t.BOUND], record[t.MERIT] = self_clearance, 1.0 if bound else 0.0, merit
+    return code == t.SOLVED
 
 
 Start = namedtuple("Start", ["initial", "index", "first", "seed"])
@@ -260,7 +232,7 @@ def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
     number = own_number(start)
     if number < 0:
         copy(start.initial[start.index], q)
-        return GIVEN
+        return t.GIVEN
     return begin_own(problem, check, number, start.seed, q)
 
 
@@ -270,10 +242,10 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
     tip, goal = most_distal(problem)
     if number == 0 and tip >= 0:
         single_arc(problem.limits, check.frames, tip, goal, q)
-        return ARC
+        return t.ARC
     scattered(problem.limits, number, seed, widest(number), q)
     face(problem.targets, check.frames, problem.tool, q)
-    return RANDOM
+    return t.RANDOM
 
 
 @kernel
@@ -289,12 +261,14 @@ def open_record(problem: Problem, check: Check, given: int, budget: Budget, answ
     impossible = verdict_of(problem)
     for j in range(record.shape[0]):
         record[j] = 0.0
-    record[CODE] = FAILED if impossible == POSSIBLE else impossible
-    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[MERIT] = math.inf
-    record[CLEARANCE] = record[SELF_CLEARANCE] = math.inf
-    record[SECONDS] = began
+    record[t.CODE] = t.FAILED if impossible == POSSIBLE else impossible
+    record[t.POSITION_ERROR] = record[t.ANGLE_ERROR] = record[t.MERIT] = math.inf
+    record[t.CLEARANCE] = record[t.SELF_CLEARANCE] = math.inf
+    record[t.SECONDS] = began
     for k in range(answer.best.shape[0]):
-        put_vec(answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
+        put_vec(
+            answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, t.MIN_LENGTH] + problem.limits[k, t.MAX_LENGTH]))
+        )
     own = last - first if impossible == POSSIBLE else min(last - first, 1)
     return given + own
 
@@ -303,14 +277,14 @@ def open_record(problem: Problem, check: Check, given: int, budget: Budget, answ
 def close_record(problem: Problem, check: Check, iterations: int, starts: int, late: bool, answer: Answer) -> None:
     """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
     record = answer.record
-    if record[MERIT] == math.inf:
+    if record[t.MERIT] == math.inf:
         _, off, turn, clearance, self_clearance, _, merit = finish(problem, check, answer.best)
-        record[POSITION_ERROR], record[ANGLE_ERROR], record[MERIT] = off, turn, merit
-        record[CLEARANCE], record[SELF_CLEARANCE] = clearance, self_clearance
-    if late and record[CODE] == FAILED:
-        record[CODE] = LATE
-    record[ITERATIONS], record[STARTS] = iterations, starts
-    record[SECONDS] = now(check.clock) - record[SECONDS]
+        record[t.POSITION_ERROR], record[t.ANGLE_ERROR], record[t.MERIT] = off, turn, merit
+        record[t.CLEARANCE], record[t.SELF_CLEARANCE] = clearance, self_clearance
+    if late and record[t.CODE] == t.FAILED:
+        record[t.CODE] = t.LATE
+    record[t.ITERATIONS], record[t.STARTS] = iterations, starts
+    record[t.SECONDS] = now(check.clock) - record[t.SECONDS]
 
 
 def search_by(follow: Follow) -> Search:
@@ -335,7 +309,7 @@ def search_by(follow: Follow) -> Search:
         (m, g, n, 3). `workspace` is scratch of the check (`check_size`), then of the method. Fills `answers`
         (m, 11 + 3 n): record and configuration of each.
         """
-        n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+        n, options = int(robot[0]), settings[t.METHOD_OPTIONS :]
         for i in range(targets.shape[0]):
             problem = read_problem(robot, scene, settings, targets[i])
             check, scratch = carve_check(workspace, problem)

@@ -9,8 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.display.clearances import clearances, lengths_along
-from sinuous.display.curves import Curves, actuators_of, bends_of, lengths_of
+from sinuous.display.curves import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
 from sinuous.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
 from sinuous.errors import InputError
 from sinuous.methods.registry import options_of

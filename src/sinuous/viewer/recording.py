@@ -19,9 +19,8 @@ from sinuous.display.style import FORCE, ROUTE, TIP_PATH, tones
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
-from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import pace
-from sinuous.viewer.nodes import Body, Look, Obstacles, colours_of, show_line, show_target
+from sinuous.viewer.nodes import Body, Look, Obstacles, colours_of, show_axes, show_line, show_target
 from sinuous.viewer.server import aim, close_server, open_server
 
 GHOST = 0.4

@@ -10,14 +10,13 @@ from viser import ClientHandle, TransformControlsHandle, ViserServer
 from sinuous.checks import Floats
 from sinuous.display.arms import Arm, arms_of, forces_of
 from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
-from sinuous.display.clearances import clearances
 from sinuous.display.contents import Contents
+from sinuous.display.curves import clearances
 from sinuous.display.sight import hiding
 from sinuous.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
 from sinuous.problem.target import Target
-from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import Model
-from sinuous.viewer.nodes import Body, Lines, Look, Obstacles, colours_of, rotation_of, show_line, wxyz
+from sinuous.viewer.nodes import Body, Lines, Look, Obstacles, colours_of, rotation_of, show_axes, show_line, wxyz
 from sinuous.viewer.server import aim
 from sinuous.viewer.session import Session
 from sinuous.viewer.status import Near

@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
@@ -98,8 +98,7 @@ search = search_by(follow)
 
 
 def _network(key: str, value: Any) -> Network | None:
-    if value is not None and not isinstance(value, Network):
-        raise InputError(key, "", value, "a Network, as sn.train returns it")
+    checks.instance(key, value, Network | None, "a Network, as sn.train returns it")
     return value
 
 

@@ -10,14 +10,12 @@ from scipy.spatial.transform import Rotation
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.packing import MARGIN
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Preferences, Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.loads import Force, Payload
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.segment import Segment, Stiffness
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.solution.solution import Solution

@@ -15,7 +15,7 @@ from benchmarks.places import Place, make
 from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
 from sinuous.checks import Floats
 from sinuous.methods.registry import METHODS, capabilities
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import HalfSpace

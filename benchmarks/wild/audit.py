@@ -23,9 +23,8 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.poses import pose
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, Uncertainty
 from sinuous.robot.segment import Segment
-from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere

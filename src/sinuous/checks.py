@@ -4,6 +4,7 @@ import math
 import numbers
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -15,12 +16,19 @@ from sinuous.errors import InputError
 Floats = NDArray[np.float64]
 
 Word = TypeVar("Word", bound=str)
+Kind = TypeVar("Kind", bound=np.generic)
 
 LARGEST = 1e100
 """Largest coordinate of a point: squares and cubes of it are numbers still."""
 
 UNIT_SLACK = 4e-15
 """By how much the square of a unit vector differs from 1 at most, after rounding."""
+
+
+def closed(array: NDArray[Kind]) -> NDArray[Kind]:
+    """Make an array read-only, and return it."""
+    array.flags.writeable = False
+    return array
 
 
 @contextmanager
@@ -39,6 +47,12 @@ def in_file(file: object) -> Iterator[None]:
         yield
     except InputError as error:
         raise error.in_file(file) from None
+
+
+def instance(key: str, value: Any, kind: Any, expected: str) -> None:
+    """Refuse what is of no class, or union of classes, that is meant."""
+    if not isinstance(value, kind):
+        raise InputError(key, "", value, expected)
 
 
 def number(
@@ -97,8 +111,7 @@ def array(key: str, value: Any, shape: Sequence[int | None], expected: str | Non
     result = result.astype(np.float64)
     if not np.isfinite(result).all():
         raise InputError(key, "", value, wanted)
-    result.flags.writeable = False
-    return result
+    return closed(result)
 
 
 def _described(shape: Sequence[int | None]) -> str:
@@ -167,9 +180,7 @@ def direction(key: str, value: Any, size: int = 3) -> Floats:
     if largest == 0.0:
         raise InputError(key, "", value, "a vector that is not zero")
     scaled = v / largest
-    result: Floats = scaled / math.sqrt(_squares(scaled.tolist()))
-    result.flags.writeable = False
-    return result
+    return closed(scaled / math.sqrt(_squares(scaled.tolist())))
 
 
 def rows(key: str, value: Any, *shape: int) -> Floats:
@@ -182,8 +193,7 @@ def rows(key: str, value: Any, *shape: int) -> Floats:
     if not np.isfinite(result).all():
         first = int(np.argmin(np.isfinite(result).reshape(len(result), -1).all(axis=1)))
         raise InputError(f"{key}[{first}]", "", result[first].tolist(), _described(shape))
-    result.flags.writeable = False
-    return result
+    return closed(result)
 
 
 def directions(key: str, value: Any, size: int = 3) -> Floats:
@@ -200,8 +210,7 @@ def directions(key: str, value: Any, size: int = 3) -> Floats:
     scaled = v[~close] / largest[~close, None]
     result = v.copy()
     result[~close] = scaled / np.sqrt(_squares(scaled.T))[:, None]
-    result.flags.writeable = False
-    return result
+    return closed(result)
 
 
 def _squares(parts: Iterable[Any]) -> Any:
@@ -250,8 +259,7 @@ def points(key: str, value: Any) -> Floats:
         first = int(np.flatnonzero(~good)[0])
         problem = "too large" if np.isfinite(result[first]).all() else ""
         raise InputError(f"{key}[{first}]", problem, result[first].tolist(), "3 finite numbers")
-    result.flags.writeable = False
-    return result
+    return closed(result)
 
 
 def truth(key: str, value: Any) -> bool:
@@ -266,6 +274,15 @@ def text(key: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
         raise InputError(key, "", value, "a text")
     return value
+
+
+def needed(package: str, extra: str, key: str, value: object = None, name: str = "") -> Any:
+    """Import a package that an extra brings, or say what to install; it is called `name`, where that is another one."""
+    try:
+        return import_module(package)
+    except ImportError:
+        wanted = f"it installed: pip install sinuous[{extra}]"
+        raise InputError(key, f"needs {name or package}", value, wanted) from None
 
 
 def choice(key: str, value: Any, words: Sequence[Word]) -> Word:

@@ -40,8 +40,7 @@ def _answering(solver: Solver, initial: Any, unsolved: str) -> Any:
         n, kind = len(solver.robot), next(iter(goals.values())).dtype
         shapes = tuple(jax.ShapeDtypeStruct((*lead, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
         called = partial(_called, solver, initial, unsolved)
-        found: tuple[Any, Any] = jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
-        return found
+        return jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
 
     @jax.custom_jvp
     def configurations(goals: Goals) -> Any:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.checks import Floats, closed
 from sinuous.kernels import tables as t
 
 ITERATIONS = 60
@@ -63,18 +63,13 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
 
 def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
     """Return the table (n, 8) of segments, base to tip; read-only."""
-    return _closed(np.array(rows, np.float64))
+    return closed(np.array(rows, np.float64))
 
 
 def actuator_table(rows: Sequence[Sequence[float]]) -> Floats:
     """Return the table (p, 7) of all limits of actuators, in the order of their last segment; read-only."""
     ordered = sorted(rows, key=lambda row: row[t.LAST_SEGMENT])
-    return _closed(np.array(ordered, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
-
-
-def _closed(table: Floats) -> Floats:
-    table.flags.writeable = False
-    return table
+    return closed(np.array(ordered, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
 
 
 def pose_row(matrix: Floats) -> Floats:

@@ -34,8 +34,7 @@ def rotation_matrix(key: str, value: Any) -> Floats:
         result = _from_quaternion(*checks.direction(key, value, 4).tolist())
     else:
         result = _nearest_rotation(key, checks.array(key, value, (3, 3)))
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def any_rotation(rotation: Orientation | None, xyzw: Vector | None) -> Floats | None:
@@ -74,8 +73,7 @@ def rotation_matrices(key: str, value: Any) -> Floats:
         result = _nearest_rotations(key, checks.rows(key, value, 3, 3))
     else:
         raise InputError(key, "", value, "3x3 rotation matrices or quaternions [w, x, y, z]")
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def _from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Floats:
@@ -93,8 +91,7 @@ def _nearest_rotation(key: str, matrix: Floats) -> Floats:
     off = _off(matrix[None])
     if off[0] > ROTATION_SLACK:
         raise InputError(key, "", matrix.tolist(), "a rotation: orthonormal rows and determinant 1")
-    result: Floats = _exact(matrix[None], off)[0]
-    return result
+    return _exact(matrix[None], off)[0]
 
 
 def _nearest_rotations(key: str, matrices: Floats) -> Floats:
@@ -120,8 +117,7 @@ def _off(matrices: Floats) -> Floats:
 
 def _dots(a: Floats, b: Floats) -> Floats:
     """Products (m,) of rows (m, 3), summed in one order however many there are."""
-    result: Floats = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
-    return result
+    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
 def _exact(matrices: Floats, off: Floats) -> Floats:
@@ -198,8 +194,7 @@ def pose(
         result[:3, :3] = np.eye(3) if turned is None else turned
     if position is not None:
         result[:3, 3] = checks.vector("position", position)
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def is_pose(value: Any) -> bool:

@@ -149,5 +149,4 @@ def solve(
     """
     lead_of(positions, directions, rotations)
     q, _ = _Solve.apply(positions, directions, rotations, solver, initial, check_unsolved(unsolved))
-    found: Tensor = q
-    return found
+    return q

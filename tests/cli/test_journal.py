@@ -151,7 +151,7 @@ def test_wherever_it_ends(command: list[str], tmp_path: Path, monkeypatch: pytes
     out = tmp_path / "out.jsonl"
     every = 0.0 if "plan" in command else 1.0  # also with chunks of one entry
     monkeypatch.setattr(journal, "EVERY", every)
-    for ended in sorted({0, 1, 2, *range(5, steps.count, 8), steps.count - 1}):
+    for ended in sorted({0, 1, 2, *range(5, steps.count, 12), steps.count - 1}):
         taken, got = 0, 130
         for most in (ended, 2, 10**9):
             with monkeypatch.context() as patch:

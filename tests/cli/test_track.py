@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -85,33 +84,34 @@ def test_an_interrupt_keeps_the_waypoints_so_far(
     assert captured.err.splitlines()[-1] == "sinuous: interrupted after 0 of 2 files; the results so far are written"
 
 
+TELLING = """
+import sys
+from sinuous.cli.app import main
+from sinuous.motion.tracker import Tracker
+go_on = Tracker.go_to
+def telling(self, targets):
+    answer = go_on(self, targets)
+    print("reached", file=sys.stderr, flush=True)
+    return answer
+Tracker.go_to = telling
+sys.exit(main(sys.argv[1:]))
+"""
+"""The command line, which says when a waypoint is behind it."""
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a process alone")
 def test_a_real_interrupt(problem: Write, tmp_path: Path) -> None:
     """Two places at once cannot be met and this is not proved, so that every waypoint tries all its starts."""
     endless = tmp_path / "endless.yaml"
     torn = "  - [{position: [1, 0, 2]}, {position: [-1, 0, 2]}]\n"
-    endless.write_text(ROBOT + "path:\n" + torn * 5000)
+    endless.write_text(ROBOT + "path:\n" + torn * 500)
     out = tmp_path / "results.jsonl"
-    command = [
-        sys.executable,
-        "-m",
-        "sinuous",
-        "track",
-        problem("easy.yaml"),
-        str(endless),
-        "--json",
-        "--out",
-        str(out),
-    ]
-    with subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    command = [sys.executable, "-c", TELLING, "track", problem("easy.yaml"), str(endless), "--json", "--out", str(out)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
+        assert process.stderr is not None
         first = process.stdout.readline()
-        time.sleep(2.0)
+        assert [process.stderr.readline() for _ in range(2)] == ["reached\n"] * 2  # one of each file
         process.send_signal(signal.SIGINT)
         rest, err = process.communicate(timeout=60)
     assert process.returncode == 130

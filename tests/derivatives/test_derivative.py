@@ -36,7 +36,7 @@ ANSWER = SOLVER.solve(sn.Target((1.0, 0.4, 3.0)))
 def test_no_wrong_derivative_is_called_regular(family: str) -> None:
     """Along a random motion of all parameters at once: targets, base, tool, sizes, limits, obstacles, start."""
     regular = 0
-    for seed in range(25):
+    for seed in range(16):
         rng = np.random.default_rng([seed, 1])
         found = draw(family, rng)
         if found is None:
@@ -121,7 +121,7 @@ def slacks(robot: sn.Robot, q: Floats) -> tuple[Floats, Floats]:
 def test_limits_that_move_push_the_answer() -> None:
     """Against the least motion by another way: gradients of limits, and differences of what is left of them."""
     compared = 0
-    for seed in range(30):
+    for seed in range(20):
         rng = np.random.default_rng([seed, 8])
         found = draw(str(rng.choice(["limits", "actuators"])), rng)
         assert found is not None
@@ -146,7 +146,7 @@ def test_limits_that_move_push_the_answer() -> None:
             continue
         np.testing.assert_allclose(motion / scale, oracle / scale, atol=1e-5 * max(1.0, np.abs(oracle / scale).max()))
         compared += 1
-    assert compared > 15
+    assert compared > 10
 
 
 def gap_gradient(found: Solution) -> Floats:
@@ -190,18 +190,18 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
 
 def test_a_contact_at_a_border_of_the_pieces_that_are_searched_counts_once() -> None:
     counted = 0
-    for kind, seed, off in itertools.product(OBSTACLES, range(3), (0.0, 1e-6, -1e-6, 1e-5, -1e-5, 1e-3)):
+    for kind, seed, off in itertools.product(OBSTACLES, range(2), (0.0, 1e-6, -1e-6, 1e-5, -1e-5, 1e-3)):
         problem, q = touching(kind, np.random.default_rng([seed, 77]), place=(seed + 5) / PIECES + off)
         if sn.check(problem.robot, q, problem.scene).ok:
             about = derivative_of(problem, q, "target")._rows.about
             assert (about[:, KIND] == CLEARANCE).sum() == 1, (kind, seed, off)
             counted += 1
-    assert counted > 30
+    assert counted > 20
 
 
 def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
     compared = 0
-    for seed in range(60):
+    for seed in range(40):
         rng = np.random.default_rng([seed, 5])
         found = draw("beside obstacles", rng)
         if found is None:
@@ -218,7 +218,7 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
             gaps.append(least_gaps(sn.Problem(asked.robot, asked.targets, asked.scene), q[None])[0])
         assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
-    assert compared > 8
+    assert compared > 5
 
 
 def _size(found: Solution) -> float:

@@ -30,7 +30,7 @@ UNORDERED = ("lists",)
 TIMED = ("search", "search_many", "prefer")
 """Entries whose records have, in their last place, the seconds that it took."""
 
-MOST_LOOKS = 12
+MOST_LOOKS = 6
 """Most calls of one entry that are compared: they take a thousand times as long, interpreted."""
 
 compared: Counter[str] = Counter()

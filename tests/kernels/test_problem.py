@@ -12,8 +12,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import answer_of, read_problem
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import settings_group
+from sinuous.problem.problem import Preferences, settings_group
 from sinuous.problem.target import Target, Tolerance, target_table
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot, robot_group

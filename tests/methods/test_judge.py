@@ -8,7 +8,7 @@ from benchmarks.problems import clutter, random_configurations
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
-from sinuous.methods import judge as common
+from sinuous.methods import search as common
 from sinuous.packing import pose_row
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -57,7 +57,7 @@ def judged(problem: Problem, q: Floats) -> tuple[int, float, float, float, float
 def test_the_check_agrees_with_the_independent_one() -> None:
     """Random robots of all sorts among obstacles of all kinds; targets met, nearly met, and missed."""
     solved = blocked = bound = missed = 0
-    for seed in range(15):
+    for seed in range(10):
         drawn = clutter(seed, 4)
         robot, rng = drawn.robot, np.random.default_rng(seed)
         for q in random_configurations(robot, 4, rng):
@@ -81,7 +81,7 @@ def test_the_check_agrees_with_the_independent_one() -> None:
             blocked += clearance < 0.0
             bound += over
             missed += off > (problem.tolerance.position or 0.0)
-    assert min(solved, blocked, bound, missed) > 5
+    assert min(solved, blocked, bound, missed) > 3
 
 
 def test_several_targets_count_by_the_worst() -> None:

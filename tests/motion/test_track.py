@@ -8,7 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.track import HALF, Room
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)

@@ -48,10 +48,10 @@ def random_shapes(robot: Robot, rng: np.random.Generator, count: int) -> Floats:
     return q
 
 
-def test_there_and_back_for_a_thousand_robots() -> None:
+def test_there_and_back_for_hundreds_of_robots() -> None:
     rng = np.random.default_rng(0)
     alone = 0
-    for _ in range(1000):
+    for _ in range(400):
         robot, determined = random_robot(rng)
         q = random_shapes(robot, rng, 5)
         values = robot.to_actuators(q)
@@ -61,7 +61,7 @@ def test_there_and_back_for_a_thousand_robots() -> None:
         alone += determined
         if not determined:
             refused("initial", partial(robot.from_actuators, values), "length of s")
-    assert 200 < alone < 800
+    assert 80 < alone < 320
 
 
 def test_a_stage_stays_where_it_was_and_a_spacer_as_it_is() -> None:

@@ -216,7 +216,7 @@ def test_bounds_are_bounds(name: str) -> None:
         shape = row[0, SHAPE : SHAPE + 3]
         index = np.random.default_rng(11).integers(0, shape, (200, 3))
         nodes = row[0, ORIGIN : ORIGIN + 3] + row[0, SPACING] * index
-    points = np.concatenate([around(12, 500), around(13, 200, far=True), close(name, 14, 300), nodes])
+    points = np.concatenate([around(12, 300), around(13, 120, far=True), close(name, 14, 200), nodes])
     true = case(name).truth(points)
     rounding = 1e-12 * (1.0 + abs(true))
     bounds, above = ask(name, points, 1), ask(name, points, 3)
@@ -228,7 +228,7 @@ def test_bounds_are_bounds(name: str) -> None:
 
 @pytest.mark.parametrize("name", FIELDS)
 def test_what_is_within_reach_is_exact_and_the_rest_is_beyond(name: str) -> None:
-    points = np.concatenate([around(15, 200), around(16, 50, far=True), close(name, 17, 50)])
+    points = np.concatenate([around(15, 120), around(16, 30, far=True), close(name, 17, 40)])
     exact = ask(name, points, 2)[:, 0]
     for reach in (-0.1, 0.0, 0.05, 0.5, 2.0):
         low, high = ask(name, points, 2, reach).T

@@ -37,7 +37,7 @@ def test_no_configuration_leaves_the_mount_farther_aside_than_the_bound(seed: in
     ]
     bound, far = sway(mount, ramps), 0.0
     robot = sn.Robot([sn.Segment((a, b), c) for a, b, c in zip(low, high, bends, strict=True)])
-    for _ in range(300):
+    for _ in range(150):
         lengths = np.where(draw.random(n) < 0.6, low, draw.uniform(low, high))
         size = np.minimum(bends, curvatures * np.maximum(lengths, 1e-300)) * np.where(
             draw.random(n) < 0.7, 1.0, draw.random(n)

@@ -25,7 +25,7 @@ def shapes(count: int, seed: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["position", "direction", "rotation", "direction alone", "elbow and tip"])
 @pytest.mark.parametrize("count", [1, 3, TAIL, 5 * TAIL])
 def test_the_nearest_are_those_of_a_look_at_all(kind: str, count: int) -> None:
-    memory, kept, asked = Memory(ROBOT), shapes(count), shapes(7, seed=1)
+    memory, kept, asked = Memory(ROBOT), shapes(count), shapes(4, seed=1)
     for some in np.array_split(kept, min(count, 3)):
         memory.add(some)
     for q in asked:

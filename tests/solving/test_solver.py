@@ -88,7 +88,7 @@ def test_solved_means_clear_of_every_obstacle(seed: int) -> None:
     )
     solver = sn.Solver(robot, scene, max_starts=20)
     solved = 0
-    for q in random_shapes(robot, 30, seed):
+    for q in random_shapes(robot, 20, seed):
         solution = solver.solve(as_target(robot.tip(q), "direction"))
         check = solution.verify()
         assert check.excess <= 1e-9
@@ -100,7 +100,7 @@ def test_solved_means_clear_of_every_obstacle(seed: int) -> None:
         else:
             assert not check.ok or solution.status in (sn.Status.UNPROVED, sn.Status.BASE_BLOCKED)
             assert solution.worst is not None
-    assert solved > 20 or scene.distance((0, 0, 0.2)) < 0.08
+    assert solved > 13 or scene.distance((0, 0, 0.2)) < 0.08
 
 
 @pytest.mark.parametrize("lines", [3, 4, 5])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.viewer import model
 from sinuous.viewer.nodes import rotation_of
 from sinuous.viewer.page import Page
 from tests.helpers import Floats
@@ -31,6 +32,13 @@ DRIVEN = sn.Job(
     sn.Target((1, 0.2, 1.2), direction=(1, 0, 0)),
 )
 PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
+
+
+@pytest.fixture(autouse=True)
+def every_motion_is_played_in_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawn by software: each picture takes tens of milliseconds of processor time."""
+    monkeypatch.setattr(model, "LONGEST", 1.0)
+    monkeypatch.setattr(model, "SHORTENED", 1.0)
 
 
 @pytest.fixture(scope="module")

@@ -81,6 +81,5 @@ def _robots(robot: Any) -> dict[str, Robot]:
     if not named:
         raise InputError("robot", "", robot, "at least one Robot")
     for name, each in named.items():
-        if not isinstance(each, Robot):
-            raise InputError(f"robot[{name!r}]", "", each, "a Robot")
+        checks.instance(f"robot[{name!r}]", each, Robot, "a Robot")
     return named

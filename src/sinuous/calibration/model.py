@@ -15,8 +15,8 @@ from sinuous.calibration.bodies import Loaded, at_rest
 from sinuous.calibration.measurements import Place
 from sinuous.calibration.parameters import Table, Values, changed, lines_of
 from sinuous.checks import Floats
+from sinuous.robot.elastic import Springs
 from sinuous.robot.robot import Robot
-from sinuous.robot.springs import Springs
 
 STEP = 1e-6
 """Of differences of tables of loaded bodies: share of how far a parameter may be off, or of gravity."""

@@ -12,8 +12,7 @@ from sinuous.checks import Floats
 from sinuous.robot.actuators import Lines
 from sinuous.robot.loads import Payload
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.segment import Segment, Stiffness
 from sinuous.statics.response import softest
 
 GroupName = Literal[

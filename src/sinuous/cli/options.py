@@ -18,7 +18,7 @@ from sinuous.writing.documents import written
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
-    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.problem import Preferences
     from sinuous.problem.target import Tolerance
 
 SOLVED = 0

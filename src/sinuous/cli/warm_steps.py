@@ -14,7 +14,7 @@ from sinuous.methods.registry import METHODS, name_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.motion.planning.walk import load_walk
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh

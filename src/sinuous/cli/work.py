@@ -28,8 +28,9 @@ from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of
 from sinuous.motion.knots import Entry, read_entry, write_entry
 from sinuous.motion.motion import Motion
+from sinuous.motion.paced import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
-from sinuous.motion.track import Pace, tracker_of
+from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
@@ -141,7 +142,7 @@ def _check_timed(problem: ProblemFile, timed: Timed) -> None:
 
 def _paces(problem: ProblemFile, timed: Timed) -> tuple[Pace, Floats | None]:
     """How fast the path of a file is followed, and the times of its waypoints where they have any."""
-    pace = Pace.of(problem.robot, problem.rates, timed.duration, problem.times)
+    pace = Pace.of(problem.robot, problem.rates, timed.duration, times=problem.times)
     own = pace.waypoints(len(problem.waypoints), problem.start is not None)
     return pace, own if problem.times is None else problem.times
 

@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.solution.at_rest import nonnegative_least_squares
+from sinuous.solution.least_distance import least_distance
 
 RANK = 1e-10
 """Singular value, relative to the largest, below which rows depend on each other."""
 
 INCOMPATIBLE = 1e-9
-"""Remainder of a least-distance program, whose right side has length 1, from which on nothing satisfies it."""
+"""By how much equations may be missed, relative to their right sides, or nothing satisfies them."""
 
 
 class Kept(NamedTuple):
@@ -36,7 +36,7 @@ def least_motion(kept: Kept, values: Floats, bounds: Floats, pull: Floats) -> Fl
     """Return the x (c,) with the least `x' H x / 2 + pull . x` that keeps rows; NaN where none does.
 
     `values` (e,) and `bounds` (l,) are those of `equal` and `least`. Least-distance programming in what the equations
-    leave free (Lawson & Hanson 1974, chapter 23).
+    leave free.
     """
     count = kept.equal.shape[1]
     _, sizes, directions = np.linalg.svd(kept.equal)
@@ -53,19 +53,6 @@ def least_motion(kept: Kept, values: Floats, bounds: Floats, pull: Floats) -> Fl
             root = np.linalg.cholesky(free.T @ kept.hessian @ free)
         except np.linalg.LinAlgError:
             return np.full(count, np.nan)
-    best: Floats = begin - free @ np.linalg.solve(root.T, np.linalg.solve(root, slope))
-    rows = np.linalg.solve(root, free.T @ kept.least.T).T
-    missing = bounds - kept.least @ best
-    if missing.max(initial=0.0) <= 0.0:
-        return best
-    # The least w with rows w >= missing, in units in which the largest of these is 1.
-    unit = float(np.abs(missing).max())
-    system = np.vstack([rows.T, missing / unit])
-    wanted = np.zeros(len(system))
-    wanted[-1] = 1.0
-    left = system @ nonnegative_least_squares(system, wanted) - wanted
-    if abs(left[-1]) <= INCOMPATIBLE:
-        return np.full(count, np.nan)
-    shift = -unit * left[:-1] / left[-1]
-    result: Floats = best + free @ np.linalg.solve(root.T, shift)
-    return result
+    best: Floats = -np.linalg.solve(root.T, np.linalg.solve(root, slope))
+    nearest = least_distance(root, best, kept.least @ free, bounds - kept.least @ begin)
+    return np.full(count, np.nan) if nearest is None else begin + free @ nearest[0]

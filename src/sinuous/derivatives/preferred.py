@@ -18,8 +18,7 @@ from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, RADIUS_OF
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, SELF_CLEARANCE
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Preferences, Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import limits_of
 
@@ -196,8 +195,7 @@ class _System:
             if kind == ACTUATOR and asked[a.TENDONS] >= 0 and (line := plan.lines[int(about[a.OTHER])])[COLUMN] >= 0.0:
                 bends = np.where(np.arange(len(row)) % 3 < 2, row, 0.0) / about[a.FACTOR]
                 change[:, asked[a.TENDONS] + int(line[COLUMN])] -= force * bends / line[RADIUS_OF]
-        whole: Floats = self.scale[:, None] * change + self._bent @ fixed_lengths(plan)
-        return whole
+        return self.scale[:, None] * change + self._bent @ fixed_lengths(plan)
 
     @cached_property
     def _pulls(self) -> "list[_Pull]":
@@ -220,8 +218,7 @@ class _System:
         """Directions (..., 3) of ends of a segment."""
         robot = self._problem.robot
         frames = robot.forward(q)[..., end - 1, :3, :3]
-        tangents: Floats = frames @ (robot.tool[:3, 2] if end == len(robot) else np.array([0.0, 0.0, 1.0]))
-        return tangents
+        return frames @ (robot.tool[:3, 2] if end == len(robot) else np.array([0.0, 0.0, 1.0]))
 
     def _of_targets(self) -> Floats:
         """Curvature (3 n, 3 n) of what the targets hold, by central differences of what pulls at each coordinate."""

@@ -64,8 +64,7 @@ def read_results(file: Path) -> list[tuple[int, dict[str, Any]]]:
     for number, line in lines:
         with checks.inside(f"line {number}"):
             values = parse_json(line)
-            if not isinstance(values, dict):
-                raise InputError("", "", values, "a result")
+            checks.instance("", values, dict, "a result")
         results.append((number, values))
     if not results:
         raise InputError("file", "is empty", str(file), "results, one a line")

@@ -225,8 +225,7 @@ def concerned(places: Places, first: Indices, second: Indices) -> NDArray[np.boo
     # Less than a quarter turn leaves them ahead of each other, also where rounding has it otherwise.
     astray = ((here <= 0.0) | (there <= 0.0)) & (places.turned[second] - places.turned[first] >= 0.5 * math.pi)
     radius = np.maximum(places.radii[first], places.radii[second])
-    result: NDArray[np.bool_] = np.where(alike, apart >= math.pi * radius, astray) & (radius > 0.0)
-    return result
+    return np.where(alike, apart >= math.pi * radius, astray) & (radius > 0.0)
 
 
 def backbone_places(robot: Robot, q: Floats, ends: Floats, count: int) -> Places:

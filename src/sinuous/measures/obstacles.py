@@ -87,8 +87,7 @@ def _along(obstacle: Capsule | Cylinder, points: Floats) -> Floats:
     """Where points project on the axis: 0 at its start, 1 at its end."""
     span = obstacle.end - obstacle.start
     square = float(span @ span)
-    result: Floats = (points - obstacle.start) @ span / (square if square > 0.0 else 1.0)
-    return result
+    return (points - obstacle.start) @ span / (square if square > 0.0 else 1.0)
 
 
 def to_boxes(points: Floats, half: Floats) -> Floats:
@@ -137,8 +136,7 @@ def _signs(corners: Floats, points: Floats, distances: Floats) -> Floats:
     fresh = np.ones(len(points), bool)
     fresh[1:] = steps >= np.maximum(distances[1:], distances[:-1])
     inside = winding_numbers(points[fresh], corners) > 0.5
-    signs: Floats = np.where(inside, -1.0, 1.0)[np.cumsum(fresh) - 1]
-    return signs
+    return np.where(inside, -1.0, 1.0)[np.cumsum(fresh) - 1]
 
 
 def to_cloud(cloud: PointCloud, points: Floats) -> Floats:
@@ -182,15 +180,13 @@ def _proved(grid: Grid, points: Floats) -> Floats:
     No distance function with these samples has less there.
     """
     values, gaps = _corners(grid, points)
-    result: Floats = (values - gaps).max(axis=0)
-    return result
+    return (values - gaps).max(axis=0)
 
 
 def most_to_grid(grid: Grid, points: Floats) -> Floats:
     """Least of `value + distance` (m,) over the same corners: no distance function with these samples has more."""
     values, gaps = _corners(grid, points)
-    result: Floats = _where_known(grid, values, values + gaps).min(axis=0)
-    return result
+    return _where_known(grid, values, values + gaps).min(axis=0)
 
 
 def _corners(grid: Grid, points: Floats) -> tuple[Floats, Floats]:

@@ -114,5 +114,4 @@ def _mean(function: Callable[[Floats], Floats], ends: Floats) -> Floats:
     nodes, weights = np.polynomial.legendre.leggauss(16)
     pieces = (np.arange(64)[:, None] + 0.5 * (nodes + 1.0)) / 64.0
     at = ends[:-1, None, None] + np.diff(ends)[:, None, None] * pieces
-    result: Floats = (function(at) @ weights).sum(axis=-1) / 128.0
-    return result
+    return (function(at) @ weights).sum(axis=-1) / 128.0

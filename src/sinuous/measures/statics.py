@@ -85,10 +85,9 @@ def _strain(own: Body, q: Floats, states: Floats, length: Floats) -> Floats:
     bend, twist, stretch = (np.where(np.isfinite(stiffness), stiffness, 0.0) / length[:, None]).T
     rest = np.where(own.pulled[:, None], own.rest, q[:, :2]) / own.counts[:, None]
     bent = states[..., :2] - _turned(_roll(0.5 * states[..., 2])[..., :2, :2], rest[own.owners])
-    result: Floats = 0.5 * (
+    return 0.5 * (
         np.square(bent).sum(axis=-1) @ bend + states[..., 2] ** 2 @ twist + (states[..., 3] - length) ** 2 @ stretch
     )
-    return result
 
 
 def _tensions(own: Body, q: Floats, long: Floats, displacements: Floats | None) -> Floats:
@@ -107,8 +106,7 @@ def _tensions(own: Body, q: Floats, long: Floats, displacements: Floats | None) 
             half = 0.5 * np.hypot(arcs[through, 0], arcs[through, 1])
             held[i] += float((along * (np.sinc(half / np.pi) - 1.0)).sum())
     over = long - held
-    result: Floats = np.where(lines.pushes, over, np.maximum(over, 0.0)) / lines.compliance
-    return result
+    return np.where(lines.pushes, over, np.maximum(over, 0.0)) / lines.compliance
 
 
 def _across(arms: Floats) -> Floats:
@@ -118,8 +116,7 @@ def _across(arms: Floats) -> Floats:
 
 def _turned(rotations: Floats, vectors: Floats) -> Floats:
     """Rotations (..., d, d) times vectors (..., d)."""
-    result: Floats = (rotations @ vectors[..., None])[..., 0]
-    return result
+    return (rotations @ vectors[..., None])[..., 0]
 
 
 def _turns(bends: Floats) -> Floats:

@@ -9,8 +9,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import CODE, FAILED, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene

@@ -14,7 +14,7 @@ from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Prepared
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -28,7 +28,7 @@ METHODS: dict[MethodName, str] = {
     "opti_path": "opti_path.options.OptiPath",
     "dls": "dls.Dls",
     "fabrikc": "fabrik.reaching.Fabrikc",
-    "slinki": "slinki.search.Slinki",
+    "slinki": "slinki.Slinki",
     "fabrikx": "fabrik.reaching.Fabrikx",
     "fabrik_avoid": "fabrik.reaching.FabrikAvoid",
     "monte_carlo": "monte_carlo.MonteCarlo",

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import VERDICT
@@ -33,8 +34,7 @@ def distances(robot: Robot, q: Floats) -> Floats:
     lengths; a change of a length by itself.
     """
     steps = (q[1:] - q[:-1]) * lever_metric(robot)
-    result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
-    return result
+    return np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
 
 
 def lever_metric(robot: Robot) -> Floats:
@@ -46,17 +46,14 @@ def lever_metric(robot: Robot) -> Floats:
 def _levers_of(segments: tuple[Segment, ...]) -> Floats:
     lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in segments])
     levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
-    result = np.stack([levers, levers, np.ones(len(levers))], axis=-1)
-    result.flags.writeable = False
-    return result
+    return checks.closed(np.stack([levers, levers, np.ones(len(levers))], axis=-1))
 
 
 def movable(segments: tuple[Segment, ...]) -> Floats:
     """Which coordinates (3 n,) can move."""
     bends = np.array([segment.max_bend > 0.0 and segment.length[1] > 0.0 for segment in segments])
     stretches = np.array([segment.length[0] < segment.length[1] for segment in segments])
-    result: Floats = np.stack([bends, bends, stretches], axis=1).ravel()
-    return result
+    return np.stack([bends, bends, stretches], axis=1).ravel()
 
 
 def within_limits(robot: Robot, q: Floats) -> Floats:
@@ -78,8 +75,7 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
     low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
     angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
     drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
-    result: Floats = within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
-    return result
+    return within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
 
 
 def violated_by(robot: Robot, q: Floats) -> Worst | None:

@@ -190,8 +190,7 @@ def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
         return read_scene(values, None, Path(file).parent)
     if isinstance(values, dict) and "segments" in values and "robot" not in values:
         return read_robot(values)
-    if not isinstance(values, dict):
-        raise InputError("file", "", values, "a problem, a robot, a list of obstacles, or a motion")
+    checks.instance("file", values, dict, "a problem, a robot, a list of obstacles, or a motion")
     if "motion" in values:
         return _saved_motion(values, file)
     return problem_of(values, file, Job)

@@ -51,8 +51,7 @@ class Line:
         assert self.end.position is not None
         if share in (0.0, 1.0):  # the waypoints themselves, to the last digit
             return self.end.position if share else self.begin.position
-        place: Floats = (1.0 - share) * self.begin.position + share * self.end.position
-        return place
+        return (1.0 - share) * self.begin.position + share * self.end.position
 
 
 def _kind(target: Target) -> tuple[bool, bool, bool, int | None]:
@@ -71,8 +70,7 @@ def _turned(a: Floats, b: Floats, share: float) -> Floats:
         across = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
         length = float(np.linalg.norm(across))
     angle = share * math.atan2(length if a @ b > -1.0 else 0.0, float(a @ b))
-    turned: Floats = math.cos(angle) * a + math.sin(angle) * across / length
-    return turned
+    return math.cos(angle) * a + math.sin(angle) * across / length
 
 
 class Knot(NamedTuple):

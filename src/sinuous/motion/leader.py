@@ -16,9 +16,8 @@ from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.robot.actuators import Stage
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, Uncertainty
 from sinuous.robot.segment import Segment
-from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution

@@ -4,17 +4,27 @@ A step is linear in q, so its speed is even. Where accelerations are limited, th
 than that in the mean of the durations beside it, at both ends in half of one, as for plans in time.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
+from sinuous import checks
+from sinuous.arguments import Number
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.motion.motion import Motion
 from sinuous.motion.timing import largest
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.status import Status
 
 ROUNDING = 1e-9
 """Share of a duration that it may be too short by."""
+
+
+PATIENCE = 8.0
+"""How many times as long as the straight way the robot may be on its way after all obstacles have come to rest."""
 
 
 def paced(motion: Motion, rates: Rates | None, duration: float | None = None, *, asked: bool = False) -> Motion:
@@ -50,8 +60,7 @@ def paced(motion: Motion, rates: Rates | None, duration: float | None = None, *,
 
 def least_durations(robot: Robot, q: Floats, rates: Rates) -> Floats:
     """How long each step between knots (T, n, 3) takes at least (T - 1,); 0 where no speed is limited."""
-    least: Floats = 1.0 / largest(robot, rates.spread(robot), np.diff(q, axis=0))
-    return least
+    return 1.0 / largest(robot, rates.spread(robot), np.diff(q, axis=0))
 
 
 def _slower(robot: Robot, q: Floats, durations: Floats, rates: Rates) -> float:
@@ -64,3 +73,78 @@ def _slower(robot: Robot, q: Floats, durations: Floats, rates: Rates) -> float:
     means = 0.5 * (beside[1:] + beside[:-1])
     most = largest(robot, rates.acceleration.spread(robot), np.diff(speeds, axis=0) / means[:, None, None])
     return float(np.sqrt(max(1.0, (1.0 / most).max())))
+
+
+class Pace(NamedTuple):
+    """How fast a motion is: its rates, when it begins, and how long it takes.
+
+    Attributes
+    ----------
+    rates : Rates or None
+    begin : float
+    duration : float or None
+        As short as is found, when there are rates.
+    timed : bool
+        Whether waypoints have times.
+    """
+
+    rates: Rates | None = None
+    begin: float = 0.0
+    duration: float | None = None
+    timed: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        rates: Rates | None = None,
+        duration: Number | None = None,
+        begin: Number = 0.0,
+        times: Floats | None = None,
+    ) -> "Pace":
+        """Check what a user says; `times` are those of waypoints.
+
+        Raises
+        ------
+        InputError
+        """
+        checks.instance("rates", rates, Rates | None, "Rates")
+        if rates:
+            with checks.inside("rates"):
+                rates.check(robot)
+        if duration is not None and times is not None:
+            raise InputError("duration", "cannot be combined with times", duration, "one of duration, times")
+        long = None if duration is None else checks.number("duration", duration, above=0.0)
+        return cls(rates or None, checks.number("begin", begin), long, times is not None)
+
+    def check(self, scene: Snapshot) -> None:
+        """Refuse what is missing, or not kept, in a scene.
+
+        Raises
+        ------
+        InputError
+        """
+        if scene.moves and self.rates is None and self.duration is None:
+            raise InputError("rates", "missing: obstacles move", None, "rates, or the duration of the motion")
+
+    def end(self, scene: Snapshot, least: float) -> float:
+        """When the motion ends, at the latest, if the straight way takes at least so long."""
+        if self.duration is not None:
+            return self.begin + self.duration
+        rest = max((float(course.times[-1]) for course in scene.courses.values()), default=self.begin)
+        return max(rest, self.begin) + PATIENCE * max(least, 1e-6)
+
+    def spread(self, shares: Floats) -> Floats:
+        """Times at shares of the motion (T,)."""
+        return self.begin + (1.0 if self.duration is None else self.duration) * shares
+
+    def waypoints(self, count: int, started: bool) -> Floats | None:
+        """Times (m,) of waypoints where a duration is given: even ones."""
+        steps = count - 1 + started
+        if self.duration is None or steps == 0:
+            return None
+        return np.linspace(0.0, self.duration, steps + 1)[int(started) :]
+
+    def kept(self, motion: Motion) -> Motion:
+        """Return the motion in times that keep the rates."""
+        return paced(motion, self.rates, self.duration, asked=self.timed)

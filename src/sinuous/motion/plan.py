@@ -11,18 +11,18 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError, warn_of
+from sinuous.errors import warn_of
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import paced
+from sinuous.motion.paced import Pace
 from sinuous.motion.planning.find import find_path, find_timed_path, standing
 from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, Goals, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.motion.planning.walk import Walks, walks_in
+from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
-from sinuous.motion.times import Timing, spread_times
+from sinuous.motion.times import spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Targets, is_place, target_list
@@ -169,13 +169,12 @@ class Planner:
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
         given: dict[str, Any] = dict(options)
         refuse_unknown(given, PlanArguments)
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
-        self._timing = Timing.of(robot, {key: given.pop(key) for key in Timing._fields if key in given})
+        self._pace = Pace.of(robot, **{key: given.pop(key) for key in ("rates", "duration", "begin") if key in given})
         self._scene, self._options = as_scene(scene), SolveOptions.of({"time": TIME, **given})
         self._robot = robot = self._options.demanded_of(robot)
-        self._timing.check(self._scene.snapshot())
+        self._pace.check(self._scene.snapshot())
         check_sizes(robot, self._scene)
         if self._options.memory is not None:
             self._options.memory.check(robot)
@@ -206,48 +205,27 @@ class Planner:
             return self._plan_still(work, deadline, begin, end)
 
     def _plan_still(self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]) -> Motion:
-        """Plan a motion among obstacles that stand still."""
-        made = partial(self._made, work.scene, deadline, begin)
+        """Plan a motion among obstacles that stand still: along motions that a memory holds, or by trees."""
         report = self._blocked(begin, end, work.prover, work.prover)
         if report is not None:
-            return made(report)
-        walked = self._walk(work, deadline, begin, end)
-        if walked is not None:
-            return made(_arrived(*walked), walked[0])
-        goals: FixedGoal | Goals
-        if isinstance(end, np.ndarray):
-            goals, scene = FixedGoal(end), work.scene
-        else:
-            spent = deadline.spent
-            solution = self._solver.solve(end, begin)
-            deadline.set_spent(spent + solution.seconds)
-            if not solution.solved:
-                return made(_of_waypoint(solution))
-            goals, scene = Goals(self._solver, end, [solution]), solution.problem.scene
-        seed, trees = self._options.seed, work.trees if scene is work.scene else None
-        path = find_path(Query(self._robot, scene, begin, goals, seed, self._shortcuts, deadline), trees)
-        if path is not None and self._options.memory is not None and not self._robot.hangs:
-            self._options.memory._learn_way(path.q)
-        return self._made(scene, deadline, begin, _arrived(path, goals), path)
-
-    def _walk(
-        self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]
-    ) -> tuple[ProvedPath, FixedGoal | Goals] | None:
-        """Find a path along motions that a memory holds, and its goal; `None` where there is none, or no memory."""
-        seed = self._options.seed
+            return self._made(work.scene, deadline, begin, report)
+        goals = FixedGoal(end) if isinstance(end, np.ndarray) else Goals(self._solver, end, [])
+        query = Query(self._robot, work.scene, begin, goals, self._options.seed, self._shortcuts, deadline)
         with deadline.paused():  # what is kept of a graph is made once
             work.walks = walks_in(self._options.memory, self._robot, work.scene, work.trees, work.walks)
-        if work.walks is None:
-            return None
-        goals: FixedGoal | Goals
-        if isinstance(end, np.ndarray):
-            goals, path = FixedGoal(end), work.walks.to_configuration(begin, end, seed, deadline)
-        else:
-            goals = Goals(self._solver, end, [])
-            path = work.walks.to_targets(begin, end, goals.near, seed, deadline)
-        if path is not None and self._shortcuts:
-            path = work.trees.shorten(path.q, seed, deadline, self._shortcuts)
-        return None if path is None else (path, goals)
+        path = None if work.walks is None else work.walks.find_path(query, goals)
+        if path is None:
+            if not isinstance(end, np.ndarray):
+                spent = deadline.spent
+                solution = self._solver.solve(end, begin)
+                deadline.set_spent(spent + solution.seconds)
+                if not solution.solved:
+                    return self._made(work.scene, deadline, begin, _of_waypoint(solution))
+                goals = Goals(self._solver, end, [solution])
+                query = replace(query, scene=solution.problem.scene, goals=goals)
+            path = find_path(query, work.trees if query.scene is work.scene else None)
+            remember(self._options.memory, self._robot, path)
+        return self._made(query.scene, deadline, begin, _arrived(path, goals), path)
 
     def _plan_in_time(self, scene: Snapshot, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that move.
@@ -255,8 +233,8 @@ class Planner:
         Where the duration is given, the goal is solved, and must be clear, among what is there then; otherwise among
         what stands still.
         """
-        duration = self._timing.duration
-        there = standing(scene) if duration is None else scene.at(self._timing.begin + duration)
+        duration = self._pace.duration
+        there = standing(scene) if duration is None else scene.at(self._pace.begin + duration)
         solver = None
         if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
             solver = Solver.prepared(self._robot, Scene.of(there), self._options)
@@ -287,7 +265,7 @@ class Planner:
     def _timed_query(
         self, prover: Prover, start: Floats, goals: FixedGoal | Goals, goal: Floats, deadline: Deadline
     ) -> TimedQuery:
-        timing = self._timing
+        timing = self._pace
         asked = TimedQuery(
             robot=self._robot,
             prover=prover,
@@ -313,7 +291,7 @@ class Planner:
     ) -> Report | None:
         """Say what keeps the robot from beginning, or from being at a configuration as goal; `None`: nothing does."""
         to_configuration = isinstance(end, np.ndarray)
-        worst = blocked_by(self._robot, begin, prover, self._timing.begin)
+        worst = blocked_by(self._robot, begin, prover, self._pace.begin)
         if worst is not None:
             return Report(ended=Status.START_BLOCKED, blocking=worst, remaining=0 if to_configuration else 1)
         worst = overlap_at(self._robot, end, prover_there) if isinstance(end, np.ndarray) else None
@@ -336,10 +314,10 @@ class Planner:
         times = found.times
         if times is None:
             fixed = np.unique([0, len(found.q) - 1])
-            times = self._timing.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
+            times = self._pace.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
         told = replace(report, seconds=deadline.spent, method=name_of(self._options.method), seed=self._options.seed)
         motion = Motion.made(robot, scene, found.q, times, Steps(found.answers, robot.least_demanded), told)
-        return motion if scene.moves else paced(motion, self._timing.rates, self._timing.duration)
+        return motion if scene.moves else self._pace.kept(motion)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:
         """The configuration (n, 3) or the targets that are meant."""

@@ -84,8 +84,7 @@ def metric_of(robot: Robot, shortest: Shortest) -> Floats:
         return own
     jacobian = robot.drive.jacobian
     weight = np.trace(jacobian.T @ jacobian) / np.trace(own)
-    result: Floats = jacobian.T @ jacobian + 1e-6 * weight * own  # what no actuator determines stays where it is
-    return result
+    return jacobian.T @ jacobian + 1e-6 * weight * own  # what no actuator determines stays where it is
 
 
 def _effort(path: Sequence[Knot], metric: Floats, durations: Floats) -> float:
@@ -152,8 +151,7 @@ def _null_space(robot: Robot, knot: Knot) -> Floats:
     rows = [np.eye(3 * len(robot))[rigid], *(_rows(robot, target, knot.q) for target in knot.targets)]
     values, vectors = np.linalg.svd(np.concatenate(rows), full_matrices=False)[1:]
     kept = vectors[values > SINGULAR * values[0]]
-    projection: Floats = np.eye(3 * len(robot)) - kept.T @ kept
-    return projection
+    return np.eye(3 * len(robot)) - kept.T @ kept
 
 
 def _rows(robot: Robot, target: Target, q: Floats) -> Floats:

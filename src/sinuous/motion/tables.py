@@ -23,8 +23,7 @@ def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
         return np.broadcast_to(q[0], (*when.shape, *q.shape[1:])).copy()
     i = np.clip(np.searchsorted(times, when, side="right") - 1, 0, len(q) - 2)
     share = ((when - times[i]) / (times[i + 1] - times[i]))[..., None, None]
-    result: Floats = (1.0 - share) * q[i] + share * q[i + 1]
-    return result
+    return (1.0 - share) * q[i] + share * q[i + 1]
 
 
 def sample_times(times: Floats, rate: float) -> Floats:
@@ -67,10 +66,7 @@ def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> No
 
 def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
     """Configurations and actuators (T, 3 n + m)."""
-    found: list[list[float]] = np.concatenate(
-        [q.reshape(len(q), 3 * len(robot)), robot.to_actuators(q)], axis=-1
-    ).tolist()
-    return found
+    return np.concatenate([q.reshape(len(q), 3 * len(robot)), robot.to_actuators(q)], axis=-1).tolist()
 
 
 def _write(file: str | Path, header: list[str], rows: Iterable[Sequence[object]]) -> None:

@@ -1,9 +1,7 @@
 """Follow a path: targets solved one after the other, each from the last, and the motion between them proved."""
 
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, Unpack
-
-import numpy as np
+from typing import Any, Unpack
 
 from sinuous import checks
 from sinuous.arguments import Number, Shortest, Vector
@@ -11,12 +9,12 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import paced
+from sinuous.motion.paced import Pace
 from sinuous.motion.report import MOST_WAYPOINTS
 from sinuous.motion.times import Timetable
 from sinuous.motion.tracker import Tracker
 from sinuous.problem.path import Path
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.robot.rates import Rates
@@ -116,59 +114,13 @@ def track(
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     given_times = targets.times if times is None and isinstance(targets, Path) else times
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
-    pace = Pace.of(robot, rates, duration, when)
+    pace = Pace.of(robot, rates, duration, times=when)
     when = pace.waypoints(len(path), start is not None) if when is None else when
     tracker = tracker_of(robot, len(path), scene, start=start, times=when, deviation=deviation, **given)
     tracker.follow(map(path.targets, range(len(path))), progress=progress)
     if wanted is not None:
         tracker.shorten(wanted)
     return pace.kept(tracker.motion(len(path) - tracker.tried, when))
-
-
-class Pace(NamedTuple):
-    """How fast a path is followed.
-
-    Attributes
-    ----------
-    rates : Rates or None
-    duration : float or None
-    timed : bool
-        Whether waypoints have times.
-    """
-
-    rates: Rates | None
-    duration: float | None
-    timed: bool
-
-    @classmethod
-    def of(cls, robot: Robot, rates: Rates | None, duration: Number | None, times: Floats | None) -> "Pace":
-        """Check what a user says.
-
-        Raises
-        ------
-        InputError
-        """
-        if not (rates is None or isinstance(rates, Rates)):
-            raise InputError("rates", "", rates, "Rates")
-        if rates:
-            with checks.inside("rates"):
-                rates.check(robot)
-        if duration is not None and times is not None:
-            raise InputError("duration", "cannot be combined with times", duration, "one of duration, times")
-        long = None if duration is None else checks.number("duration", duration, above=0.0)
-        return cls(rates or None, long, times is not None)
-
-    def waypoints(self, count: int, started: bool) -> Floats | None:
-        """Times (m,) of waypoints where a duration is given: even ones."""
-        steps = count - 1 + started
-        if self.duration is None or steps == 0:
-            return None
-        whole: Floats = np.linspace(0.0, self.duration, steps + 1)[int(started) :]
-        return whole
-
-    def kept(self, motion: Motion) -> Motion:
-        """Return the motion in times that keep the rates."""
-        return paced(motion, self.rates, self.duration, asked=self.timed)
 
 
 def tracker_of(
@@ -216,8 +168,7 @@ def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bo
 
 def wish(robot: Robot, method: Choice) -> Preferences:
     """Return what a robot on its way prefers by default, where the method takes preferences: some room."""
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
     return Room(clearance=robot.least_demanded[0] + ROOM * robot.mean_length / len(robot))

@@ -15,7 +15,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.planning.find import find_path, find_timed_path
 from sinuous.motion.planning.query import Deadline, Goals, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
-from sinuous.motion.planning.walk import Walks, walks_in
+from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
 from sinuous.motion.shortest import metric_of, shorten
 from sinuous.motion.times import Timetable, spread_times, with_start
@@ -294,11 +294,10 @@ class Tracker:
             self._walks = walks_in(options.memory, robot, scene, trees, self._walks)
             self._began += work_time() - began  # compiling is no planning
             query = Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time))
-            path = self._walk(query, goals, trees)
+            path = None if self._walks is None else self._walks.find_path(query, goals)
             if path is None:
                 path = find_path(query, trees)
-                if path is not None and options.memory is not None and not robot.hangs:
-                    options.memory._learn_way(path.q)
+                remember(options.memory, robot, path)
             return path
         return find_timed_path(
             TimedQuery(
@@ -314,14 +313,6 @@ class Tracker:
                 deadline=Deadline(options.time),
             )
         )
-
-    def _walk(self, query: Query, goals: Goals, trees: RRTConnect) -> ProvedPath | None:
-        """Find a path to a waypoint along motions that a memory holds."""
-        if self._walks is None:
-            return None
-        targets = list(goals.solutions[0].problem.targets)
-        path = self._walks.to_targets(query.start, targets, goals.near, query.seed, query.deadline)
-        return None if path is None else trees.shorten(path.q, query.seed, query.deadline, SHORTCUTS)
 
     def _when(self) -> float:
         """When the robot is at the next waypoint, where obstacles move; otherwise 0."""

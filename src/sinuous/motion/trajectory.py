@@ -76,16 +76,14 @@ class Trajectory(NotebookMixin, Frozen):
     def velocity(self, t: Number | Vector) -> Floats:
         """Rates (..., n, 3) of the configuration at times (...); where it jumps, that of what comes after."""
         _, piece, s, speed = self._where(t)
-        rates: Floats = self._path.at(piece, s, 1) * speed[..., None, None]
-        return rates
+        return self._path.at(piece, s, 1) * speed[..., None, None]
 
     def acceleration(self, t: Number | Vector) -> Floats:
         """Derivatives (..., n, 3) of the rates at times (...); where they jump, those of what comes after."""
         phase, piece, s, speed = self._where(t)
         gained = self._scaling.phases[phase, 3][..., None, None]
         slope, turn = self._path.at(piece, s, 1), self._path.at(piece, s, 2)
-        result: Floats = slope * gained + turn * (speed**2)[..., None, None]
-        return result
+        return slope * gained + turn * (speed**2)[..., None, None]
 
     @property
     def stops(self) -> int:
@@ -208,8 +206,7 @@ class Trajectory(NotebookMixin, Frozen):
 
 def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     """Pass the path of a motion as fast as rates and accelerations allow; see `Motion.timed`."""
-    if not isinstance(rates, Rates):
-        raise InputError("rates", "", rates, "Rates")
+    checks.instance("rates", rates, Rates, "Rates")
     if motion.scene.moves:
         raise InputError("motion", "obstacles move", motion, "one among obstacles that stand still: it has other times")
     limits, accelerations = rates.spread(motion.robot), None

@@ -98,17 +98,13 @@ class Curve(Frozen):
         """Points (..., 3) at lengths (...) along the curve; beyond an end, that end."""
         where = checks.stack("along", along, ())
         before = np.clip(self.lead - where, 0.0, self.lead)[..., None]
-        points: Floats = np.where(
-            before > 0.0, self.points[0] - before * self._axis, self._spline(self._parameter(where))
-        )
-        return points
+        return np.where(before > 0.0, self.points[0] - before * self._axis, self._spline(self._parameter(where)))
 
     def tangent(self, along: Number | Stack) -> Floats:
         """Unit tangents (..., 3) at lengths (...) along the curve."""
         where = checks.stack("along", along, ())
         slopes = np.where((where < self.lead)[..., None], self._axis, self._spline(self._parameter(where), 1))
-        units: Floats = slopes / np.linalg.norm(slopes, axis=-1, keepdims=True)
-        return units
+        return slopes / np.linalg.norm(slopes, axis=-1, keepdims=True)
 
     def distance(self, points: Stack) -> Floats:
         """Distances (...) of points (..., 3) from the nearest place of the curve."""
@@ -122,15 +118,13 @@ class Curve(Frozen):
             t = np.clip(t - np.where(curvature > 0.0, down / np.where(curvature > 0.0, curvature, 1.0), 0.0), low, high)
         ahead = np.clip(((p - self.start) * self._axis).sum(-1, keepdims=True), 0.0, self.lead)
         feet = self.start + ahead * self._axis, self._spline(self._fine[nearest]), self._spline(t)
-        least: Floats = np.min([np.linalg.norm(foot - p, axis=-1) for foot in feet], axis=0)
-        return least
+        return np.min([np.linalg.norm(foot - p, axis=-1) for foot in feet], axis=0)
 
     def __repr__(self) -> str:
         return call("Curve", [f"{len(self.points)} points", f"length {self.length:g}"])
 
     def _parameter(self, along: Floats) -> Floats:
-        found: Floats = self._by_length(np.clip(along - self.lead, 0.0, self._along[-1]))
-        return found
+        return self._by_length(np.clip(along - self.lead, 0.0, self._along[-1]))
 
     @cached_property
     def _by_length(self) -> "CubicHermiteSpline":
@@ -160,5 +154,4 @@ def _lengths(spline: "CubicSpline", parameters: Floats) -> Floats:
     """Lengths of the pieces between neighbouring parameters (m,), by Simpson's rule for the speed."""
     between = 0.5 * (parameters[1:] + parameters[:-1])
     ends, middles = (np.linalg.norm(spline(t, 1), axis=-1) for t in (parameters, between))
-    lengths: Floats = np.diff(parameters) * (ends[1:] + 4.0 * middles + ends[:-1]) / 6.0
-    return lengths
+    return np.diff(parameters) * (ends[1:] + 4.0 * middles + ends[:-1]) / 6.0

@@ -1,20 +1,56 @@
 """The question: a robot, its targets, what stands around, and how exactly they must be met."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, ClassVar, TypedDict, Unpack
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self, TypedDict, Unpack
 
 from sinuous import checks, packing
+from sinuous.arguments import Number
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only
-from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
 from sinuous.reprs import text
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Preferences(Frozen):
+    """What to like better among all solutions; feasibility comes first, always.
+
+    Parameters
+    ----------
+    start : float
+        Weight of staying close to the start (bends in rad, lengths relative to their mean).
+    bends : float
+        Weight of small bends.
+    clearance : float
+        Clearance that is wished for, in the length unit; less than that is disliked.
+    """
+
+    start: float
+    bends: float
+    clearance: float
+
+    def __init__(self, start: Number = 0.0, bends: Number = 0.0, clearance: Number = 0.0) -> None:
+        for key, value in (("start", start), ("bends", bends), ("clearance", clearance)):
+            self._set(**{key: checks.number(key, value, low=0.0)})
+
+    def __bool__(self) -> bool:
+        return self.start > 0.0 or self.bends > 0.0 or self.clearance > 0.0
+
+    def beyond(self, demanded: float) -> Self:
+        """Return the same where clearances count from the one that is demanded."""
+        if demanded == 0.0 or self.clearance == 0.0:
+            return self
+        return type(self)(self.start, self.bends, max(0.0, self.clearance - demanded))
+
+    def satisfied(self, clearance: float) -> bool:
+        """Say whether a solution with this clearance cannot be better: there is enough, and nothing else is wished."""
+        return self.start == self.bends == 0.0 and clearance >= self.clearance
 
 
 class ProblemArguments(TypedDict, total=False):
@@ -76,8 +112,7 @@ class Problem(Frozen, _Open):
         scene: SceneLike | Snapshot | None = None,
         tolerance: Tolerance | None = None,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         place = as_snapshot(scene)
         listed = target_list("targets", targets, robot)
         self._set(
@@ -104,8 +139,7 @@ class Problem(Frozen, _Open):
     @property
     def rows(self) -> Floats:
         """The targets as kernels read them (t, 15), read-only."""
-        rows: Floats = read_only(self._rows)
-        return rows
+        return read_only(self._rows)
 
     @classmethod
     def prepared(cls, robot: Robot, targets: tuple[Target, ...], scene: Snapshot, tolerance: Tolerance) -> "Problem":
@@ -117,8 +151,7 @@ class Problem(Frozen, _Open):
         problem.tolerance = tolerance
         problem._rows = target_table(robot, targets)
         problem.__class__ = cls  # closes it; five calls of `object.__setattr__` would cost 0.2 us
-        made: Problem = problem
-        return made
+        return problem
 
 
 def check_sizes(robot: Robot, scene: Scene | Snapshot) -> None:

@@ -253,8 +253,7 @@ class Target(Frozen):
     @property
     def table(self) -> Floats:
         """All this as kernels read it (1, 15), read-only."""
-        table: Floats = read_only(self._table)
-        return table
+        return read_only(self._table)
 
 
 Targets = Target | Vector | Rows | Sequence[Target]
@@ -277,8 +276,7 @@ def target_list(key: str, targets: Any, robot: Robot | None = None) -> tuple[Tar
         raise InputError(key, "not 3 numbers", targets, KINDS)
     checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
     for i, target in enumerate(result):
-        if not isinstance(target, Target):
-            raise InputError(f"{key}[{i}]", "", target, "a Target")
+        checks.instance(f"{key}[{i}]", target, Target, "a Target")
     return result if robot is None else _numbered(key, result, robot)
 
 
@@ -347,6 +345,5 @@ def as_tolerance(tolerance: Tolerance | None) -> Tolerance:
     """Check tolerances; `None` stands for the defaults."""
     if tolerance is None:
         return Tolerance()
-    if not isinstance(tolerance, Tolerance):
-        raise InputError("tolerance", "", tolerance, "a Tolerance")
+    checks.instance("tolerance", tolerance, Tolerance, "a Tolerance")
     return tolerance

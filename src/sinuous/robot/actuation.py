@@ -194,16 +194,12 @@ class Actuation(Frozen):
     def jacobian(self) -> Floats:
         """Derivative (m, 3 n) of the displacements by the coordinates, read-only: the same everywhere."""
         columns = self._matrix.shape[1]
-        result: Floats = np.ascontiguousarray(self._sums_of(np.eye(columns).reshape(columns, -1, 3)).T)
-        result.flags.writeable = False
-        return result
+        return checks.closed(np.ascontiguousarray(self._sums_of(np.eye(columns).reshape(columns, -1, 3)).T))
 
     @cached_property
     def value_jacobian(self) -> Floats:
         """Derivative (m, 3 n) of the values by the coordinates, read-only."""
-        result: Floats = self.motors.gain[:, None] * self.jacobian
-        result.flags.writeable = False
-        return result
+        return checks.closed(self.motors.gain[:, None] * self.jacobian)
 
     def limit_rows(self) -> Iterator[list[float]]:
         """Yield the rows of the table of limits for tendons and chambers; those of `Actuators` see `coupled_rows`."""
@@ -303,8 +299,7 @@ def _scales(matrix: Floats, segments: Sequence[Segment]) -> Floats:
     """Largest weight of each row; see `Actuation`."""
     unit = 0.5 * sum(sum(segment.length) for segment in segments)
     sizes = np.abs(matrix.reshape(len(matrix), len(segments), 3)) / (unit, unit, 1.0)
-    result: Floats = sizes.max(axis=(1, 2), initial=0.0)
-    return result
+    return sizes.max(axis=(1, 2), initial=0.0)
 
 
 ROUNDING = 1e-13

@@ -19,7 +19,7 @@ from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vect
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_offset, checked_unit
+from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_unit
 from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
@@ -111,7 +111,7 @@ class Lines(Frozen):
         self._set(angles=values, radius=checks.number("radius", radius, above=0.0))
         m = len(values)
         self._set(names=listed_names(names, m))
-        self._set(gain=checked_gain(gain, m), offset=checked_offset(offset, m), unit=checked_unit(unit, m))
+        self._set(gain=checked_gain(gain, m), offset=checked_each("offset", offset, m), unit=checked_unit(unit, m))
         self._set(limits=UNLIMITED if limits is None else checks.interval("limits", limits))
         self._set(stiffness=None if stiffness is None else _positive("stiffness", stiffness, m))
         self._set(tension=_tension(tension, stiffness, self.one_sided))
@@ -124,9 +124,7 @@ class Lines(Frozen):
     @property
     def stiffnesses(self) -> Floats:
         """Stiffness (m,) of each line; infinite where it is rigid."""
-        result: Floats = np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
-        result.flags.writeable = False
-        return result
+        return checks.closed(np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness))
 
     def __init_subclass__(cls) -> None:
         """Put the parameters of all lines before those of a kind of them."""
@@ -155,15 +153,12 @@ class Lines(Frozen):
         """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
         if self.stiffness is None:
             return self.displacements
-        result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
-        result.flags.writeable = False
-        return result
+        return checks.closed(self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None])
 
     @property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
-        result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
-        return result
+        return self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
 
     def changed(self, **values: Any) -> Self:
         """Return the same lines with other values of some parameters."""
@@ -389,7 +384,7 @@ class Actuators(Frozen):
                 raise InputError(f"matrix[{i}]", "", row.tolist(), "a row that is not zero")
         own = listed_names(names, count) or tuple(f"a{i + 1}" for i in range(count))
         self._set(matrix=rows, names=own, limits=_limits(limits, count), gain=checked_gain(gain, count))
-        self._set(offset=checked_offset(offset, count), unit=checked_unit(unit, count))
+        self._set(offset=checked_each("offset", offset, count), unit=checked_unit(unit, count))
 
     @property
     def motors(self) -> Motors:

@@ -6,6 +6,9 @@ one of stiffness `K` that is displaced by `d` has the tension `t = K max(0, d - 
 
     k_c (q_c - rest_c) = sum over lines of t a_c        with k = EI / l for bends, EA / l for lengths.
 
+Energies are quadratic, so lines that only pull make a convex, piecewise quadratic problem: its minimum is found by a
+semismooth Newton method (Qi & Sun 1993) with an exact line search, in a few steps.
+
 Backwards, a shape says the sums on the right. From the tip to the base, the lines that end at a segment carry what the
 ones that run on through it do not. Three tendons have one freedom left, their common tension: it is the least with
 which every tension and displacement is within its limits.
@@ -23,7 +26,109 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Lines
 from sinuous.robot.segment import Segment
-from sinuous.robot.springs import Springs, equilibrium
+
+STEPS = 100
+"""Most Newton steps of an equilibrium; a handful is usual."""
+
+TOGETHER = 200_000
+"""Numbers of the matrices that are solved at once; more rows go in several parts."""
+
+
+class Springs(NamedTuple):
+    """What an equilibrium balances: coordinates that resist, and lines that pull at them.
+
+    The energy is `sum s/2 (x - rest)^2 + sum k/2 e^2`, with the elongation `e = pulled - arms . x` of every line; of a
+    line that is one-sided only where `e > 0`.
+
+    Attributes
+    ----------
+    resistance : ndarray (c,) or (N, c)
+        `s` of the coordinates, at least 0.
+    rest : ndarray (c,)
+    arms : ndarray (m, c)
+    stiffness : ndarray (m,)
+        `k` of the lines.
+    one_sided : ndarray of bool (m,)
+    """
+
+    resistance: Floats
+    rest: Floats
+    arms: Floats
+    stiffness: Floats
+    one_sided: NDArray[np.bool_]
+
+    def pulls(self, elongation: Floats) -> NDArray[np.bool_]:
+        """Which lines (N, m) transmit a force at these elongations (N, m)."""
+        return ~self.one_sided | (elongation > 0.0)
+
+    def hessian(self, pulls: NDArray[np.bool_]) -> Floats:
+        """Second derivative (N, c, c) of the energy while these lines (N, m) pull."""
+        weighted = (pulls * self.stiffness)[:, :, None] * self.arms
+        result: Floats = np.matmul(self.arms.T, weighted)
+        diagonal = np.arange(self.arms.shape[1])
+        result[:, diagonal, diagonal] += self.resistance
+        return result
+
+
+def equilibrium(springs: Springs, pulled: Floats) -> Floats:
+    """Coordinates (N, c) of least energy, where lines are pulled by (N, m).
+
+    The energy must be strictly convex: coordinates resist, or two-sided lines hold them.
+    """
+    count, c = len(pulled), len(springs.rest)
+    out = np.empty((count, c))
+    part = max(1, TOGETHER // max(1, c * c + len(springs.arms) ** 2))
+    for first in range(0, count, part):
+        rows = slice(first, first + part)
+        own = springs
+        if springs.resistance.ndim == 2:
+            own = springs._replace(resistance=springs.resistance[rows])
+        out[rows] = _equilibrium(own, pulled[rows])
+    return out
+
+
+def _equilibrium(springs: Springs, pulled: Floats) -> Floats:
+    x = np.tile(springs.rest, (len(pulled), 1))
+    own, goal, left = springs, pulled, np.arange(len(pulled))
+    for _ in range(STEPS):
+        now = x[left]
+        elongation = goal - now @ own.arms.T
+        pulls = own.pulls(elongation)
+        slope = own.resistance * (now - own.rest) - (pulls * own.stiffness * elongation) @ own.arms
+        step = -np.asarray(np.linalg.solve(own.hessian(pulls), slope[..., None])[..., 0], np.float64)
+        change = step @ own.arms.T
+        done = (own.pulls(elongation - change) == pulls).all(axis=1)
+        share = np.where(done, 1.0, _best_share(own, now, step, elongation, change))
+        x[left] = now + share[:, None] * step
+        if done.all():
+            break
+        left, goal = left[~done], goal[~done]
+        if own.resistance.ndim == 2:
+            own = own._replace(resistance=own.resistance[~done])
+    return x
+
+
+def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, change: Floats) -> Floats:
+    """The share (N,) of a step at which the energy along it is least: its slope is piecewise linear, and increases."""
+    bends = np.where(change != 0.0, elongation / np.where(change != 0.0, change, 1.0), 0.0)
+    kinks = np.sort(np.where(springs.one_sided & (bends > 0.0), bends, 0.0), axis=1)
+
+    def slopes(shares: Floats) -> Floats:
+        there = elongation[:, None, :] - shares[:, :, None] * change[:, None, :]
+        pulled = np.einsum("nkm,nm->nk", springs.pulls(there) * springs.stiffness * there, change)
+        own = np.einsum("nc,nc->n", springs.resistance * (x - springs.rest), step)
+        curve = np.einsum("nc,nc->n", springs.resistance * step, step)
+        return own[:, None] + shares * curve[:, None] - pulled
+
+    at = slopes(kinks)
+    below = (at <= 0.0).sum(axis=1)
+    rows = np.arange(len(x))
+    left = np.where(below > 0, kinks[rows, np.maximum(below - 1, 0)], 0.0)
+    right = np.where(below < kinks.shape[1], kinks[rows, np.minimum(below, kinks.shape[1] - 1)], left + 1.0)
+    ends = np.stack([left, right], axis=1)
+    low, high = slopes(ends).T
+    return left - low * (right - left) / np.where(high != low, high - low, 1.0)
+
 
 COORDINATES = ("bend_x", "bend_y", "length")
 
@@ -156,8 +261,7 @@ class Elastic(Frozen):
     def beyond(self, tensions: Floats) -> Floats:
         """By how much tensions (..., e) are outside their limits, as a stretch in the length unit; 0 within."""
         low, high = self.limits.T
-        result: Floats = np.maximum(0.0, np.maximum(low - tensions, tensions - high)) / self.springs.stiffness
-        return result
+        return np.maximum(0.0, np.maximum(low - tensions, tensions - high)) / self.springs.stiffness
 
     def shape(self, displacements: Floats, q: Floats) -> Floats:
         """Configurations (..., n, 3) for displacements (..., m) of all actuators; `q` says what rigid ones do."""
@@ -171,13 +275,11 @@ class Elastic(Frozen):
     def tensions(self, displacements: Floats, q: Floats) -> Floats:
         """Tensions (..., e) of elastic lines in configurations (..., n, 3), at displacements (..., m) of all."""
         elongation = displacements[..., self.places] - q.reshape(*q.shape[:-2], -1) @ self._jacobian.T
-        result: Floats = np.where(self.springs.pulls(elongation), self.springs.stiffness * elongation, 0.0)
-        return result
+        return np.where(self.springs.pulls(elongation), self.springs.stiffness * elongation, 0.0)
 
     def stretch(self, q: Floats) -> Floats:
         """By how much (..., e) lines are displaced more than rigid ones would be, in configurations (..., n, 3)."""
-        result: Floats = self.balance(q).tensions / self.springs.stiffness
-        return result
+        return self.balance(q).tensions / self.springs.stiffness
 
     def balance(self, q: Floats) -> Balance:
         """The least tensions that hold configurations (..., n, 3)."""
@@ -209,8 +311,7 @@ class Elastic(Frozen):
         """What coordinates that rigid actuators determine make of the displacements (N, e)."""
         others = np.array(q.reshape(len(q), -1))
         others[:, self._columns] = 0.0
-        result: Floats = others @ self._jacobian.T
-        return result
+        return others @ self._jacobian.T
 
     def _springs_at(self, q: Floats) -> Springs:
         """The springs of configurations (N, n, 3): a segment that rigid actuators lengthen is softer."""
@@ -253,8 +354,7 @@ def _determined(segments: Sequence[Segment], elastic: Floats, rigid: Floats) -> 
         problem = f"a rigid actuator moves {COORDINATES[c]}, which elastic ones pull at"
         raise InputError(f"segments[{k}]", problem, segments[k], "stiffness for all tendons and chambers, or for none")
     resists = np.array([segment.stiffness is not None for segment in segments])
-    result: NDArray[np.bool_] = pulled | (moves & ~driven & resists[:, None] & [True, True, False])
-    return result
+    return pulled | (moves & ~driven & resists[:, None] & [True, True, False])
 
 
 def _refuse_loose(segments: Sequence[Segment], springs: Springs, columns: NDArray[np.intp]) -> None:

@@ -99,8 +99,7 @@ def load_list(key: str, loads: Any, names: Sequence[str]) -> tuple[Load, ...]:
     result = list(listed)
     for i, each in enumerate(result):
         place = key if len(result) == 1 else f"{key}[{i}]"
-        if not isinstance(each, Force | Payload):
-            raise InputError(place, "", each, "a Force or a Payload")
+        checks.instance(place, each, Force | Payload, "a Force or a Payload")
         if each.segment is not None:
             result[i] = each.changed(segment=segment_number(f"{place}.segment", each.segment, names))
     return tuple(result)
@@ -110,6 +109,5 @@ def payload_list(payload: Any, names: Sequence[str]) -> tuple[Payload, ...]:
     """Check what a robot with segments of these names carries."""
     listed = load_list("payload", () if payload is None else payload, names)
     for i, each in enumerate(listed):
-        if not isinstance(each, Payload):
-            raise InputError(f"payload[{i}]", "", each, "a Payload")
+        checks.instance(f"payload[{i}]", each, Payload, "a Payload")
     return tuple(each for each in listed if isinstance(each, Payload))

@@ -57,8 +57,7 @@ class Motors(Frozen):
 
     def displacements(self, values: Floats) -> Floats:
         """Displacements (..., m) at these values of the motors (..., m)."""
-        result: Floats = (values - self.offset) / self.gain
-        return result
+        return (values - self.offset) / self.gain
 
     def speeds(self, displacements: Floats) -> Floats:
         """How fast the values change (..., m) when displacements do so (..., m); accelerations, too."""
@@ -66,8 +65,7 @@ class Motors(Frozen):
 
     def within(self, changes: Floats) -> Floats:
         """By how much displacements may change (m,) when the values may by so much, to either side."""
-        result: Floats = changes / np.abs(self.gain)
-        return result
+        return changes / np.abs(self.gain)
 
     def limits_of_values(self, displacements: Floats) -> Floats:
         """Least and largest values (m, 2) for the least and largest displacements (m, 2)."""
@@ -80,9 +78,7 @@ class Motors(Frozen):
 
 def _ordered(limits: Floats) -> Floats:
     """Sort each row, read-only: a gain below 0 turns limits round."""
-    result: Floats = np.sort(limits, axis=1)
-    result.flags.writeable = False
-    return result
+    return checks.closed(np.sort(limits, axis=1))
 
 
 def checked_gain(value: Any, count: int) -> float | Floats:
@@ -91,11 +87,6 @@ def checked_gain(value: Any, count: int) -> float | Floats:
     if not np.all(gain):
         raise InputError("gain", "a motor that nothing turns", value, "numbers other than 0")
     return gain
-
-
-def checked_offset(value: Any, count: int) -> float | Floats:
-    """Check an offset for all motors, or one for each."""
-    return checked_each("offset", value, count)
 
 
 def checked_unit(value: Any, count: int) -> str | tuple[str | None, ...] | None:

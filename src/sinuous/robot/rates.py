@@ -116,8 +116,7 @@ class Rates(_Bounds):
         self, bend: Most = None, length: Most = None, actuator: Most = None, acceleration: "Rates | None" = None
     ) -> None:
         super().__init__(bend, length, actuator)
-        if acceleration is not None and not isinstance(acceleration, Rates):
-            raise InputError("acceleration", "", acceleration, "Rates")
+        checks.instance("acceleration", acceleration, Rates | None, "Rates")
         if acceleration is not None and acceleration.acceleration is not None:
             raise InputError("acceleration.acceleration", "", acceleration.acceleration, "nothing")
         self._set(acceleration=acceleration)

@@ -25,11 +25,37 @@ from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, some_
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
-from sinuous.robot.segment import Segment, segment_names
-from sinuous.robot.stiffness import Stiffness
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.segment import Segment, Stiffness, segment_names
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
+
+
+class Uncertainty(Frozen):
+    """A bound of the error of a model, as a calibration found it. Proofs thicken the body by it.
+
+    Parameters
+    ----------
+    bound : float or array_like (n,)
+        Distance by which places of the body may be off: of all segments, or one each.
+    level : float, optional
+        Share of the measurements for which it held.
+
+    Raises
+    ------
+    InputError
+        When the bound is negative, or the level is not between 0 and 1.
+    """
+
+    bound: float | tuple[float, ...]
+    level: float
+
+    def __init__(self, bound: OneEach, level: Number = 0.95) -> None:
+        self._set(bound=checks.one_each("bound", bound, None, "segment"))
+        self._set(level=checks.number("level", level, above=0.0, high=1.0))
+
+    def __str__(self) -> str:
+        return f"at {100.0 * self.level:.3g} %"
+
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
@@ -184,13 +210,11 @@ class Robot(NotebookMixin, Frozen):
         gravity: Vector | None = None,
         payload: Payload | Iterable[Payload] | None = None,
     ) -> None:
-        if not isinstance(segments, Iterable):
-            raise InputError("segments", "", segments, "a list of Segment")
+        checks.instance("segments", segments, Iterable, "a list of Segment")
         listed = tuple(segments)
         checks.integer("segments", len(listed), 1, MOST_SEGMENTS)
         for k, segment in enumerate(listed):
-            if not isinstance(segment, Segment):
-                raise InputError(f"segments[{k}]", "", segment, "a Segment")
+            checks.instance(f"segments[{k}]", segment, Segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
         shared = {"radius": radius, "stiffness": stiffness, "mass": mass, "arcs": arcs}
@@ -200,15 +224,13 @@ class Robot(NotebookMixin, Frozen):
         names = segment_names(listed)
         carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
-        if not (actuators is None or isinstance(actuators, Actuators)):
-            raise InputError("actuators", "", actuators, "Actuators or nothing")
+        checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")
         radii = tuple(segment.radius for segment in listed)
         away = each_segment("clearance", clearance, names)
         apart = each_segment("self_clearance", self_clearance, names)
         if self_collision == "allow" and np.any(apart):
             raise InputError("self_clearance", "cannot be combined with self_collision: allow", self_clearance, "0")
-        if not (uncertainty is None or isinstance(uncertainty, Uncertainty)):
-            raise InputError("uncertainty", "", uncertainty, "Uncertainty or nothing")
+        checks.instance("uncertainty", uncertainty, Uncertainty | None, "Uncertainty or nothing")
         with checks.inside("uncertainty"):
             unsure = 0.0 if uncertainty is None else each_segment("bound", uncertainty.bound, names)
         needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
@@ -396,8 +418,7 @@ class Robot(NotebookMixin, Frozen):
 
     def tip(self, q: Batch) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
-        result: Floats = self.forward(q)[..., -1, :, :] @ self.tool
-        return result
+        return self.forward(q)[..., -1, :, :] @ self.tool
 
     def backbone(self, q: Batch, samples: Whole = 20) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment."""
@@ -522,8 +543,7 @@ class Robot(NotebookMixin, Frozen):
         elastic = self.drive.elastic
         if elastic is None or not elastic.bounded:
             return np.ones(q.shape[:-2], np.bool_)
-        short: NDArray[np.bool_] = elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
-        return short
+        return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
 
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.

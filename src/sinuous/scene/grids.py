@@ -77,8 +77,7 @@ def _rise(values: Floats, step: tuple[int, ...]) -> Floats:
 def sample_points(origin: Floats, spacing: float, shape: tuple[int, ...], first: int, last: int) -> Floats:
     """Points (last - first, 3) of a grid of this shape, numbered in C order."""
     index: NDArray[np.int64] = np.stack(np.unravel_index(np.arange(first, last), shape), axis=-1)
-    result: Floats = origin + spacing * index
-    return result
+    return origin + spacing * index
 
 
 def along_axes(origin: Floats, axes: Floats, offsets: Floats) -> Floats:
@@ -404,8 +403,7 @@ def _checked(key: str, values: Any, spacing: float) -> NDArray[Any]:
         if given.max() > 1 or given.min() < 0:
             raise InputError(key, "neither distances nor occupancy", int(given.max()), "floats, or only 0 and 1")
         result = given.astype(np.bool_)
-    result.flags.writeable = False
-    return result
+    return checks.closed(result)
 
 
 def _distances(key: str, given: NDArray[Any], spacing: float) -> Floats:

@@ -16,7 +16,7 @@ from sinuous.frozen import Frozen
 from sinuous.poses import any_rotations
 from sinuous.reprs import text
 from sinuous.scene.grids import Field, Grid
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.obstacles import Obstacle, Primitive
 
 
 class Course(Frozen):
@@ -46,8 +46,7 @@ class Course(Frozen):
         if self.rotations is None or len(self.times) < 2:
             return np.zeros((max(0, len(self.times) - 1), 3))
         steps = np.swapaxes(self.rotations[:-1], 1, 2) @ self.rotations[1:]
-        turns: Floats = Rotation.from_matrix(steps).as_rotvec()
-        return turns
+        return Rotation.from_matrix(steps).as_rotvec()
 
     def poses(self, when: Floats) -> tuple[Floats, Floats]:
         """Positions (m, 3) and rotations (m, 3, 3) at times (m,)."""
@@ -63,15 +62,13 @@ class Course(Frozen):
         if len(self.times) < 2:
             return np.zeros(len(when))
         begin, end = self.times[step], self.times[step + 1]
-        shares: Floats = np.clip((when - begin) / (end - begin), 0.0, 1.0)
-        return shares
+        return np.clip((when - begin) / (end - begin), 0.0, 1.0)
 
     def _positions(self, step: NDArray[np.intp], share: Floats) -> Floats:
         if len(self.times) < 2:
             return np.repeat(self.positions, len(step), axis=0)
         s = share[:, None]
-        places: Floats = (1.0 - s) * self.positions[step] + s * self.positions[step + 1]
-        return places
+        return (1.0 - s) * self.positions[step] + s * self.positions[step + 1]
 
     def _rotations(self, step: NDArray[np.intp], share: Floats) -> Floats:
         from scipy.spatial.transform import Rotation  # noqa: PLC0415
@@ -80,41 +77,27 @@ class Course(Frozen):
             return np.broadcast_to(np.eye(3), (len(step), 3, 3)).copy()
         if len(self.times) < 2:
             return np.repeat(self.rotations, len(step), axis=0)
-        turned: Floats = self.rotations[step] @ Rotation.from_rotvec(share[:, None] * self.turns[step]).as_matrix()
-        return turned
+        return self.rotations[step] @ Rotation.from_rotvec(share[:, None] * self.turns[step]).as_matrix()
 
 
 def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
     """Return an obstacle of the same name, each place x of which lies at `pose` (4, 4) times x."""
-    turn, shift, name = pose[:3, :3], pose[:3, 3], obstacle.name
-    match obstacle:
-        case Sphere():
-            there: Obstacle = Sphere(turn @ obstacle.center + shift, obstacle.radius, obstacle.inside, name)
-        case Box():
-            center, rotation = turn @ obstacle.center + shift, turn @ obstacle.rotation
-            there = Box(center, obstacle.size, rotation, obstacle.inside, name)
-        case Capsule():
-            there = Capsule(turn @ obstacle.start + shift, turn @ obstacle.end + shift, obstacle.radius, name)
-        case Cylinder():
-            ends = turn @ obstacle.start + shift, turn @ obstacle.end + shift
-            there = Cylinder(*ends, obstacle.radius, obstacle.inside, name)
-        case HalfSpace():
-            there = HalfSpace(turn @ obstacle.point + shift, turn @ obstacle.normal, name)
-        case Grid():
-            there = obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
-        case Field():
-            corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
-            function = Elsewhere(obstacle.function, pose)
-            there = obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
-        case _:
-            there = obstacle.placed(pose)
-    return there
+    turn = pose[:3, :3]
+    if isinstance(obstacle, Primitive):
+        own, places, axes = vars(obstacle), ("center", "start", "end", "point"), ("rotation", "normal")
+        there: dict[str, Any] = {key: _there(pose, own[key]) for key in places if key in own}
+        return obstacle._changed(there | {key: turn @ own[key] for key in axes if key in own})
+    if isinstance(obstacle, Grid):
+        return obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
+    if isinstance(obstacle, Field):
+        corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
+        function = Elsewhere(obstacle.function, pose)
+        return obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
+    return obstacle.placed(pose)
 
 
 def _there(pose: Floats, point: Floats) -> Floats:
-    place: Floats = pose[:3, :3] @ point + pose[:3, 3]
-    place.flags.writeable = False
-    return place
+    return checks.closed(pose[:3, :3] @ point + pose[:3, 3])
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +189,7 @@ class Moving(Obstacle):
     @property
     def course(self) -> Course:
         """Its poses over time."""
-        course: Course = vars(self)["_course"]
-        return course
+        return vars(self)["_course"]
 
     @property
     def kind(self) -> str:

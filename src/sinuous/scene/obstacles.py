@@ -64,9 +64,7 @@ class Obstacle(Frozen, ABC):
         if self.place is None:
             return points
         _, pose = self.place
-        there: Floats = points @ pose[:3, :3].T + pose[:3, 3]
-        there.flags.writeable = False
-        return there
+        return checks.closed(points @ pose[:3, :3].T + pose[:3, 3])
 
     def named(self, name: str | None) -> Self:
         """Return the same obstacle with another name, or None for none."""

@@ -115,9 +115,7 @@ class PointCloud(Obstacle):
 def _radii(radius: Any, count: int) -> Floats:
     """Check one radius for all, or one for each of `count` points; return all of them, read-only."""
     if np.ndim(radius) == 0 or isinstance(radius, str):
-        radii = np.full(count, checks.number("radius", radius, low=0.0))
-        radii.flags.writeable = False
-        return radii
+        return checks.closed(np.full(count, checks.number("radius", radius, low=0.0)))
     radii = checks.array("radius", radius, (count,))
     if (radii < 0.0).any():
         first = int(radii.argmin())

@@ -2,7 +2,7 @@
 
 A search gives up a start that gains little, and so short of the place where limits balance the targets. A few damped
 Gauss-Newton steps go on from there. Each is the solution of a small problem with all limits as linear inequalities:
-least-distance programming (Lawson & Hanson 1974, chapter 23), by nonnegative least squares.
+least-distance programming.
 """
 
 import math
@@ -14,6 +14,7 @@ from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import Limit, limits_of, normal
+from sinuous.solution.least_distance import least_distance
 from sinuous.solution.residual import residual_of
 
 MOST_STEPS = 100
@@ -86,17 +87,12 @@ def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Float
     def shrunk(x: Floats) -> Floats:
         """Return columns x (3 n, k) divided by the square root of `rows^T rows + damping`."""
         along = axes @ x
-        found: Floats = (x - axes.T @ along) / np.sqrt(damping) + axes.T @ (along / np.sqrt(squares + damping)[:, None])
-        return found
+        return (x - axes.T @ along) / np.sqrt(damping) + axes.T @ (along / np.sqrt(squares + damping)[:, None])
 
     free = axes.T @ (sizes / np.sqrt(squares + damping) * (turned.T @ residual))
     across = shrunk(normals.T)
-    system = np.vstack([-across, free @ across - slacks])
-    wanted = np.zeros(len(system))
-    wanted[-1] = 1.0
-    left = system @ nonnegative_least_squares(system, wanted) - wanted
-    shift = -left[:-1] / left[-1] if left[-1] != 0.0 else np.zeros_like(free)
-    return shrunk((free + shift)[:, None])[:, 0]
+    nearest = least_distance(np.empty((0, 0)), free, -across.T, -slacks)
+    return shrunk((free if nearest is None else nearest[0])[:, None])[:, 0]
 
 
 def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:
@@ -116,17 +112,4 @@ def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) ->
     for limit, was in zip((each for each in now if each.constraint == "actuator"), lines, strict=True):
         if limit.slack < 0.0 < was.slack - limit.slack:
             share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))
-    result: Floats = before + share * (q - before)
-    return result
-
-
-def nonnegative_least_squares(system: Floats, wanted: Floats) -> Floats:
-    """Return x (k,) >= 0 with the least `|system x - wanted|`, for `system` (m, k) and `wanted` (m,)."""
-    from scipy.optimize import lsq_linear, nnls  # noqa: PLC0415
-
-    try:
-        result: Floats = nnls(system, wanted)[0]
-    except RuntimeError:
-        # Columns that are equal but for rounding can let the active set go round in circles; this one cannot.
-        result = lsq_linear(system, wanted, bounds=(0.0, np.inf)).x
-    return result
+    return before + share * (q - before)

@@ -19,9 +19,10 @@ from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
 from sinuous.robot.actuation import Actuator
 from sinuous.robot.rates import Changes
-from sinuous.solution.at_rest import at_rest, nonnegative_least_squares
+from sinuous.solution.at_rest import at_rest
 from sinuous.solution.constraints import Limit, limits_of, normal, rates_of
 from sinuous.solution.contacts import Contact, all_contacts
+from sinuous.solution.least_distance import nonnegative_least_squares
 from sinuous.solution.residual import residual_of
 from sinuous.words import listed, number, segments
 

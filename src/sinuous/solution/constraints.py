@@ -121,8 +121,7 @@ def gradient_at(segments: int, number: int, weights: tuple[float, float, float])
 
 def normal(limit: Limit, unit: float) -> Floats:
     """Gradient (3 n,) of what a limit bounds, in coordinates where a length counts in `unit` and a bend in rad."""
-    result: Floats = (limit.gradient * [1.0, 1.0, unit]).ravel()
-    return result
+    return (limit.gradient * [1.0, 1.0, unit]).ravel()
 
 
 USED_UP = 3e-3

@@ -118,8 +118,7 @@ def _points(starts: Floats, q: Floats, along: Floats) -> Floats:
     angle, arc = along * bend, along * q[:, 2]
     sideways = 0.5 * arc * along * np.sinc(0.5 * angle / np.pi) ** 2
     local = np.stack([sideways * q[:, 0], sideways * q[:, 1], arc * np.sinc(angle / np.pi)], axis=-1)
-    result: Floats = np.einsum("mij,mj->mi", starts[:, :3, :3], local) + starts[:, :3, 3]
-    return result
+    return np.einsum("mij,mj->mi", starts[:, :3, :3], local) + starts[:, :3, 3]
 
 
 def _deepest(places: _Places, clearances: Floats, reach: float) -> list[int]:

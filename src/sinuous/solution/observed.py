@@ -141,15 +141,13 @@ def _read(robot: Robot, q: Floats, measured: Stack, places: Vector | None) -> Re
 def _place(robot: Robot, q: Floats, share: float) -> Floats:
     """Position (3,) of a place of the model; the tool at the end."""
     if share >= 1.0:
-        end: Floats = robot.tip(q)[:3, 3]
-        return end
+        return robot.tip(q)[:3, 3]
     ends = np.cumsum(q[:, 2])
     at = share * ends[-1]
     k = int(np.searchsorted(ends, at))
     cut = q.copy()
     cut[k] *= (at - (ends[k - 1] if k else 0.0)) / q[k, 2]
-    place: Floats = robot.forward(cut)[k, :3, 3]
-    return place
+    return robot.forward(cut)[k, :3, 3]
 
 
 def rotation_of(turn: Floats) -> Floats:
@@ -158,8 +156,7 @@ def rotation_of(turn: Floats) -> Floats:
     x, y, z = turn.tolist()
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     half: float = float(np.sinc(0.5 * angle / math.pi))
-    result: Floats = np.eye(3) + float(np.sinc(angle / math.pi)) * cross + 0.5 * half * half * cross @ cross
-    return result
+    return np.eye(3) + float(np.sinc(angle / math.pi)) * cross + 0.5 * half * half * cross @ cross
 
 
 def vector_of(rotation: Floats) -> Floats:
@@ -168,5 +165,4 @@ def vector_of(rotation: Floats) -> Floats:
         [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
     )
     sine, cosine = float(np.linalg.norm(axis)), 0.5 * (float(np.trace(rotation)) - 1.0)
-    result: Floats = axis * (math.atan2(sine, cosine) / sine if sine > 0.0 else 1.0)
-    return result
+    return axis * (math.atan2(sine, cosine) / sine if sine > 0.0 else 1.0)

@@ -304,8 +304,7 @@ def _moved(key: str, before: Floats, by: Floats, tolerance: float) -> Floats:
 
     if key == "position":
         return np.round(before + by, min(15, math.ceil(-math.log10(0.1 * tolerance))))
-    result: Floats = Rotation.from_rotvec(by).as_matrix() @ before
-    return result
+    return Rotation.from_rotvec(by).as_matrix() @ before
 
 
 def _firsts(trials: Trials, case: Case, key: str) -> Iterator[Floats]:
@@ -345,8 +344,7 @@ def _change_to(key: str, before: Floats, end: Floats) -> Floats:
 def _end(problem: Problem, q: Floats) -> Floats:
     """Pose (4, 4) of the end that the first target speaks of."""
     robot, segment = problem.robot, problem.targets[0].segment
-    pose: Floats = robot.tip(q) if segment in (None, len(robot)) else robot.forward(q)[segment - 1]
-    return pose
+    return robot.tip(q) if segment in (None, len(robot)) else robot.forward(q)[segment - 1]
 
 
 def _with(problem: Problem, **values: Any) -> Problem:

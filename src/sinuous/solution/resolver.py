@@ -5,8 +5,7 @@ from typing import Any, Protocol
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Preferences, Problem
 from sinuous.robot.robot import Robot
 
 

@@ -76,8 +76,7 @@ class RouteClass:
         """
         read = _mapping(values, ("number", "passes"))
         passes = read["passes"]
-        if not isinstance(passes, list):
-            raise InputError("passes", "", passes, "a list")
+        checks.instance("passes", passes, list, "a list")
         found = []
         for i, each in enumerate(passes):
             with checks.inside(f"passes[{i}]"):

@@ -255,8 +255,7 @@ class Solution(NotebookMixin):
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
         shape = self.shape
-        pose: Floats = read_only(self.problem.robot.tip(self.q) if shape is None else shape.tip)
-        return pose
+        return read_only(self.problem.robot.tip(self.q) if shape is None else shape.tip)
 
     @property
     def base(self) -> Floats:

@@ -12,21 +12,8 @@ from sinuous.arguments import Parameter
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
-from sinuous.kernels.tables import (
-    ANGLE_ERROR,
-    CLEARANCE,
-    CODE,
-    ITERATIONS,
-    POSITION_ERROR,
-    RECORD_WIDTH,
-    SECONDS,
-    SELF_CLEARANCE,
-    SOLVED,
-    SOURCE,
-    SOURCES,
-    STARTS,
-    Outcome,
-)
+from sinuous.kernels import tables as t
+from sinuous.kernels.tables import Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.solution.resolver import ReSolver
@@ -94,7 +81,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         """Whether `other` holds the same answers, to the last digit, whatever time they took."""
         if not isinstance(other, Solutions) or self._answers.shape != other._answers.shape:
             return False
-        own, others = (np.delete(each._answers, SECONDS, axis=1) for each in (self, other))
+        own, others = (np.delete(each._answers, t.SECONDS, axis=1) for each in (self, other))
         return np.array_equal(own, others, equal_nan=True)
 
     def __len__(self) -> int:
@@ -130,7 +117,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
 
     def _one(self, i: int) -> Solution:
         answer = self._answers[i]
-        outcome = Outcome.from_record(answer[RECORD_WIDTH:].reshape(-1, 3).copy(), answer[:RECORD_WIDTH].tolist())
+        outcome = Outcome.from_record(answer[t.RECORD_WIDTH :].reshape(-1, 3).copy(), answer[: t.RECORD_WIDTH].tolist())
         if i in self._beyond:
             outcome = outcome._replace(**self._beyond[i]._asdict())
         given = self._problems.initial[i]
@@ -139,7 +126,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     @property
     def q(self) -> Floats:
         """Configurations (m, n, 3), read-only."""
-        return self._answers[:, RECORD_WIDTH:].reshape(len(self), len(self._problems.robot), 3)
+        return self._answers[:, t.RECORD_WIDTH :].reshape(len(self), len(self._problems.robot), 3)
 
     @property
     def status(self) -> Objects:
@@ -149,28 +136,28 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     @property
     def solved(self) -> NDArray[np.bool_]:
         """Whether each status is `solved` (m,)."""
-        return np.asarray(self._answers[:, CODE] == SOLVED)
+        return np.asarray(self._answers[:, t.CODE] == t.SOLVED)
 
     @property
     def position_error(self) -> Floats:
         """Largest distance (m,) of an end to its target position; NaN where none is asked for."""
-        return np.where(self._problems.target_sets.placed, self._answers[:, POSITION_ERROR], np.nan)
+        return np.where(self._problems.target_sets.placed, self._answers[:, t.POSITION_ERROR], np.nan)
 
     @property
     def angle_error(self) -> Floats:
         """Largest angle (m,) of an end to its target orientation, rad; NaN where none is asked for."""
-        return np.where(self._problems.target_sets.turned, self._answers[:, ANGLE_ERROR], np.nan)
+        return np.where(self._problems.target_sets.turned, self._answers[:, t.ANGLE_ERROR], np.nan)
 
     @property
     def clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance between body and obstacles; NaN without obstacles, or a proof."""
-        return self._proved(CLEARANCE, len(self._problems.scene) > 0, self._problems.robot.least_demanded[0])
+        return self._proved(t.CLEARANCE, len(self._problems.scene) > 0, self._problems.robot.least_demanded[0])
 
     @property
     def self_clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance of the body from itself; NaN where it may cross, or unproved."""
         robot = self._problems.robot
-        return self._proved(SELF_CLEARANCE, robot.avoids_itself, robot.least_demanded[1])
+        return self._proved(t.SELF_CLEARANCE, robot.avoids_itself, robot.least_demanded[1])
 
     def _proved(self, column: int, matters: bool, demanded: float) -> Floats:
         return np.where(self.solved & matters, self._answers[:, column] + demanded, np.nan)
@@ -178,22 +165,22 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     @property
     def iterations(self) -> Whole:
         """Iterations (m,) of all starts together."""
-        return self._answers[:, ITERATIONS].astype(np.int64)
+        return self._answers[:, t.ITERATIONS].astype(np.int64)
 
     @property
     def starts(self) -> Whole:
         """How many starts were tried (m,)."""
-        return self._answers[:, STARTS].astype(np.int64)
+        return self._answers[:, t.STARTS].astype(np.int64)
 
     @property
     def start(self) -> NDArray[np.str_]:
         """Which kind of start led to it (m,): given, arc, random or route."""
-        return np.array(SOURCES)[self._answers[:, SOURCE].astype(np.int64)]
+        return np.array(t.SOURCES)[self._answers[:, t.SOURCE].astype(np.int64)]
 
     @property
     def seconds(self) -> Floats:
         """Time (m,) of each solve alone."""
-        return self._answers[:, SECONDS]
+        return self._answers[:, t.SECONDS]
 
     @property
     def actuators(self) -> dict[str, Floats] | None:
@@ -235,7 +222,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         from sinuous.derivatives.parameters import read_wrt  # noqa: PLC0415
 
         chooses, robot = self._resolver.chooses, self._problems.robot
-        clear = self._answers[:, CLEARANCE].tolist()
+        clear = self._answers[:, t.CLEARANCE].tolist()
         liked = {i: self._one(i)._wish() for i, each in enumerate(clear) if chooses(robot, each)}
         return derivatives_of(self._problems, self.q, self.solved, liked, read_wrt(wrt))
 

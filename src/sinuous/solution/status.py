@@ -6,22 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import (
-    BASE_BLOCKED,
-    BOUND,
-    CLEARANCE,
-    CODE,
-    FAILED,
-    LATE,
-    NO_ROUTE,
-    OUT_OF_REACH,
-    RATE_BOUND,
-    SELF_CLEARANCE,
-    SOLVED,
-    TARGET_BLOCKED,
-    UNPROVED,
-    Outcome,
-)
+from sinuous.kernels import tables as t
 
 
 class Status(StrEnum):
@@ -63,21 +48,21 @@ _SENTENCES = {
 }
 
 CODES = {
-    Status.SOLVED: SOLVED,
-    Status.UNPROVED: UNPROVED,
-    Status.TIME_LIMIT: LATE,
-    Status.OUT_OF_REACH: OUT_OF_REACH,
-    Status.TARGET_BLOCKED: TARGET_BLOCKED,
-    Status.BASE_BLOCKED: BASE_BLOCKED,
-    Status.NO_ROUTE: NO_ROUTE,
-    Status.RATE_BOUND: RATE_BOUND,
+    Status.SOLVED: t.SOLVED,
+    Status.UNPROVED: t.UNPROVED,
+    Status.TIME_LIMIT: t.LATE,
+    Status.OUT_OF_REACH: t.OUT_OF_REACH,
+    Status.TARGET_BLOCKED: t.TARGET_BLOCKED,
+    Status.BASE_BLOCKED: t.BASE_BLOCKED,
+    Status.NO_ROUTE: t.NO_ROUTE,
+    Status.RATE_BOUND: t.RATE_BOUND,
 }
 """Codes by which kernels say how a search ended; all other statuses are FAILED, for different reasons."""
 
 _OF_CODES = {code: status for status, code in CODES.items()}
 
 
-def status_of(outcome: Outcome) -> Status:
+def status_of(outcome: t.Outcome) -> Status:
     """Return the status that an outcome stands for."""
     status = _OF_CODES.get(outcome.code)
     if status is not None:
@@ -94,17 +79,16 @@ _IN_ORDER = np.array([_PLACE[_OF_CODES.get(code, Status.STALLED)] for code in ra
 
 def statuses_of(records: Floats) -> NDArray[np.object_]:
     """Return the statuses (m,) that records (m, 11 or more) stand for, as `status_of` does for one."""
-    result: NDArray[np.object_] = _STATUSES[places_of(records)]
-    return result
+    return _STATUSES[places_of(records)]
 
 
 def places_of(records: Floats) -> NDArray[np.uint8]:
     """Return the places (m,) of these statuses among all, in the order of `Status`."""
-    codes = records[:, CODE].astype(np.int64)
+    codes = records[:, t.CODE].astype(np.int64)
     result: NDArray[np.uint8] = _IN_ORDER[codes]
-    failed = codes == FAILED
+    failed = codes == t.FAILED
     if failed.any():
-        result[failed & (records[:, BOUND] != 0.0)] = _PLACE[Status.LIMIT_BOUND]
-        crossed = (records[:, CLEARANCE] < 0.0) | (records[:, SELF_CLEARANCE] < 0.0)
+        result[failed & (records[:, t.BOUND] != 0.0)] = _PLACE[Status.LIMIT_BOUND]
+        crossed = (records[:, t.CLEARANCE] < 0.0) | (records[:, t.SELF_CLEARANCE] < 0.0)
         result[failed & crossed] = _PLACE[Status.BLOCKED]
     return result

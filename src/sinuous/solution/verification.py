@@ -274,8 +274,7 @@ def check(
     InputError
         When an argument is not what it should be.
     """
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     shapes, place = robot.configuration("q", q), as_snapshot(scene)
     place.refuse_moving()
     check_sizes(robot, place)

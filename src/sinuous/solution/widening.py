@@ -106,8 +106,7 @@ def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
     group, _, name = key.rpartition(".")
     segment = robot.segments[place - 1]
     owner = getattr(segment, group) if group else segment
-    limits: Limits | None = None if owner is None or key in OF_THICKNESS else getattr(owner, name)
-    return limits
+    return None if owner is None or key in OF_THICKNESS else getattr(owner, name)
 
 
 def plain(limits: Limits) -> float | list[float]:

@@ -63,8 +63,7 @@ class Memory(ShortRepr):
     """
 
     def __init__(self, robot: Robot, megabytes: Number = MEGABYTES, learns: Truth = True) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         self.robot = robot
         self.megabytes = checks.number("megabytes", megabytes, above=0.0)
         self.learns = checks.truth("learns", learns)
@@ -107,8 +106,7 @@ class Memory(ShortRepr):
         """
         most = checks.integer("count", count, 1, 10_000)
         rows = target_table(self.robot, target_list("targets", targets, self.robot))[None]
-        found: Floats = self._shapes.nearest(rows, most)[0]
-        return found
+        return self._shapes.nearest(rows, most)[0]
 
     def _serves(self, robot: Robot) -> bool:
         """Whether these are shapes of this robot, whatever clearances it demands."""

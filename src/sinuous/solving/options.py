@@ -8,7 +8,7 @@ from sinuous import checks
 from sinuous.arguments import Number, OneEach, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot, demanding
 from sinuous.solving.attempts import read_without
@@ -87,8 +87,7 @@ class SolveOptions:
 
     def __post_init__(self) -> None:
         prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
-        if not isinstance(prefer, Preferences):
-            raise InputError("prefer", "", prefer, "Preferences")
+        checks.instance("prefer", prefer, Preferences, "Preferences")
         registry.name_of(self.method)
         if not isinstance(self.memory, Memory | None):
             raise InputError("memory", "", self.memory, "a Memory")

@@ -211,8 +211,7 @@ class Distinct(Search):
 
 def _distances(shapes: Floats, shape: Floats) -> Floats:
     """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
-    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
-    return distances
+    return np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
 
 
 class Several:

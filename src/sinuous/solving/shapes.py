@@ -9,17 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables as t
 from sinuous.kernels.solve.recall import ANGLE_WEIGHT, compare, recall
-from sinuous.kernels.tables import (
-    DIRECTION,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    ROTATION,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-)
 from sinuous.robot.robot import Robot
 
 Whole = NDArray[np.int64]
@@ -42,12 +33,12 @@ POSE_SIZE = 12
 SHAPE_BYTES = 512
 """Memory of one shape in trees and their features, and of the motions that begin there."""
 
-KIND = (TARGET_SEGMENT, HAS_POSITION, ORIENTATION)
+KIND = (t.TARGET_SEGMENT, t.HAS_POSITION, t.ORIENTATION)
 """Columns of a target that say what is asked for, whatever its numbers."""
 
 Asked = tuple[int, bool, int]
 """What one target asks for: the segment whose end is meant, from 0 (-1: the last); whether it has a position; and
-`FREE`, `DIRECTION` or `ROTATION`."""
+`t.FREE`, `t.DIRECTION` or `t.ROTATION`."""
 
 
 class Shapes:
@@ -206,8 +197,7 @@ class Graph:
         graph = coo_array((np.ones(len(self.edges), np.bool_), self.edges.T), shape=(size, size))
         labels = connected_components(graph, directed=False)[1]
         order = np.argsort(-np.bincount(labels), kind="stable")
-        found: Whole = np.argsort(order)[labels] if size else np.empty(0, np.int64)
-        return found
+        return np.argsort(order)[labels] if size else np.empty(0, np.int64)
 
     @cached_property
     def neighbours(self) -> tuple[Whole, Whole, Whole]:
@@ -270,17 +260,19 @@ class PoseIndex:
     def _offered(self, asked: Asked, poses: Floats) -> Floats:
         """What poses (s, n, 12) of shapes are at one target: features (s, d)."""
         pose = poses[:, asked[0]]
-        turned = {DIRECTION: pose[:, 2:9:3], ROTATION: pose[:, :9]}.get(asked[2], pose[:, :0])
+        turned = {t.DIRECTION: pose[:, 2:9:3], t.ROTATION: pose[:, :9]}.get(asked[2], pose[:, :0])
         return self._features_of(asked, pose[:, 9:], turned)
 
     def _wanted(self, asked: Asked, rows: Floats) -> Floats:
         """What targets (m, 15) of one kind ask for: features (m, d)."""
-        size = {DIRECTION: 3, ROTATION: 9}.get(asked[2], 0)
-        return self._features_of(asked, rows[:, TARGET_POSITION : TARGET_POSITION + 3], rows[:, GOAL : GOAL + size])
+        size = {t.DIRECTION: 3, t.ROTATION: 9}.get(asked[2], 0)
+        return self._features_of(
+            asked, rows[:, t.TARGET_POSITION : t.TARGET_POSITION + 3], rows[:, t.GOAL : t.GOAL + size]
+        )
 
     def _features_of(self, asked: Asked, places: Floats, turned: Floats) -> Floats:
         """Features of which the distance is that of poses, as kernels measure it: a small turn counts by its angle."""
-        angles = ANGLE_WEIGHT / np.sqrt(2.0 if asked[2] == ROTATION else 1.0) * turned
+        angles = ANGLE_WEIGHT / np.sqrt(2.0 if asked[2] == t.ROTATION else 1.0) * turned
         return np.concatenate([places / self._length, angles], axis=1) if asked[1] else angles
 
 
@@ -320,13 +312,12 @@ def poses_of(robot: Robot, shapes: Floats) -> Floats:
     """Return the poses (m, n, 12) of the ends of all segments, of the last one that of the tool."""
     frames = robot.forward(shapes)
     frames[:, -1] = frames[:, -1] @ robot.tool
-    poses: Floats = np.concatenate([frames[..., :3, :3].reshape(*frames.shape[:2], 9), frames[..., :3, 3]], axis=-1)
-    return poses
+    return np.concatenate([frames[..., :3, :3].reshape(*frames.shape[:2], 9), frames[..., :3, 3]], axis=-1)
 
 
 def tip_rows(poses: Floats) -> Floats:
     """Return target sets (m, 1, 15) that ask for the poses (m, n, 12) of tips."""
-    pose, rows = poses[:, -1], np.zeros((len(poses), 1, TARGET_WIDTH))
-    rows[:, 0, TARGET_SEGMENT], rows[:, 0, HAS_POSITION], rows[:, 0, ORIENTATION] = -1, 1.0, ROTATION
-    rows[:, 0, TARGET_POSITION : TARGET_POSITION + 3], rows[:, 0, GOAL : GOAL + 9] = pose[:, 9:], pose[:, :9]
+    pose, rows = poses[:, -1], np.zeros((len(poses), 1, t.TARGET_WIDTH))
+    rows[:, 0, t.TARGET_SEGMENT], rows[:, 0, t.HAS_POSITION], rows[:, 0, t.ORIENTATION] = -1, 1.0, t.ROTATION
+    rows[:, 0, t.TARGET_POSITION : t.TARGET_POSITION + 3], rows[:, 0, t.GOAL : t.GOAL + 9] = pose[:, 9:], pose[:, :9]
     return rows

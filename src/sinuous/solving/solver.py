@@ -18,8 +18,7 @@ from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
@@ -282,8 +281,7 @@ class Solver:
         return [Solution(problem, outcome, outcome.seconds, *own, named) for outcome, named in several.best()]
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, seconds: float) -> Solution:
-        if not isinstance(within, Changes):
-            raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
+        checks.instance("within", within, Changes, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
         began = work_time()
@@ -516,8 +514,7 @@ class Solver:
         """
         limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
         seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
-        own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
-        return own
+        return self._control.step(q, twist, dt, target=target, **limits, **seen)
 
     def __repr__(self) -> str:
         parts = f"{len(self.robot)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"
@@ -726,8 +723,7 @@ def _beyond_reach(solver: Solver) -> Target:
 
 def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:
     """Check what a solver is made of, and warn of what looks wrong."""
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
     if chosen.memory is not None:

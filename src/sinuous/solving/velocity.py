@@ -209,8 +209,7 @@ class ControlLoop:
                 targets = tuple(corrected(self._robot, each, observed) for each in targets)
             kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
         wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
-        if rates is not None and not isinstance(rates, Rates):
-            raise InputError("rates", "", rates, "Rates")
+        checks.instance("rates", rates, Rates | None, "Rates")
         limits = self._limits_of(rates)
         before = None if velocity is None else _numbers("velocity", velocity, shape)
         if limits.accelerates and before is None:

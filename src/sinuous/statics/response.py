@@ -13,7 +13,7 @@ from sinuous.arguments import LoadParameter
 from sinuous.checks import Floats
 from sinuous.groups import TWIST, ByGroups, Column, read_names
 from sinuous.robot.loads import Force, Load
-from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.segment import Stiffness
 from sinuous.statics.body import body_of
 
 if TYPE_CHECKING:

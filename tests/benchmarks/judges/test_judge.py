@@ -172,7 +172,7 @@ def test_all_together_are_told_apart() -> None:
         assert Body(ARM, Scene(obstacles)).overlaps(STRAIGHT) == [True]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
     """Clearly free and clearly touching bodies, as told by the library's own distances, are told so by fcl."""
     asked = problems.clutter(seed, 60)

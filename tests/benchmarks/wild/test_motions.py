@@ -8,8 +8,7 @@ from benchmarks.wild import motions
 from benchmarks.wild.motions import Judged
 from sinuous import Trajectory
 from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
-from sinuous.robot.uncertainty import Uncertainty
+from sinuous.robot.robot import Robot, Uncertainty
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 

@@ -86,7 +86,7 @@ def prove(
 def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> None:
     rng = np.random.default_rng(round(10 * reach))
     verdicts = []
-    for q in configurations(5, N, 80):
+    for q in configurations(5, N, 50):
         scene = random_scene(rng, reach)
         verdict, clearance, where, fraction, which = prove(q, scene, mount)
         least, spacing = sampled(q, scene, mount)
@@ -113,14 +113,14 @@ def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> Non
 def test_the_bound_comes_as_close_as_asked() -> None:
     rng = np.random.default_rng(3)
     compared = 0
-    for q in configurations(6, N, 60):
+    for q in configurations(6, N, 40):
         scene = random_scene(rng, 3.0)
         verdict, finer, *_ = prove(q, scene, slack=1e-5)
         for slack in (0.5, 0.1, 0.001) if verdict == CLEAR else ():
             verdict, clearance, *_ = prove(q, scene, slack=slack)
             compared += verdict == CLEAR
             assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-5 * finer + FINEST
-    assert compared > 30
+    assert compared > 20
 
 
 def straight(length: float = 1.0) -> Floats:
@@ -166,7 +166,7 @@ def test_close_to_convex_obstacles_the_bound_is_true_and_as_close_as_asked(gap: 
     """Each is pushed along its gradient until so much room is left, by samples as close as their number tells."""
     rng, count, closest = np.random.default_rng(17), 4000, 0
     radii, places = np.repeat(RADII, count + 1), np.arange(N * (count + 1)) - np.arange(N).repeat(count + 1)
-    for q in configurations(12, N, 12):
+    for q in configurations(12, N, 8):
         points = ROBOT.backbone(q, count)[places]  # the end of a segment is the beginning of the next one, too
         for make in beside(rng):
             place = rng.normal(0.0, 2.0, 3)
@@ -183,7 +183,7 @@ def test_close_to_convex_obstacles_the_bound_is_true_and_as_close_as_asked(gap: 
             else:
                 assert verdict == TOUCHING
                 assert least < 0.5 * q[:, 2].max() / count
-    assert closest > 20
+    assert closest > 13
 
 
 def make_scene(make: Callable[[Floats], Obstacle], place: Floats) -> Scene:
@@ -259,7 +259,7 @@ def contacts(
 def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> None:
     rng = np.random.default_rng(depth)
     found = 0
-    for q in configurations(7, N, 40):
+    for q in configurations(7, N, 25):
         scene = random_scene(rng, 1.0)
         for k in range(N):
             mount = 0.3 if k == 0 else 0.0
@@ -282,7 +282,7 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
                 assert least == pytest.approx(each.min() - RADII[k], abs=1e-10)
             else:
                 assert least >= margin - 1e-12
-    assert found > 50
+    assert found > 30
 
 
 def test_rows_are_never_more_than_there_is_room_for() -> None:

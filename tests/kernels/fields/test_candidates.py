@@ -112,7 +112,7 @@ def test_what_is_beside_a_free_patch_is_no_nearer_than_its_bound(name: str, move
     own = Scene([mesh.placed(pose) if moved else mesh])
     scene, snapshot = kernel_scene(own), own.snapshot()
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    centers = (low + (high - low) * RNG.random((800, 3))) @ pose[:3, :3].T + pose[:3, 3]
+    centers = (low + (high - low) * RNG.random((500, 3))) @ pose[:3, :3].T + pose[:3, 3]
     away, bounds, short = snapshot.distance(centers), [], []
     for center, d, g in zip(centers, away, snapshot.gradient(centers), strict=True):
         sizes = RNG.choice([0.01, 0.1, 0.5]) * max(d, 0.01) * np.array([[1.0], [1.0], [0.1]])
@@ -127,5 +127,5 @@ def test_what_is_beside_a_free_patch_is_no_nearer_than_its_bound(name: str, move
         low, slope = beside(scene, 0, patch_of(center, across, still, still), 0.0, math.inf)
         short.append(d <= 1e-3 or low > 0.998 * d)
         assert d <= 1e-3 or low == -math.inf or abs(np.linalg.norm(slope) - 1.0) < 1e-9
-    assert len(bounds) > 60
+    assert len(bounds) > 35
     assert np.mean(short) > 0.9  # not where something else is as near, or a list is full

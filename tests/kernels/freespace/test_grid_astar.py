@@ -245,7 +245,7 @@ def of_sizes(levels: int, **changed: Any) -> Grid:
 
 
 @pytest.mark.parametrize("levels", [1, 3, 5])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_cells_of_all_sizes_lead_as_far_as_the_finest(seed: int, levels: int) -> None:
     scene, where = world(seed), of_sizes(levels)
     ended, met = explore(memory(1 << 16), where._replace(inflation=1e6, clearance_weight=0.0), scene)
@@ -253,7 +253,7 @@ def test_cells_of_all_sizes_lead_as_far_as_the_finest(seed: int, levels: int) ->
     assert (met >= 0) == (ended == FOUND)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_both_directions_have_the_same_verdict(seed: int) -> None:
     scene, where = world(seed), of_sizes(5, reach=100.0, inflation=1e6, clearance_weight=0.0)
     assert explore(memory(1 << 16), where, scene)[0] == explore(memory(1 << 16), turned(where), scene)[0]
@@ -272,7 +272,7 @@ def mirrored(scene: Scene, axis: int) -> Scene:
     return Scene(found)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_mirror_changes_nothing(seed: int) -> None:
     scene, axis, where = world(seed), seed % 3, of_sizes(4)
     goal = tuple(-x if i == axis else x for i, x in enumerate(GOAL))
@@ -283,7 +283,7 @@ def test_a_mirror_changes_nothing(seed: int) -> None:
         assert cost(work, met) == pytest.approx(cost(other, met_there), rel=0.5)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_route_by_cells_of_all_sizes_is_clear_and_not_dear(seed: int) -> None:
     scene, where, work = world(seed), of_sizes(4)._replace(ample=RADIUS), memory(1 << 16)
     ended, met = explore(work, where, scene)
@@ -298,7 +298,7 @@ def test_a_route_by_cells_of_all_sizes_is_clear_and_not_dear(seed: int) -> None:
 
 
 def test_a_large_room_takes_few_cells() -> None:
-    where = of_sizes(7, reach=1e3, goal=(3.0, 2.0, 45.0))
+    where = of_sizes(7, reach=1e3, goal=(3.0, 2.0, 25.0))
     walls = [Box(p, s) for p, s in (((0, 0, 20.0), (80, 80, 0.2)), ((3, 40, 40), (80, 0.2, 80)))]
     hole = [Box((0, -21.0, 20.0), (80, 38.0, 0.2)), Box((0, 21.0, 20.0), (80, 38.0, 0.2))]
     for scene in (Scene(walls), Scene([*hole, walls[1]])):

@@ -14,8 +14,7 @@ from sinuous.kernels.solve.preferences import Wishes, cost, prefer
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
-from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere

@@ -102,7 +102,7 @@ def test_many_are_one_after_the_other_bit_for_bit(seed: int, count: int, given_e
 
 def test_solved_is_solved_and_else_the_limits_are_kept() -> None:
     codes = []
-    for seed in range(200):
+    for seed in range(120):
         problem = Problem(ROBOT, target_at(shape(seed), seed % 3), SCENE)
         found = solved(problem, (0, 1))
         assert ROBOT.excess(found.q) <= 1e-11
@@ -112,8 +112,8 @@ def test_solved_is_solved_and_else_the_limits_are_kept() -> None:
         else:
             assert not ok(problem, found.q)
         codes.append(found.code)
-    assert codes.count(SOLVED) > 100
-    assert codes.count(FAILED) > 2
+    assert codes.count(SOLVED) > 60
+    assert codes.count(FAILED) > 1
 
 
 def test_of_several_that_are_given_the_one_nearby_is_taken() -> None:

@@ -81,7 +81,7 @@ def test_a_tool_that_is_hardly_tilted_is_tilted(tilt: float) -> None:
         assert verdict(robot, target, tolerance=(1e-13, 1e-13)) == POSSIBLE
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(25))
 def test_what_is_attained_within_large_tolerances_is_never_impossible(seed: int) -> None:
     robot, rng = robots(seed), np.random.default_rng(seed)
     for _ in range(10):

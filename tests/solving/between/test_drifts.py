@@ -117,7 +117,7 @@ def prove(seed: int, slack: float, seconds: float = 20.0) -> Floats:
 @pytest.mark.parametrize("slack", [1.0, 0.1])
 def test_the_proof_agrees_with_dense_sampling_in_time(slack: float) -> None:
     clear = touching = undecided = 0
-    for seed in range(120):
+    for seed in range(80):
         case = moving_case(seed)
         answer, least = prove(seed, slack), least_of(seed)
         if answer[VERDICT] == CLEAR:
@@ -134,8 +134,8 @@ def test_the_proof_agrees_with_dense_sampling_in_time(slack: float) -> None:
         assert least < 0.02, seed
         if answer[UNTIL] > 0.0:
             assert sampled(case, 0.999 * float(answer[UNTIL])) > 0.0, seed
-    assert clear > 30
-    assert touching > 20
+    assert clear > 20
+    assert touching > 13
     assert undecided < 4
 
 

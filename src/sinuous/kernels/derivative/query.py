@@ -13,22 +13,8 @@ import math
 
 from sinuous.kernels.chain.kinematics import forward_with_columns
 from sinuous.kernels.compile import entry, kernel, shared
-from sinuous.kernels.derivative.layout import (
-    ANSWER,
-    ANSWER_HEADER,
-    COLUMNS,
-    COUNT,
-    FACTOR,
-    KINK,
-    RESIDUAL,
-    ROWS,
-    SINGULAR,
-    SLACK,
-    STATUS,
-    TARGET_ROWS,
-    Desk,
-    carve_desk,
-)
+from sinuous.kernels.derivative import layout as d
+from sinuous.kernels.derivative.layout import Desk, carve_desk
 from sinuous.kernels.derivative.rows import add_contacts, add_limits, add_self_contacts, add_targets, normalise
 from sinuous.kernels.derivative.sides import fill_sides, move_directly
 from sinuous.kernels.fields.distances import number_of
@@ -140,7 +126,7 @@ def _find_rows(problem: Problem, desk: Desk) -> tuple[int, int, float, int]:
 def _correct(problem: Problem, desk: Desk, count: int, targets: int) -> None:
     """Go on to where the targets are met: one Newton step that keeps all other rows."""
     for a in range(count):
-        desk.values[a, 0] = desk.about[a, FACTOR] * desk.about[a, SLACK] if a < targets else 0.0
+        desk.values[a, 0] = desk.about[a, d.FACTOR] * desk.about[a, d.SLACK] if a < targets else 0.0
     for i in range(desk.way.shape[0]):
         desk.way[i, 0] = 0.0
     settle(problem.limits, desk, count, targets, desk.values, desk.way)
@@ -170,7 +156,7 @@ def _lay_out(
 ) -> tuple[Problem, Desk]:
     """Read the problem, and lay out a desk for the configuration `q` (n, 3); arguments as for `derive`."""
     problem = read_problem(robot, scene, settings, targets)
-    sizes = q.shape[0], asked[ROWS], asked[COLUMNS]
+    sizes = q.shape[0], asked[d.ROWS], asked[d.COLUMNS]
     desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
     copy(q, desk.q)
     return problem, desk
@@ -182,10 +168,10 @@ def _follow(problem: Problem, asked: Array, lines: Array, desk: Desk, count: int
     status = 0
     fill_sides(problem.scene, problem, asked, lines, desk, count)
     if factorise(problem.limits, desk, count, targets) > 0:
-        status |= SINGULAR
+        status |= d.SINGULAR
     called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
     if called > STILL * (1.0 + _largest(desk.sides[:count])):
-        status |= KINK
+        status |= d.KINK
     return status
 
 
@@ -214,7 +200,7 @@ def _derive(
         _correct(problem, desk, count, met)
         count, met, _, status = _find_rows(problem, desk)
         status |= _follow(problem, asked, lines, desk, count, met)
-    answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, met, residual
+    answer[d.STATUS], answer[d.COUNT], answer[d.TARGET_ROWS], answer[d.RESIDUAL] = status, count, met, residual
 
 
 @entry
@@ -256,12 +242,12 @@ def derive_many(
     Fills what a unit of each parameter moves, `moved` (m, 3 n, p), and how each ended, `status` (m,). The workspace
     also holds an answer, at its end.
     """
-    answer = workspace[workspace.shape[0] - asked[ANSWER] :]
-    found, _ = cut(answer[ANSWER_HEADER:], moved.shape[1], moved.shape[2])
+    answer = workspace[workspace.shape[0] - asked[d.ANSWER] :]
+    found, _ = cut(answer[d.ANSWER_HEADER :], moved.shape[1], moved.shape[2])
     for i in range(q.shape[0]):
         _derive(robot, scene, settings, targets[i], asked, lines, q[i], workspace, answer)
         copy(found, moved[i])
-        status[i] = answer[STATUS]
+        status[i] = answer[d.STATUS]
 
 
 @entry
@@ -287,4 +273,4 @@ def find_contacts(
     count, status = add_contacts(problem.scene, problem, desk, 0, keep)
     normalise(problem.limits, desk, count)
     fill_sides(problem.scene, problem, asked, lines, desk, count)
-    answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, 0, 0.0
+    answer[d.STATUS], answer[d.COUNT], answer[d.TARGET_ROWS], answer[d.RESIDUAL] = status, count, 0, 0.0

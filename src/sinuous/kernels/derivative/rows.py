@@ -2,6 +2,7 @@
 
 import math
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.contacts import Body
 from sinuous.kernels.body.pieces import free_part, look_here, near
 from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS, pull_along, pull_at, self_contacts
@@ -51,27 +52,6 @@ from sinuous.kernels.step.targets import (
     end_pose,
     end_segment,
     rotation_vector,
-)
-from sinuous.kernels.tables import (
-    BEND_SCALE,
-    DIRECTION,
-    GOAL,
-    HAS_POSITION,
-    LAST_SEGMENT,
-    LENGTH_SCALE,
-    MAX_BEND,
-    MAX_CURVATURE,
-    MAX_LENGTH,
-    MAX_VALUE,
-    MIN_LENGTH,
-    MIN_VALUE,
-    ORIENTATION,
-    RADIUS,
-    ROTATION,
-    TARGET_POSITION,
-)
-from sinuous.kernels.tables import (
-    WEIGHTS as ACTUATOR_WEIGHTS,
 )
 from sinuous.kernels.velocity.contacts import closest_place
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
@@ -133,22 +113,22 @@ def add_targets(problem: Problem, desk: Desk) -> tuple[int, float]:
     for i in range(targets.shape[0]):
         k = end_segment(targets, i, n)
         rotation, position = end_pose(desk.frames, problem.tool, k)
-        if targets[i, HAS_POSITION] != 0.0:
-            miss = scale(inverse, sub(get_vec(targets, i, TARGET_POSITION), position))
+        if targets[i, t.HAS_POSITION] != 0.0:
+            miss = scale(inverse, sub(get_vec(targets, i, t.TARGET_POSITION), position))
             arm = scale(inverse, sub(position, origin))
             at = _target_row(desk, at, i, k, cross(arm, X), scale(inverse, X), miss[0])
             at = _target_row(desk, at, i, k, cross(arm, Y), scale(inverse, Y), miss[1])
             at = _target_row(desk, at, i, k, cross(arm, Z), scale(inverse, Z), miss[2])
             worst = max(worst, norm(miss))
-        if targets[i, ORIENTATION] == ROTATION:
-            turn = rotation_vector(mat_mat(get_mat(targets, i, GOAL), transpose(rotation)))
+        if targets[i, t.ORIENTATION] == t.ROTATION:
+            turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
             at = _target_row(desk, at, i, k, X, NONE, turn[0])
             at = _target_row(desk, at, i, k, Y, NONE, turn[1])
             at = _target_row(desk, at, i, k, Z, NONE, turn[2])
             worst = max(worst, norm(turn))
-        elif targets[i, ORIENTATION] == DIRECTION:
+        elif targets[i, t.ORIENTATION] == t.DIRECTION:
             tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
-            turn = direction_vector(tangent, get_vec(targets, i, GOAL))
+            turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
             a, b = across(tangent)
             at = _target_row(desk, at, i, k, a, NONE, dot(turn, a))
             at = _target_row(desk, at, i, k, b, NONE, dot(turn, b))
@@ -174,8 +154,8 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
     for k in range(q.shape[0]):
         if at + 4 > room:
             return at, FULL
-        turning, stretching = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
-        low, high = q[k, 2] - limits[k, MIN_LENGTH], limits[k, MAX_LENGTH] - q[k, 2]
+        turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
+        low, high = q[k, 2] - limits[k, t.MIN_LENGTH], limits[k, t.MAX_LENGTH] - q[k, 2]
         if _is_active(low, stretching, near_by):
             _begin(desk, at, LENGTH, k, -1, 0, low)
             desk.rows[at, 3 * k + 2] = 1.0
@@ -191,10 +171,10 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
         if cap <= near_by:
             told |= KINK
             continue
-        inverse, most = -1.0 / max(bend, 1e-300), limits[k, MAX_CURVATURE]
+        inverse, most = -1.0 / max(bend, 1e-300), limits[k, t.MAX_CURVATURE]
         nx, ny = inverse * q[k, 0], inverse * q[k, 1]
-        if _is_active(limits[k, MAX_BEND] - bend, turning, near_by):
-            _begin(desk, at, BEND, k, -1, 1, limits[k, MAX_BEND] - bend)
+        if _is_active(limits[k, t.MAX_BEND] - bend, turning, near_by):
+            _begin(desk, at, BEND, k, -1, 1, limits[k, t.MAX_BEND] - bend)
             desk.rows[at, 3 * k], desk.rows[at, 3 * k + 1] = nx, ny
             at += 1
         if math.isfinite(most) and _is_active(most * q[k, 2] - bend, turning + most * stretching, near_by):
@@ -209,17 +189,17 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
 def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
     limits, table, at = problem.limits, problem.actuation, first
     for j in range(table.shape[0]):
-        last = int(table[j, LAST_SEGMENT])
+        last = int(table[j, t.LAST_SEGMENT])
         begin = 0 if runs_through(table, j) else last
-        weights = get_vec(table, j, ACTUATOR_WEIGHTS)
+        weights = get_vec(table, j, t.WEIGHTS)
         value = square = 0.0
         for k in range(begin, last + 1):
             value += dot(weights, get_vec(desk.q, k, 0))
             for i in range(3):
-                moves = limits[k, BEND_SCALE] if i < 2 else limits[k, LENGTH_SCALE]
+                moves = limits[k, t.BEND_SCALE] if i < 2 else limits[k, t.LENGTH_SCALE]
                 square += (weights[i] * moves) ** 2
         for side in range(2):
-            slack = table[j, MAX_VALUE] - value if side == 1 else value - table[j, MIN_VALUE]
+            slack = table[j, t.MAX_VALUE] - value if side == 1 else value - table[j, t.MIN_VALUE]
             if _is_active(slack, math.sqrt(square), near_by):
                 if at == desk.rows.shape[0]:
                     return at, FULL
@@ -241,7 +221,7 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
     q, ahead, mount, at = desk.q, BESIDE * keep, problem.mount, first
     body = Body(problem.limits, q, desk.frames, problem.unit)
     for k in range(q.shape[0]):
-        start, length, radius = free_part(q, k, mount), q[k, 2], problem.limits[k, RADIUS]
+        start, length, radius = free_part(q, k, mount), q[k, 2], problem.limits[k, t.RADIUS]
         mount -= length
         part = 1.0 - start
         if part <= 0.0:
@@ -318,7 +298,7 @@ def normalise(limits: Array, desk: Desk, count: int) -> None:
     for at in range(count):
         square = 0.0
         for k in range(desk.q.shape[0]):
-            turning, stretching = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
+            turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
             x, y, z = turning * desk.rows[at, 3 * k], turning * desk.rows[at, 3 * k + 1], desk.rows[at, 3 * k + 2]
             square += x * x + y * y + (stretching * z) ** 2
         factor = 1.0 / math.sqrt(square) if square > 0.0 else 1.0

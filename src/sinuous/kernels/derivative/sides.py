@@ -4,49 +4,16 @@ A row keeps what it has: for a target the residual, for an active limit or conta
 the derivative of that by the parameter. World axes; a twist is `(omega, v)`.
 """
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.derivative.layout import (
-    ACTUATORS,
-    BASE,
-    BENDS,
-    CURVATURES,
-    FACTOR,
-    INITIAL,
-    KIND,
-    LENGTHS,
-    OBSTACLES,
-    OTHER,
-    RADII,
-    SEGMENT,
-    SIDE,
-    TARGET,
-    TARGET_COLUMNS,
-    TARGET_ROW,
-    TENDONS,
-    TOOL,
-    WRENCH,
-    Desk,
-)
+from sinuous.kernels.derivative import layout as d
+from sinuous.kernels.derivative.layout import Desk
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, cross, dot, get_vec, mat_vec, put_vec, scale, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.targets import end_segment
-from sinuous.kernels.tables import (
-    CENTER,
-    LAST_SEGMENT,
-    LENGTH_SCALE,
-    MAX_CURVATURE,
-    PLACE,
-    PLACED,
-    POSE_POSITION,
-    SAMPLES,
-    SELF_RADIUS,
-    TREE,
-    WEIGHTS,
-)
-from sinuous.kernels.tables import KIND as OBSTACLE_KIND
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
 
 THICK = 1e-6
@@ -67,11 +34,11 @@ def _nothing(table: Array) -> None:
 @kernel
 def place_of(scene: Scene, i: int) -> Vec:
     """The place that an obstacle turns about: its center, or the origin of the frame that it is described in."""
-    kind = scene.table[i, OBSTACLE_KIND]
-    if kind not in (TREE, SAMPLES):
-        return get_vec(scene.table, i, CENTER)
-    if scene.table[i, PLACED] != 0.0:
-        return get_vec(scene.table, i, PLACE + POSE_POSITION)
+    kind = scene.table[i, t.KIND]
+    if kind not in (t.TREE, t.SAMPLES):
+        return get_vec(scene.table, i, t.CENTER)
+    if scene.table[i, t.PLACED] != 0.0:
+        return get_vec(scene.table, i, t.PLACE + t.POSE_POSITION)
     return 0.0, 0.0, 0.0
 
 
@@ -81,16 +48,16 @@ def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array
     sides, about = desk.sides[:count], desk.about
     _nothing(sides)
     for at in range(count):
-        wrench = (get_vec(about, at, WRENCH), get_vec(about, at, WRENCH + 3))
-        if asked[BASE] >= 0:
-            put_vec(sides, at, asked[BASE], scale(-1.0, wrench[0]))
-            put_vec(sides, at, asked[BASE] + 3, scale(-1.0, wrench[1]))
-        if about[at, KIND] == TARGET_ROW:
+        wrench = (get_vec(about, at, d.WRENCH), get_vec(about, at, d.WRENCH + 3))
+        if asked[d.BASE] >= 0:
+            put_vec(sides, at, asked[d.BASE], scale(-1.0, wrench[0]))
+            put_vec(sides, at, asked[d.BASE] + 3, scale(-1.0, wrench[1]))
+        if about[at, d.KIND] == d.TARGET_ROW:
             _of_target(problem, asked, desk, at, wrench)
         else:
             _of_constraint(scene, problem, asked, lines, desk, at, wrench)
         for c in range(sides.shape[1]):
-            sides[at, c] *= about[at, FACTOR]
+            sides[at, c] *= about[at, d.FACTOR]
 
 
 @kernel
@@ -101,31 +68,31 @@ def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
     """
     _nothing(moved)
     for k in range(problem.limits.shape[0]):
-        if asked[LENGTHS] >= 0 and problem.limits[k, LENGTH_SCALE] == 0.0:
-            moved[3 * k + 2, asked[LENGTHS] + k] = 1.0
-        if asked[INITIAL] >= 0:
+        if asked[d.LENGTHS] >= 0 and problem.limits[k, t.LENGTH_SCALE] == 0.0:
+            moved[3 * k + 2, asked[d.LENGTHS] + k] = 1.0
+        if asked[d.INITIAL] >= 0:
             for i in range(3):
-                if i < 2 or problem.limits[k, LENGTH_SCALE] > 0.0:
-                    moved[3 * k + i, asked[INITIAL] + 3 * k + i] = 1.0
+                if i < 2 or problem.limits[k, t.LENGTH_SCALE] > 0.0:
+                    moved[3 * k + i, asked[d.INITIAL] + 3 * k + i] = 1.0
 
 
 @kernel
 def _of_target(problem: Problem, asked: Array, desk: Desk, at: int, wrench: tuple[Vec, Vec]) -> None:
-    sides, targets, i = desk.sides, problem.targets, int(desk.about[at, OTHER])
+    sides, targets, i = desk.sides, problem.targets, int(desk.about[at, d.OTHER])
     torque, force = wrench
     placed = dot(force, force) > 0.0
-    if asked[TARGET] >= 0:
+    if asked[d.TARGET] >= 0:
         if placed:
-            put_vec(sides, at, asked[TARGET] + TARGET_COLUMNS * i, force)
+            put_vec(sides, at, asked[d.TARGET] + d.TARGET_COLUMNS * i, force)
         else:
-            put_vec(sides, at, asked[TARGET] + TARGET_COLUMNS * i + 3, torque)
+            put_vec(sides, at, asked[d.TARGET] + d.TARGET_COLUMNS * i + 3, torque)
     n = desk.q.shape[0]
-    if asked[TOOL] >= 0 and end_segment(targets, i, n) == n - 1:
+    if asked[d.TOOL] >= 0 and end_segment(targets, i, n) == n - 1:
         rotation = frame(desk.frames, n)[0]
         if placed:
-            put_vec(sides, at, asked[TOOL] + 3, scale(-1.0, _across(force, rotation)))
+            put_vec(sides, at, asked[d.TOOL] + 3, scale(-1.0, _across(force, rotation)))
         else:
-            put_vec(sides, at, asked[TOOL], scale(-1.0, _across(torque, rotation)))
+            put_vec(sides, at, asked[d.TOOL], scale(-1.0, _across(torque, rotation)))
 
 
 @kernel
@@ -146,27 +113,27 @@ def _of_constraint(
     wrench: tuple[Vec, Vec],
 ) -> None:
     sides, about, limits = desk.sides, desk.about, problem.limits
-    kind, k, other = int(about[at, KIND]), int(about[at, SEGMENT]), int(about[at, OTHER])
-    upper = about[at, SIDE] == 1.0
-    if asked[LENGTHS] >= 0 and kind == LENGTH:
-        sides[at, asked[LENGTHS] + k] = -1.0 if upper else 1.0
-    if asked[BENDS] >= 0 and kind == BEND:
-        sides[at, asked[BENDS] + k] = -1.0
+    kind, k, other = int(about[at, d.KIND]), int(about[at, d.SEGMENT]), int(about[at, d.OTHER])
+    upper = about[at, d.SIDE] == 1.0
+    if asked[d.LENGTHS] >= 0 and kind == LENGTH:
+        sides[at, asked[d.LENGTHS] + k] = -1.0 if upper else 1.0
+    if asked[d.BENDS] >= 0 and kind == BEND:
+        sides[at, asked[d.BENDS] + k] = -1.0
     if kind == CURVATURE:
-        thick = problem.avoids_itself and limits[k, MAX_CURVATURE] * limits[k, SELF_RADIUS] >= 1.0 - THICK
-        if asked[CURVATURES] >= 0 and not thick:
-            sides[at, asked[CURVATURES] + k] = -desk.q[k, 2]
-        if asked[RADII] >= 0 and thick:
-            sides[at, asked[RADII] + k] = desk.q[k, 2] * limits[k, MAX_CURVATURE] ** 2
-    if asked[RADII] >= 0 and kind in (CLEARANCE, SELF_CLEARANCE):
-        sides[at, asked[RADII] + k] += 1.0
+        thick = problem.avoids_itself and limits[k, t.MAX_CURVATURE] * limits[k, t.SELF_RADIUS] >= 1.0 - THICK
+        if asked[d.CURVATURES] >= 0 and not thick:
+            sides[at, asked[d.CURVATURES] + k] = -desk.q[k, 2]
+        if asked[d.RADII] >= 0 and thick:
+            sides[at, asked[d.RADII] + k] = desk.q[k, 2] * limits[k, t.MAX_CURVATURE] ** 2
+    if asked[d.RADII] >= 0 and kind in (CLEARANCE, SELF_CLEARANCE):
+        sides[at, asked[d.RADII] + k] += 1.0
         if kind == SELF_CLEARANCE:
-            sides[at, asked[RADII] + other] += 1.0
+            sides[at, asked[d.RADII] + other] += 1.0
     if kind == ACTUATOR:
         _of_actuator(problem, asked, lines, desk, at, (k, other), upper)
-    if kind == CLEARANCE and asked[OBSTACLES] >= 0 and scene is not None:
+    if kind == CLEARANCE and asked[d.OBSTACLES] >= 0 and scene is not None:
         torque, force = wrench
-        first = asked[OBSTACLES] + 6 * other
+        first = asked[d.OBSTACLES] + 6 * other
         arm = sub(place_of(scene, other), frame(desk.frames, 0)[1])
         put_vec(sides, at, first, sub(torque, cross(arm, force)))
         put_vec(sides, at, first + 3, force)
@@ -178,12 +145,12 @@ def _of_actuator(
 ) -> None:
     """`which`: the last segment that the actuator sees, and the number of its limit."""
     last, j = which
-    if asked[ACTUATORS] >= 0:
-        desk.sides[at, asked[ACTUATORS] + 2 * int(lines[j, NUMBER]) + (1 if upper else 0)] = -1.0 if upper else 1.0
-    if asked[TENDONS] >= 0 and lines[j, COLUMN] >= 0.0:
+    if asked[d.ACTUATORS] >= 0:
+        desk.sides[at, asked[d.ACTUATORS] + 2 * int(lines[j, NUMBER]) + (1 if upper else 0)] = -1.0 if upper else 1.0
+    if asked[d.TENDONS] >= 0 and lines[j, COLUMN] >= 0.0:
         table = problem.actuation
         grown = 0.0
-        for k in range(0 if runs_through(table, j) else last, int(table[j, LAST_SEGMENT]) + 1):
-            grown += table[j, WEIGHTS] * desk.q[k, 0] + table[j, WEIGHTS + 1] * desk.q[k, 1]
+        for k in range(0 if runs_through(table, j) else last, int(table[j, t.LAST_SEGMENT]) + 1):
+            grown += table[j, t.WEIGHTS] * desk.q[k, 0] + table[j, t.WEIGHTS + 1] * desk.q[k, 1]
         grown /= lines[j, RADIUS_OF]
-        desk.sides[at, asked[TENDONS] + int(lines[j, COLUMN])] = grown if upper else -grown
+        desk.sides[at, asked[d.TENDONS] + int(lines[j, COLUMN])] = grown if upper else -grown

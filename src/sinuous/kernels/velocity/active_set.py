@@ -20,24 +20,9 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import reply
 from sinuous.kernels.step.dense import solve_symmetric
+from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.bounds import LEFT, Cut, Limits, along, size_of, worst_cut
-from sinuous.kernels.velocity.layout import (
-    KIND_HIGH,
-    KIND_LOW,
-    LOW,
-    MULTIPLIER,
-    OTHER,
-    SEGMENT,
-    SOFTNESS,
-    TAKEN,
-    VALUE,
-    WHAT,
-    WHERE,
-    WHICH,
-    Asked,
-    Tick,
-    WorkingSet,
-)
+from sinuous.kernels.velocity.layout import Asked, Tick, WorkingSet
 
 HARD = 1e-13
 """Variance of constraints that must hold: enough for two that say the same."""
@@ -67,9 +52,9 @@ def most_violated(working: WorkingSet, count: int) -> tuple[int, float]:
     worst, excess = -1, 0.0
     for a in range(count):
         if working.active[a] == 0:
-            missing = working.about[a, VALUE]
+            missing = working.about[a, v.VALUE]
             for b in range(count):  # who is not active has no multiplier
-                missing -= working.system[a, b] * working.about[b, MULTIPLIER]
+                missing -= working.system[a, b] * working.about[b, v.MULTIPLIER]
             if missing > excess:
                 worst, excess = a, missing
     return worst, excess
@@ -87,7 +72,7 @@ def _solve_active(working: WorkingSet, count: int) -> int:
         a = working.listed[i]
         for j in range(i, m):  # what is below the diagonal is never read
             working.scratch[i, j] = working.system[a, working.listed[j]]
-        working.scratch[i, m] = working.about[a, VALUE]
+        working.scratch[i, m] = working.about[a, v.VALUE]
     solve_symmetric(working.scratch, m)
     return m
 
@@ -102,17 +87,17 @@ def activate(working: WorkingSet, count: int, a: int) -> None:
         for i in range(m):
             multiplier = working.scratch[i, m]
             if multiplier <= 0.0:
-                before = working.about[working.listed[i], MULTIPLIER]
+                before = working.about[working.listed[i], v.MULTIPLIER]
                 share = min(share, before / (before - multiplier) if before > multiplier else 0.0)
         left = False
         for i in range(m):
             b, multiplier = working.listed[i], working.scratch[i, m]
-            before = working.about[b, MULTIPLIER]
+            before = working.about[b, v.MULTIPLIER]
             moved = before + share * (multiplier - before)
             if share < 1.0 and multiplier <= 0.0 and moved <= 1e-12 * (abs(multiplier) + before):
                 moved, left = 0.0, True
                 working.active[b] = 0
-            working.about[b, MULTIPLIER] = moved
+            working.about[b, v.MULTIPLIER] = moved
         if not left:
             return
 
@@ -123,7 +108,7 @@ def _combine(working: WorkingSet, count: int, step: Array) -> None:
     copy(working.free, step)
     for a in range(count):
         if working.active[a] != 0:
-            multiplier = working.about[a, MULTIPLIER]
+            multiplier = working.about[a, v.MULTIPLIER]
             for k in range(step.shape[0]):
                 for i in range(3):
                     step[k, i] += multiplier * working.replies[a, 3 * k + i]
@@ -138,9 +123,9 @@ def _worst_bound(rows: Array, step: Array) -> tuple[float, int, int]:
     worst, which, side = 0.0, -1, 0
     own = 3 * step.shape[0]
     for at in range(rows.shape[0]):
-        value, taken = along(rows[at], step), int(rows[at, own + TAKEN])
+        value, taken = along(rows[at], step), int(rows[at, own + v.TAKEN])
         for i in range(4):
-            excess = value - rows[at, own + LOW + i] if i % 2 == 1 else rows[at, own + LOW + i] - value
+            excess = value - rows[at, own + v.LOW + i] if i % 2 == 1 else rows[at, own + v.LOW + i] - value
             if excess > worst and (taken >> i) & 1 == 0:
                 worst, which, side = excess, at, i
     return worst, which, side
@@ -150,14 +135,14 @@ def _worst_bound(rows: Array, step: Array) -> tuple[float, int, int]:
 def _add_bound(tick: Tick, count: int, at: int, side: int, softness: float) -> None:
     """Make one side of a bound constraint number `count` of the working set."""
     working, row, own = tick.working, tick.bounds[at], 3 * tick.q.shape[0]
-    row[own + TAKEN] += 1 << side
+    row[own + v.TAKEN] += 1 << side
     sign = -1.0 if side % 2 == 1 else 1.0
     for i in range(own):
         working.weights[count, i] = sign * row[i]
-    working.about[count, VALUE] = sign * row[own + LOW + side]
-    working.about[count, SOFTNESS] = softness if side >= 2 else HARD
-    working.about[count, WHAT] = row[own + (KIND_HIGH if side % 2 == 1 else KIND_LOW)]
-    working.about[count, WHERE], working.about[count, WHICH] = row[own + SEGMENT], row[own + OTHER]
+    working.about[count, v.VALUE] = sign * row[own + v.LOW + side]
+    working.about[count, v.SOFTNESS] = softness if side >= 2 else HARD
+    working.about[count, v.WHAT] = row[own + (v.KIND_HIGH if side % 2 == 1 else v.KIND_LOW)]
+    working.about[count, v.WHERE], working.about[count, v.WHICH] = row[own + v.SEGMENT], row[own + v.OTHER]
     _add(tick, count)
 
 
@@ -168,9 +153,9 @@ def _add_cut(tick: Tick, count: int, cut: Cut, k: int, softness: float) -> None:
     for i in range(3 * tick.q.shape[0]):
         working.weights[count, i] = 0.0
     put_vec(working.weights, count, 3 * k, scale(-1.0, cut.weights))
-    working.about[count, VALUE] = along(working.weights[count], tick.step) + cut.excess
-    working.about[count, SOFTNESS] = softness if cut.soft else HARD
-    working.about[count, WHAT], working.about[count, WHERE], working.about[count, WHICH] = cut.kind, k, -1.0
+    working.about[count, v.VALUE] = along(working.weights[count], tick.step) + cut.excess
+    working.about[count, v.SOFTNESS] = softness if cut.soft else HARD
+    working.about[count, v.WHAT], working.about[count, v.WHERE], working.about[count, v.WHICH] = cut.kind, k, -1.0
     _add(tick, count)
 
 
@@ -190,9 +175,9 @@ def _add(tick: Tick, count: int) -> None:
     reply(tick.columns, tick.root, working.weights, count, 0, tick.rows, working.pull, moved, False)
     for b in range(count + 1):
         working.system[count, b] = working.system[b, count] = _dot(working.weights[b], working.replies[count])
-    working.system[count, count] += working.about[count, SOFTNESS]
-    working.about[count, VALUE] -= along(working.weights[count], working.free)
-    working.about[count, MULTIPLIER] = 0.0
+    working.system[count, count] += working.about[count, v.SOFTNESS]
+    working.about[count, v.VALUE] -= along(working.weights[count], working.free)
+    working.about[count, v.MULTIPLIER] = 0.0
     activate(working, count + 1, count)
 
 
@@ -202,7 +187,7 @@ def _constrained(problem: Problem, asked: Asked, tick: Tick, start: Array, bound
     working, q, step, rows = tick.working, tick.q, tick.step, tick.bounds[:bounds]
     within, n = Limits(problem.limits, asked.rates, tick.root, start), q.shape[0]
     for at in range(bounds):
-        rows[at, 3 * n + TAKEN] = 0.0
+        rows[at, 3 * n + v.TAKEN] = 0.0
     sweeps.forward(tick.columns, tick.root, tick.none, tick.rows, mu, False)
     sweeps.backward(tick.columns, tick.root, tick.none, tick.rows, working.free, False)
     count = wishes = 0

@@ -14,37 +14,8 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
-from sinuous.kernels.velocity.layout import (
-    ACCELERATION,
-    ACTUATOR,
-    ACTUATOR_RATE,
-    BEFORE,
-    BEND,
-    BEND_CHANGE,
-    BEND_RATE,
-    BEND_SECOND,
-    CHANGE,
-    CURVATURE,
-    GAP,
-    HIGH,
-    KIND_HIGH,
-    KIND_LOW,
-    LAST,
-    LEAST,
-    LENGTH,
-    LENGTH_CHANGE,
-    LENGTH_RATE,
-    LENGTH_SECOND,
-    LOW,
-    MOST,
-    OTHER,
-    SECOND,
-    SEGMENT,
-    WISHED_HIGH,
-    WISHED_LOW,
-    Asked,
-    Tick,
-)
+from sinuous.kernels.velocity import layout as v
+from sinuous.kernels.velocity.layout import Asked, Tick
 
 INSET = 2e-9
 """How far within the limits of actuators a step aims, in units of the metric: more than what it may leave them by."""
@@ -122,8 +93,8 @@ def _range_of(actuator: Array, began: float) -> tuple[float, float, bool, bool]:
 
     `actuator` are its columns, `began` the value that it began with.
     """
-    least, most = min(actuator[LEAST], began), max(actuator[MOST], began)
-    slowest, fastest = began - actuator[CHANGE], began + actuator[CHANGE]
+    least, most = min(actuator[v.LEAST], began), max(actuator[v.MOST], began)
+    slowest, fastest = began - actuator[v.CHANGE], began + actuator[v.CHANGE]
     return max(least, slowest), min(most, fastest), least >= slowest, most <= fastest
 
 
@@ -143,14 +114,14 @@ def add_actuators(asked: Asked, tick: Tick, start: Array, first: int) -> int:
             continue
         began, value = _value_of(actuator, start), _value_of(actuator, tick.q)
         least, most, by_limit, by_other_limit = _range_of(actuator[own:], began)
-        row[own + KIND_LOW] = ACTUATOR if by_limit else ACTUATOR_RATE
-        row[own + KIND_HIGH] = ACTUATOR if by_other_limit else ACTUATOR_RATE
+        row[own + v.KIND_LOW] = v.ACTUATOR if by_limit else v.ACTUATOR_RATE
+        row[own + v.KIND_HIGH] = v.ACTUATOR if by_other_limit else v.ACTUATOR_RATE
         low, high = (least - value) / size, (most - value) / size
         inset = min(INSET, 0.5 * (high - low))
-        row[own + LOW], row[own + HIGH] = low + inset, high - inset
-        aim, room = began + actuator[own + LAST] - value, actuator[own + SECOND]
-        row[own + WISHED_LOW], row[own + WISHED_HIGH] = (aim - room) / size, (aim + room) / size
-        row[own + GAP], row[own + SEGMENT], row[own + OTHER] = math.inf, -1.0, j
+        row[own + v.LOW], row[own + v.HIGH] = low + inset, high - inset
+        aim, room = began + actuator[own + v.LAST] - value, actuator[own + v.SECOND]
+        row[own + v.WISHED_LOW], row[own + v.WISHED_HIGH] = (aim - room) / size, (aim + room) / size
+        row[own + v.GAP], row[own + v.SEGMENT], row[own + v.OTHER] = math.inf, -1.0, j
         at += 1
     return at
 
@@ -167,7 +138,7 @@ def _disc(root: Array, k: int, bend: tuple[float, float], cap: float, slope: flo
         return NO_CUT
     size = math.hypot(root[k, 0], root[k, 8] * slope)
     weights = (x / (most * size), y / (most * size), -slope / size)
-    return Cut((most - cap) / size, weights, int(kind == ACCELERATION), kind)
+    return Cut((most - cap) / size, weights, int(kind == v.ACCELERATION), kind)
 
 
 @kernel
@@ -178,19 +149,19 @@ def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
     ux, uy, length = q[k, 0] + dx, q[k, 1] + dy, q[k, 2] + step[k, 2]
     x0, y0 = start[k, 0], start[k, 1]
     bent, left = math.hypot(x0, y0), CUT * math.hypot(dx, dy)
-    worst = _disc(root, k, (ux, uy), max(limits[k, MAX_BEND], bent), 0.0, left, BEND)
+    worst = _disc(root, k, (ux, uy), max(limits[k, MAX_BEND], bent), 0.0, left, v.BEND)
     curvature = limits[k, MAX_CURVATURE]
     if curvature < math.inf:
         cap = curvature * length + max(0.0, bent - curvature * start[k, 2])
-        cut = _disc(root, k, (ux, uy), cap, curvature, left, CURVATURE)
+        cut = _disc(root, k, (ux, uy), cap, curvature, left, v.CURVATURE)
         if cut.excess > worst.excess:
             worst = cut
-    cap = rates[BEND_CHANGE]
-    cut = _disc(root, k, (ux - x0, uy - y0), (1.0 - ROOM) * cap, 0.0, ROOM * cap, BEND_RATE)
+    cap = rates[v.BEND_CHANGE]
+    cut = _disc(root, k, (ux - x0, uy - y0), (1.0 - ROOM) * cap, 0.0, ROOM * cap, v.BEND_RATE)
     if cut.excess > worst.excess:
         worst = cut
-    cap, vx, vy = rates[BEND_SECOND], ux - x0 - rates[BEFORE], uy - y0 - rates[BEFORE + 1]
-    cut = _disc(root, k, (vx, vy), (1.0 - ROOM) * cap, 0.0, ROOM * cap, ACCELERATION)
+    cap, vx, vy = rates[v.BEND_SECOND], ux - x0 - rates[v.BEFORE], uy - y0 - rates[v.BEFORE + 1]
+    cut = _disc(root, k, (vx, vy), (1.0 - ROOM) * cap, 0.0, ROOM * cap, v.ACCELERATION)
     return cut if cut.excess > worst.excess else worst
 
 
@@ -202,16 +173,16 @@ def _cut_of(within: Limits, q: Array, step: Array, k: int) -> Cut:
         return worst
     length, axis = q[k, 2] + step[k, 2], (0.0, 0.0, 1.0 / stretch)
     least, most = min(within.limits[k, MIN_LENGTH], l0), max(within.limits[k, MAX_LENGTH], l0)
-    shortest, longest = l0 - rates[LENGTH_CHANGE], l0 + rates[LENGTH_CHANGE]
+    shortest, longest = l0 - rates[v.LENGTH_CHANGE], l0 + rates[v.LENGTH_CHANGE]
     under, over = (max(least, shortest) - length) / stretch, (length - min(most, longest)) / stretch
     if under > max(LEFT, worst.excess):
-        worst = Cut(under, scale(-1.0, axis), 0, LENGTH if least >= shortest else LENGTH_RATE)
+        worst = Cut(under, scale(-1.0, axis), 0, v.LENGTH if least >= shortest else v.LENGTH_RATE)
     if over > max(LEFT, worst.excess):
-        worst = Cut(over, axis, 0, LENGTH if most <= longest else LENGTH_RATE)
-    off = length - l0 - rates[BEFORE + 2]
-    beyond = (abs(off) - rates[LENGTH_SECOND]) / stretch
+        worst = Cut(over, axis, 0, v.LENGTH if most <= longest else v.LENGTH_RATE)
+    off = length - l0 - rates[v.BEFORE + 2]
+    beyond = (abs(off) - rates[v.LENGTH_SECOND]) / stretch
     if beyond > max(LEFT, worst.excess):
-        worst = Cut(beyond, scale(1.0 if off > 0.0 else -1.0, axis), 1, ACCELERATION)
+        worst = Cut(beyond, scale(1.0 if off > 0.0 else -1.0, axis), 1, v.ACCELERATION)
     return worst
 
 
@@ -235,16 +206,16 @@ def _put_within(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int
     limits, rates, q = problem.limits, asked.rates[k], tick.trial
     x0, y0, l0, curvature = start[k, 0], start[k, 1], start[k, 2], limits[k, MAX_CURVATURE]
     bent = math.hypot(x0, y0)
-    least = max(min(limits[k, MIN_LENGTH], l0), l0 - rates[LENGTH_CHANGE])
-    q[k, 2] = min(max(q[k, 2], least), max(limits[k, MAX_LENGTH], l0), l0 + rates[LENGTH_CHANGE])
+    least = max(min(limits[k, MIN_LENGTH], l0), l0 - rates[v.LENGTH_CHANGE])
+    q[k, 2] = min(max(q[k, 2], least), max(limits[k, MAX_LENGTH], l0), l0 + rates[v.LENGTH_CHANGE])
     cap, bend = max(limits[k, MAX_BEND], bent), math.hypot(q[k, 0], q[k, 1])
     if curvature < math.inf:
         cap = min(cap, curvature * q[k, 2] + max(0.0, bent - curvature * l0))
     if bend > cap:
         q[k, 0], q[k, 1] = q[k, 0] * cap / bend, q[k, 1] * cap / bend
     change = math.hypot(q[k, 0] - x0, q[k, 1] - y0)
-    if change > rates[BEND_CHANGE]:  # towards the start, where all of them hold: they are convex
-        t = rates[BEND_CHANGE] / change
+    if change > rates[v.BEND_CHANGE]:  # towards the start, where all of them hold: they are convex
+        t = rates[v.BEND_CHANGE] / change
         q[k, 0], q[k, 1], q[k, 2] = x0 + t * (q[k, 0] - x0), y0 + t * (q[k, 1] - y0), l0 + t * (q[k, 2] - l0)
 
 

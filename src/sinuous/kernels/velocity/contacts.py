@@ -20,21 +20,9 @@ from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import ZERO, Vec, add, cross, dot, get_vec, mat_vec, put_vec, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.bounds import normalise
-from sinuous.kernels.velocity.layout import (
-    CLEARANCE,
-    GAP,
-    HIGH,
-    KIND_HIGH,
-    KIND_LOW,
-    LOW,
-    OTHER,
-    SEGMENT,
-    SELF_CLEARANCE,
-    WISHED_HIGH,
-    WISHED_LOW,
-    Tick,
-)
+from sinuous.kernels.velocity.layout import Tick
 
 PIECES = 4
 """Pieces of a segment."""
@@ -59,10 +47,10 @@ def _finish(tick: Tick, at: int, low: float, wish: float, gap: float, kind: int,
     row, own, size = tick.bounds[at], 3 * tick.q.shape[0], normalise(tick, at)
     if size == 0.0:
         return False
-    row[own + LOW], row[own + HIGH] = low / size, math.inf
-    row[own + WISHED_LOW], row[own + WISHED_HIGH] = wish / size, math.inf
-    row[own + KIND_LOW] = row[own + KIND_HIGH] = kind
-    row[own + GAP], row[own + SEGMENT], row[own + OTHER] = gap, segment, other
+    row[own + v.LOW], row[own + v.HIGH] = low / size, math.inf
+    row[own + v.WISHED_LOW], row[own + v.WISHED_HIGH] = wish / size, math.inf
+    row[own + v.KIND_LOW] = row[own + v.KIND_HIGH] = kind
+    row[own + v.GAP], row[own + v.SEGMENT], row[own + v.OTHER] = gap, segment, other
     return True
 
 
@@ -111,7 +99,7 @@ def _place_for(tick: Tick, first: int, count: int, most: int, gap: float) -> int
     """The next free bound, else that of the contact with the largest gap; -1 where none is larger."""
     if count < most:
         return count
-    own, widest = 3 * tick.q.shape[0] + GAP, first
+    own, widest = 3 * tick.q.shape[0] + v.GAP, first
     for at in range(first + 1, count):
         if tick.bounds[at, own] > tick.bounds[widest, own]:
             widest = at
@@ -161,7 +149,7 @@ def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int
                 at = _place_for(tick, first, count, most, gap) if gap < look.ahead else -1
                 if at >= 0:
                     _put_contact(problem, tick, at, k, s, p, g)
-                    if _finish(tick, at, min(0.0, look.keep - gap), look.wish - gap, gap, CLEARANCE, k, i):
+                    if _finish(tick, at, min(0.0, look.keep - gap), look.wish - gap, gap, v.CLEARANCE, k, i):
                         count = max(count, at + 1)
     return count, least
 
@@ -183,6 +171,6 @@ def add_self_contacts(problem: Problem, tick: Tick, look: Look, first: int) -> t
             if dot(weights, weights) > 0.0:
                 low, high = k if low < 0 else low, k
         value = (look.keep - gap) / problem.unit
-        if _finish(tick, at, min(0.0, value), value, gap, SELF_CLEARANCE, low, high):
+        if _finish(tick, at, min(0.0, value), value, gap, v.SELF_CLEARANCE, low, high):
             at += 1
     return at, least

@@ -39,24 +39,11 @@ from sinuous.kernels.step.newton import FINEST, SAMPLED_SLACK, SLACK, add_target
 from sinuous.kernels.step.states import State
 from sinuous.kernels.step.targets import NONE, X, Y, Z, end_pose, put_row
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.active_set import EXACT, GAIN, constrained_step
 from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
 from sinuous.kernels.velocity.contacts import Look, add_contacts, add_self_contacts
-from sinuous.kernels.velocity.layout import (
-    BEFORE,
-    BEND_CHANGE,
-    LENGTH_CHANGE,
-    MULTIPLIER,
-    POSE,
-    TARGETS,
-    WHAT,
-    WHERE,
-    WHICH,
-    Asked,
-    Tick,
-    carve_tick,
-    read_asked,
-)
+from sinuous.kernels.velocity.layout import Asked, Tick, carve_tick, read_asked
 
 (
     PROVED,
@@ -115,17 +102,17 @@ def _linearise(problem: Problem, asked: Asked, tick: Tick) -> tuple[float, float
     state = State(tick.q, tick.frames, tick.columns, rows, tick.none[0])
     for k in range(n):
         rows.start[k] = at
-        if asked.kind == TARGETS:
+        if asked.kind == v.TARGETS:
             at, miss, angle = add_targets(problem, state, k, at)
             off, turn = max(off, miss), max(turn, angle)
-    if asked.kind != TARGETS:
+    if asked.kind != v.TARGETS:
         inverse = 1.0 / problem.unit
         move = scale(inverse, get_vec(asked.twist, 0, 3))
         arm = scale(inverse, sub(end_pose(tick.frames, problem.tool, n - 1)[1], frame(tick.frames, 0)[1]))
         at = put_row(rows, at, cross(arm, X), scale(inverse, X), move[0])
         at = put_row(rows, at, cross(arm, Y), scale(inverse, Y), move[1])
         at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), move[2])
-        if asked.kind == POSE:
+        if asked.kind == v.POSE:
             at = put_row(rows, at, X, NONE, asked.twist[0, 0])
             at = put_row(rows, at, Y, NONE, asked.twist[0, 1])
             at = put_row(rows, at, Z, NONE, asked.twist[0, 2])
@@ -142,8 +129,8 @@ def _farthest(problem: Problem, asked: Asked, tick: Tick, mu: float) -> float:
     sweeps.forward(tick.columns, tick.root, tick.none, tick.rows, mu, False)
     sweeps.backward(tick.columns, tick.root, tick.none, tick.rows, free, False)
     for k in range(tick.q.shape[0]):
-        bend, stretch = math.hypot(free[k, 0], free[k, 1]), asked.rates[k, LENGTH_CHANGE]
-        share = min(1.0, asked.rates[k, BEND_CHANGE] / bend) if bend > 0.0 else 1.0
+        bend, stretch = math.hypot(free[k, 0], free[k, 1]), asked.rates[k, v.LENGTH_CHANGE]
+        share = min(1.0, asked.rates[k, v.BEND_CHANGE] / bend) if bend > 0.0 else 1.0
         tick.trial[k, 0], tick.trial[k, 1] = tick.q[k, 0] + share * free[k, 0], tick.q[k, 1] + share * free[k, 1]
         tick.trial[k, 2] = tick.q[k, 2] + min(max(free[k, 2], -stretch), stretch)
     return min(AHEAD * measure_rates(tick.q, tick.trial, tick.sweep.rates), problem.unit)
@@ -175,10 +162,10 @@ def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[
     easing, count, rounds = 1.0, 0, 0
     while rounds < asked.rounds and not late(tick.sweep.clock):
         mu = EXACT
-        if asked.kind == TARGETS:
+        if asked.kind == v.TARGETS:
             mu = max(EXACT, DAMPING * easing * merit)
         bounds, lack = _put_bounds(problem, asked, tick, start, mu)
-        most = GAIN * (math.sqrt(merit) + lack / problem.unit) + size_of(tick.root, asked.rates[:, BEFORE:])
+        most = GAIN * (math.sqrt(merit) + lack / problem.unit) + size_of(tick.root, asked.rates[:, v.BEFORE :])
         count = constrained_step(problem, asked, tick, start, bounds, mu, most)
         take(problem, asked, tick, start)
         rounds += 1
@@ -300,9 +287,9 @@ def _report(tick: Tick, count: int, answer: Array) -> None:
     """Write the active constraints."""
     at, working, active = SHAPE + 3 * tick.q.shape[0], tick.working, 0
     for a in range(count):
-        if working.active[a] != 0 and working.about[a, MULTIPLIER] > 0.0:
-            answer[at], answer[at + 1] = working.about[a, MULTIPLIER], working.about[a, WHAT]
-            answer[at + 2], answer[at + 3] = working.about[a, WHERE], working.about[a, WHICH]
+        if working.active[a] != 0 and working.about[a, v.MULTIPLIER] > 0.0:
+            answer[at], answer[at + 1] = working.about[a, v.MULTIPLIER], working.about[a, v.WHAT]
+            answer[at + 2], answer[at + 3] = working.about[a, v.WHERE], working.about[a, v.WHICH]
             at += ACTIVE_WIDTH
             active += 1
     answer[ACTIVE] = active
@@ -337,7 +324,7 @@ def tick(
     _report(work, count, answer)
     _prove(problem, work, start, answer)
     copy(start, work.q)
-    if wanted.kind != TARGETS:
+    if wanted.kind != v.TARGETS:
         _linearise(problem, wanted, work)
         turn, move = _reached(problem, work, start)
         for i in range(3):

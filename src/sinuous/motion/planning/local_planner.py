@@ -14,7 +14,7 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.query import Query
 from sinuous.motion.planning.tree import Chain
-from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene

@@ -221,8 +221,7 @@ def _grid_of_accelerations(query: TimedQuery, path: Floats) -> _AccelerationGrid
 def _counts(speeds: Floats, gains: Floats, tick: float) -> NDArray[np.intp]:
     """Return into how many pieces each leg is cut."""
     most = np.minimum(speeds * tick, 0.5 * gains * tick * tick)
-    counts: NDArray[np.intp] = np.maximum(1, np.ceil(1.0 / most - ROUNDING)).astype(np.intp)
-    return counts
+    return np.maximum(1, np.ceil(1.0 / most - ROUNDING)).astype(np.intp)
 
 
 def _allowed(query: TimedQuery, places: Floats, ticks: Floats, tick: float) -> _AccelerationGrid:

@@ -73,11 +73,11 @@ class FixedGoal:
     """One configuration (n, 3) is the goal, whatever is reached."""
 
     def __init__(self, q: Floats) -> None:
-        self._q = q[None]
+        self.q = q
 
     def __call__(self, reached: Floats) -> Floats:
         """Return it as the only goal (1, n, 3)."""
-        return self._q
+        return self.q[None]
 
 
 class Goals:
@@ -94,11 +94,11 @@ class Goals:
     def __init__(self, solver: Solver, targets: list[Target], solutions: list[Solution]) -> None:
         once = replace(solver.options, max_starts=1, routes=False, memory=None)
         self._solver = type(solver).prepared(solver.robot, solver.scene, once)
-        self._targets, self.solutions = targets, solutions
+        self.targets, self.solutions = targets, solutions
 
     def near(self, q: Floats) -> Floats | None:
         """Follow a configuration (n, 3) to one that meets the targets, which becomes a goal; `None` where it fails."""
-        solution = self._solver.solve(self._targets, q)
+        solution = self._solver.solve(self.targets, q)
         if not solution.solved:
             return None
         self.solutions.append(solution)
@@ -108,7 +108,7 @@ class Goals:
         """Return all goals (g, n, 3), after looking for more from some of what is reached (m, n, 3)."""
         if len(reached) > 1 and len(self.solutions) < MOST_GOALS:
             for i in np.unique(np.linspace(0, len(reached) - 1, GOALS_AT_ONCE).round().astype(np.intp)):
-                solution = self._solver.solve(self._targets, reached[i])
+                solution = self._solver.solve(self.targets, reached[i])
                 if solution.solved and self._is_new(solution.q):
                     self.solutions.append(solution)
         return np.stack([solution.q for solution in self.solutions])
@@ -230,8 +230,7 @@ class TimedQuery:
 
     def least(self, moves: Floats) -> Floats:
         """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound for any path."""
-        durations: Floats = 1.0 / self.speeds(moves)
-        return durations
+        return 1.0 / self.speeds(moves)
 
     def soonest(self, move: Floats) -> float:
         """Return a lower bound of the duration of any path from rest to rest whose ends differ by `move` (n, 3).

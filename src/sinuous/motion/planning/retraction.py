@@ -192,8 +192,7 @@ def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Float
     normal[np.diag_indices_from(normal)] += damping
     free = np.divide(wished.ravel(), scale, out=np.zeros(3 * n), where=scale > 0.0)
     change = scale * np.linalg.solve(normal, jacobian.T @ asked + damping * free)
-    result: Floats = within_limits(robot, (q + change.reshape(n, 3))[None])[0]
-    return result
+    return within_limits(robot, (q + change.reshape(n, 3))[None])[0]
 
 
 def _moved_ends(robot: Robot, q: Floats, ends: Floats) -> Floats:

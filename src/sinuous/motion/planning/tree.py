@@ -75,8 +75,7 @@ class Tree:
     def distances(self, q: Floats) -> Floats:
         """Distances (m,) of all nodes from a configuration (n, 3), in the length unit."""
         moves = (self.q - q) * self._metric
-        result: Floats = np.sqrt(np.einsum("mnk,mnk->m", moves, moves))
-        return result
+        return np.sqrt(np.einsum("mnk,mnk->m", moves, moves))
 
     def nearest(self, q: Floats) -> int:
         """Return the node that is nearest to a configuration (n, 3)."""

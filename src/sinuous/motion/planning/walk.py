@@ -5,7 +5,7 @@ other. An edge that is not clear any more, because the scene is another one, is 
 (lazily, Bohlin & Kavraki 2000).
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.walk import walk, walk_size
 from sinuous.motion.configurations import lever_metric
-from sinuous.motion.planning.query import Deadline, ProvedPath
+from sinuous.motion.planning.query import FixedGoal, Goals, ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.tree import Chain
-from sinuous.problem.target import Target, target_table
+from sinuous.problem.target import target_table
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
@@ -69,41 +69,36 @@ class Walks:
         self._metric = metric
         self._walk(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))  # compiled, or loaded
 
-    def to_configuration(self, start: Floats, goal: Floats, seed: int, deadline: Deadline) -> ProvedPath | None:
-        """Return a path from one configuration (n, 3) to another; `None` where no walk leads there."""
-        begins = self.links(start, seed, deadline)
-        ends = self.links(goal, seed, deadline, self._parts_of(begins)) if begins else []
-        return self._joined(start, goal, begins, ends, seed, deadline) if ends else None
-
-    def to_targets(
-        self,
-        start: Floats,
-        targets: list[Target],
-        solve: Callable[[Floats], Floats | None],
-        seed: int,
-        deadline: Deadline,
-    ) -> ProvedPath | None:
-        """Return a path to a configuration that meets targets; `None` where no walk leads to one.
-
-        `solve` follows a configuration (n, 3) to one that meets them, if it can.
-        """
-        begins = self.links(start, seed, deadline)
+    def find_path(self, query: Query, goals: FixedGoal | Goals) -> ProvedPath | None:
+        """Return a path to a goal, shortened as the query asks; `None` where no walk leads to one."""
+        begins = self._links(query, query.start)
         if not begins:
             return None
-        parts = self._parts_of(begins)
-        rows = target_table(self._robot, tuple(targets))[None]
-        for node in self._within(self.graph.near(rows, CLOSEST)[0], parts)[:SOLVES]:
-            if deadline.left() <= 0.0:
-                break
-            goal = solve(self.graph.q[node].copy())
-            ends = [] if goal is None else self.links(goal, seed, deadline, parts)
-            path = self._joined(start, goal, begins, ends, seed, deadline) if goal is not None and ends else None
+        parts = np.unique(self.graph.parts[[node for node, _ in begins]])
+        for goal in self._offered(query, goals, parts):
+            ends = self._links(query, goal, parts)
+            path = self._joined(query, goal, begins, ends) if ends else None
             if path is not None:
-                return path
+                shortcuts = query.shortcuts
+                return self._trees.shorten(path.q, query.seed, query.deadline, shortcuts) if shortcuts else path
         return None
 
-    def links(self, q: Floats, seed: int, deadline: Deadline, parts: Whole | None = None) -> list[Link]:
+    def _offered(self, query: Query, goals: FixedGoal | Goals, parts: Whole) -> Iterator[Floats]:
+        """Yield the goal, or configurations (n, 3) that meet the targets, each solved from a shape near them."""
+        if isinstance(goals, FixedGoal):
+            yield goals.q
+            return
+        rows = target_table(self._robot, tuple(goals.targets))[None]
+        for node in self._within(self.graph.near(rows, CLOSEST)[0], parts)[:SOLVES]:
+            if query.deadline.left() <= 0.0:
+                return
+            goal = goals.near(self.graph.q[node].copy())
+            if goal is not None:
+                yield goal
+
+    def _links(self, query: Query, q: Floats, parts: Whole | None = None) -> list[Link]:
         """Join a configuration (n, 3) to shapes nearby, of some parts of the graph or of any."""
+        deadline = query.deadline
         near = self._within(self.graph.near_shapes(q[None], CLOSEST)[0], parts)
         near = near[np.argsort(self._apart(q, near), kind="stable")][:STRAIGHT]
         found: list[Link] = []
@@ -113,7 +108,7 @@ class Walks:
                 if len(found) == LINKS:
                     return found
         if not found and len(near) and deadline.left() > 0.0:
-            path = self._trees.grow(np.stack([q, *self.graph.q[near]]), seed, (0, DRAWS), deadline)
+            path = self._trees.grow(np.stack([q, *self.graph.q[near]]), query.seed, (0, DRAWS), deadline)
             if path is not None:
                 node = next(int(i) for i in near if np.array_equal(self.graph.q[i], path.q[-1]))
                 found.append((node, list(path.q[:-1])))
@@ -123,32 +118,26 @@ class Walks:
         """Whether the motion from one configuration (n, 3) to another is proved clear."""
         return is_clear(self._prover, one, other)
 
-    def _parts_of(self, links: list[Link]) -> Whole:
-        return np.unique(self.graph.parts[[node for node, _ in links]])
-
     def _within(self, nodes: Whole, parts: Whole | None) -> Whole:
         return nodes if parts is None else nodes[np.isin(self.graph.parts[nodes], parts)]
 
     def _apart(self, q: Floats, nodes: Whole) -> Floats:
         moves = self._nodes[nodes] - (q * self._metric).ravel()
-        found: Floats = np.sqrt(np.einsum("mk,mk->m", moves, moves))
-        return found
+        return np.sqrt(np.einsum("mk,mk->m", moves, moves))
 
-    def _joined(
-        self, start: Floats, goal: Floats, begins: list[Link], ends: list[Link], seed: int, deadline: Deadline
-    ) -> ProvedPath | None:
+    def _joined(self, query: Query, goal: Floats, begins: list[Link], ends: list[Link]) -> ProvedPath | None:
         """Walk from one of the shapes that a start is joined to, to one that a goal is joined to."""
         before, after = dict(begins), dict(ends)
         starts, goals = np.array(list(before)), np.array(list(after))
-        costs = self._apart(start, starts)
+        costs = self._apart(query.start, starts)
         self._ends[goals] = self._apart(goal, goals)
         try:
             for _ in range(MOST_WAYS):
                 way = self._walk(starts, goals, costs)
-                if not len(way) or deadline.left() <= 0.0:
+                if not len(way) or query.deadline.left() <= 0.0:
                     return None
                 chain = [*before[int(way[0])], *self.graph.q[way], *after[int(way[-1])][::-1]]
-                path = self._trees.shorten(np.stack(chain), seed, deadline)
+                path = self._trees.shorten(np.stack(chain), query.seed, query.deadline)
                 if (path.answers[:, VERDICT] == CLEAR).all():
                     return path
                 if not self._close(way):
@@ -187,6 +176,12 @@ def walks_in(
         return None
     same = before is not None and before.graph is graph and before.scene is scene
     return before if same else Walks(robot, scene, graph, trees)
+
+
+def remember(memory: Memory | None, robot: Robot, path: ProvedPath | None) -> None:
+    """Let a memory learn a path that trees have found."""
+    if memory is not None and path is not None and not robot.hangs:
+        memory._learn_way(path.q)
 
 
 def is_clear(prover: Prover, one: Floats, other: Floats) -> bool:

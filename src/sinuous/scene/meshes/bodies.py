@@ -1,6 +1,7 @@
 """Closed triangles as bodies, each with its cavities, and which of them may overlap."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,14 +64,8 @@ def _boxes(vertices: Floats, faces: Integers, piece: Integers, count: int) -> tu
     return low, high
 
 
-AT_ONCE = 100_000
-"""Pairs of triangles that are held against each other at once."""
-
-NEIGHBOURS = 65_536
-"""The same of triangles of one surface: most pairs are neighbours, and small sets have few others."""
-
-TOUCHING = 1e-12
-"""What counts as no distance of a corner from the plane of a triangle, relative to the extent of both pieces."""
+AT_ONCE = 65_536
+"""Pairs of triangles that are held against each other at once: most are neighbours, and small sets have few others."""
 
 ROUNDED, PLACED = 1e-13, 4e-16
 """What counts as no volume of a tetrahedron, in cubes of its size; and more, in squares of that times the extent."""
@@ -87,7 +82,7 @@ def bodies_overlap(vertices: Floats, faces: Integers) -> bool:
 
     Then distances to the nearest triangle do not tell which side of the whole a place is on. Where no triangles of two
     closed surfaces cross, each lies on one side of the other, which a single place tells. Where they touch, like faces
-    in one plane, all triangles are asked.
+    in one plane, all triangles that do are asked.
 
     Parameters
     ----------
@@ -96,28 +91,19 @@ def bodies_overlap(vertices: Floats, faces: Integers) -> bool:
         Closed and facing outwards, cavities inwards.
     """
     piece = pieces(vertices, faces)
-    volumes = np.bincount(piece, cones(vertices, faces)).astype(np.float64)
-    low, high = _boxes(vertices, faces, piece, len(volumes))
-    first, second = np.triu_indices(len(volumes), 1)
+    members = [np.flatnonzero(piece == k) for k in range(int(piece.max()) + 1)]
+    low, high = _boxes(vertices, faces, piece, len(members))
+    first, second = np.triu_indices(len(members), 1)
     meet = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
     if not meet.any():
         return False
-    corners = vertices[faces]
-    owner = _owners(vertices, faces, piece, volumes)
-    touching = set()
+    surface, asked = _Surface.of(vertices, faces), set[int]()
     for a, b in zip(first[meet].tolist(), second[meet].tolist(), strict=True):
-        crossing, near = _cross(corners[piece == a], corners[piece == b])
-        if crossing:
+        touching = surface.touching(members[a], members[b])
+        if touching is None:
             return True
-        if near:
-            touching |= {(owner[a], owner[b]), (owner[b], owner[a])}
-    solids = np.flatnonzero(volumes > 0.0).tolist()
-    return any(
-        _inside(corners[piece == b], corners[owner[piece] == a], (b, a) in touching or (a, b) in touching)
-        for a in solids
-        for b in solids
-        if a != b and ((low[a] <= high[b]) & (low[b] <= high[a])).all()
-    )
+        asked |= touching | {int(own[surface.areas[own].argmax()]) for own in (members[a], members[b])}
+    return surface.is_covered_twice(asked)
 
 
 def cuts_itself(vertices: Floats, faces: Integers) -> bool:
@@ -136,39 +122,81 @@ def cuts_itself(vertices: Floats, faces: Integers) -> bool:
     if len(faces) > MOST_ASKED:
         return False
     piece = pieces(vertices, faces)
-    return any(_cuts_itself(vertices, faces[piece == k]) for k in range(int(piece.max()) + 1))
+    for k in range(int(piece.max()) + 1):
+        surface = _Surface.of(vertices, faces[piece == k])
+        every = np.arange(len(surface.faces))
+        touching = surface.touching(every, every)
+        if touching is None or surface.is_covered_twice(touching):
+            return True
+    return False
 
 
-def _cuts_itself(vertices: Floats, faces: Integers) -> bool:
-    corners = vertices[faces] - 0.5 * (vertices[faces].min(axis=(0, 1)) + vertices[faces].max(axis=(0, 1)))
-    extent = float(np.abs(corners).max())
-    normals, sizes = _normals(corners), np.ptp(corners, axis=1).max(axis=1)
-    touching: set[int] = set()
-    for first, second in _box_pairs(corners, corners, NEIGHBOURS):
-        once = first < second
-        i, j = first[once], second[once]
-        common = np.sum([at == of for at in faces[i].T for of in faces[j].T], axis=0)
-        i, j, common = i[common < 2], j[common < 2], common[common < 2]
-        size = np.maximum(sizes[i], sizes[j])
-        tiny = ROUNDED * size + PLACED * extent
-        met = _planes_meet(corners, normals, i, j, tiny, common) & _planes_meet(corners, normals, j, i, tiny, common)
-        i, j, common, small = i[met], j[met], common[met], (size**2 * tiny)[met]
-        for one, other in ((i, j), (j, i)):
-            crossing, near = _edges_meet(corners[one], corners[other], small)
-            if crossing.any():
-                return True
-            near &= common == 0
-            near[near] = ~_apart(corners[i[near]], corners[j[near]], tiny[met][near])
-            touching |= {*i[near].tolist(), *j[near].tolist()}
-    return bool(touching) and _covered_twice(corners, np.array(sorted(touching), np.intp))
+class _Surface(NamedTuple):
+    """Triangles about the origin, where rounding is that of the extent, wherever the mesh stands.
 
+    Attributes
+    ----------
+    faces : ndarray (f, 3)
+        Vertices of every triangle.
+    corners : ndarray (f, 3, 3)
+    normals : ndarray (f, 3)
+        Unit vectors.
+    areas, sizes : ndarray (f,)
+        Twice the area, and the longest side of the box.
+    extent : float
+    """
 
-def _planes_meet(corners: Floats, normals: Floats, i: Integers, j: Integers, tiny: Floats, common: Integers) -> Flags:
-    """Whether triangles `j` (m,) reach to both sides of the planes of triangles `i` (m,), but for a common corner."""
-    heights = np.einsum("mkx,mx->km", corners[j] - corners[i, :1], normals[i])
-    slack = np.where(common > 0, -tiny, tiny)
-    result: Flags = (heights.min(axis=0) <= slack) & (heights.max(axis=0) >= -slack)
-    return result
+    faces: Integers
+    corners: Floats
+    normals: Floats
+    areas: Floats
+    sizes: Floats
+    extent: float
+
+    @classmethod
+    def of(cls, vertices: Floats, faces: Integers) -> "_Surface":
+        """Make it of the triangles of a mesh."""
+        corners = vertices[faces] - 0.5 * (vertices[faces].min(axis=(0, 1)) + vertices[faces].max(axis=(0, 1)))
+        normals, areas = _normals(corners)
+        return cls(faces, corners, normals, areas, np.ptp(corners, axis=1).max(axis=1), float(np.abs(corners).max()))
+
+    def touching(self, one: Integers, other: Integers) -> set[int] | None:
+        """The triangles of two sets (or of one) that only touch another one; `None` where one crosses another."""
+        corners, found = self.corners, set[int]()
+        for first, second in _box_pairs(corners[one], corners[other]):
+            once = first < second if one is other else np.ones(len(first), np.bool_)
+            i, j = one[first[once]], other[second[once]]
+            common = np.sum([at == of for at in self.faces[i].T for of in self.faces[j].T], axis=0)
+            i, j, common = i[common < 2], j[common < 2], common[common < 2]
+            size = np.maximum(self.sizes[i], self.sizes[j])
+            tiny = ROUNDED * size + PLACED * self.extent
+            met = self._planes_meet(i, j, tiny, common) & self._planes_meet(j, i, tiny, common)
+            i, j, common, small = i[met], j[met], common[met], (size**2 * tiny)[met]
+            for a, b in ((i, j), (j, i)):
+                crossing, near = _edges_meet(corners[a], corners[b], small)
+                if crossing.any():
+                    return None
+                near &= common == 0
+                near[near] = ~_apart(corners[i[near]], corners[j[near]], tiny[met][near])
+                found |= {*i[near].tolist(), *j[near].tolist()}
+        return found
+
+    def _planes_meet(self, i: Integers, j: Integers, tiny: Floats, common: Integers) -> Flags:
+        """Whether triangles `j` (m,) reach to both sides of the planes of triangles `i`, but for a common corner."""
+        heights = np.einsum("mkx,mx->km", self.corners[j] - self.corners[i, :1], self.normals[i])
+        slack = np.where(common > 0, -tiny, tiny)
+        return (heights.min(axis=0) <= slack) & (heights.max(axis=0) >= -slack)
+
+    def is_covered_twice(self, triangles: set[int]) -> bool:
+        """Whether what is just below some triangles is inside more than once, or not at all.
+
+        Of a cavity alone the material is outside of the surface: what is just below must not be inside.
+        """
+        asked, corners = np.array(sorted(triangles), np.intp), self.corners
+        step = INWARDS * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+        below = winding_numbers(corners[asked].mean(axis=1) - step * self.normals[asked], corners)
+        outwards = cones(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)).sum() > 0.0
+        return bool((np.abs(below - float(outwards)) > 0.5).any())
 
 
 def _apart(one: Floats, other: Floats, tiny: Floats) -> Flags:
@@ -179,7 +207,7 @@ def _apart(one: Floats, other: Floats, tiny: Floats) -> Flags:
     result: Flags = np.zeros(len(one), np.bool_)
     for a, b in ((one, other), (other, one)):
         edges = np.roll(a, -1, axis=1) - a
-        aside = np.cross(edges, _normals(a)[:, None])
+        aside = np.cross(edges, _normals(a)[0][:, None])
         aside /= np.linalg.norm(aside, axis=2)[:, :, None]
         for e in range(3):
             place = np.einsum("mx,mx->m", aside[:, e], a[:, e])  # of the edge; its triangle lies below
@@ -187,54 +215,14 @@ def _apart(one: Floats, other: Floats, tiny: Floats) -> Flags:
     return result
 
 
-def _normals(corners: Floats) -> Floats:
-    """Unit normals (f, 3) of triangles (f, 3, 3)."""
+def _normals(corners: Floats) -> tuple[Floats, Floats]:
+    """Unit normals (f, 3) of triangles (f, 3, 3), and twice their areas (f,)."""
     sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(sides / np.linalg.norm(sides, axis=1)[:, None])
+    areas = np.linalg.norm(sides, axis=1)
+    return sides / areas[:, None], areas
 
 
-def _covered_twice(corners: Floats, asked: Integers) -> bool:
-    """Whether what is just below some triangles of a surface (f, 3, 3) is inside more than once, or not at all.
-
-    Of a cavity the material is outside of the surface: what is just below must not be inside.
-    """
-    normals, middles = _normals(corners[asked]), corners[asked].mean(axis=1)
-    step = INWARDS * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
-    below = winding_numbers(middles - step * normals, corners)
-    outwards = cones(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)).sum() > 0.0
-    return bool((np.abs(below - float(outwards)) > 0.5).any())
-
-
-def _inside(body: Floats, other: Floats, touching: bool) -> bool:
-    """Whether what is just below the surface of a body (f, 3, 3) lies within another one, with its cavities."""
-    sides = np.cross(body[:, 1] - body[:, 0], body[:, 2] - body[:, 0])
-    normals = sides / np.linalg.norm(sides, axis=1)[:, None]
-    extent = float(np.ptp(body.reshape(-1, 3), axis=0).max())
-    below = body.mean(axis=1) - INWARDS * extent * normals
-    largest = np.argsort(-np.linalg.norm(sides, axis=1))
-    asked = below[largest if touching else largest[:1]]
-    around = ((asked >= other.min(axis=(0, 1))) & (asked <= other.max(axis=(0, 1)))).all(axis=1)
-    return bool((winding_numbers(asked[around], other) > 0.5).any())
-
-
-def _cross(one: Floats, other: Floats) -> tuple[bool, bool]:
-    """Whether triangles (f, 3, 3) of two surfaces cross each other, and whether any come as near as rounding."""
-    # The coordinates are small: rounding is that of the extent, wherever the mesh stands.
-    middle = one.reshape(-1, 3).mean(axis=0)
-    one, other = one - middle, other - middle
-    extent = float(max(np.abs(one).max(), np.abs(other).max()))
-    near = False
-    for i, j in _box_pairs(one, other):
-        if len(i):
-            crossing, touching = _edges_cross(one[i], other[j], extent)
-            again, too = _edges_cross(other[j], one[i], extent)
-            if crossing or again:
-                return True, True
-            near = near or touching or too
-    return False, near
-
-
-def _box_pairs(one: Floats, other: Floats, at_once: int = AT_ONCE) -> Iterator[tuple[Integers, Integers]]:
+def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]]:
     """Numbers (m,) of triangles of both sets whose boxes meet, some pairs at a time: large sets are halved."""
     lows, highs = [t.min(axis=1) for t in (one, other)], [t.max(axis=1) for t in (one, other)]
     todo = [(np.arange(len(one)), np.arange(len(other)))]
@@ -246,7 +234,7 @@ def _box_pairs(one: Floats, other: Floats, at_once: int = AT_ONCE) -> Iterator[t
             at[((low[at] <= box_high) & (high[at] >= box_low)).all(axis=1)]
             for low, high, at in zip(lows, highs, own, strict=True)
         )
-        if len(i) * len(j) <= at_once:
+        if len(i) * len(j) <= AT_ONCE:
             meet: Flags = np.ones((len(i), len(j)), np.bool_)
             for k in range(3):
                 meet &= (lows[0][i, k, None] <= highs[1][j, k]) & (highs[0][i, k, None] >= lows[1][j, k])
@@ -259,14 +247,11 @@ def _box_pairs(one: Floats, other: Floats, at_once: int = AT_ONCE) -> Iterator[t
             todo += [(small, half) if turned else (half, small) for half in np.array_split(order, 2)]
 
 
-def _edges_cross(edges: Floats, triangles: Floats, extent: float) -> tuple[bool, bool]:
-    """Whether an edge of a triangle (m, 3, 3) passes through the other one, and whether one only just may."""
-    crossing, touching = _edges_meet(edges, triangles, TOUCHING * extent**3)
-    return bool(crossing.any()), bool(touching.any())
+def _edges_meet(edges: Floats, triangles: Floats, small: Floats) -> tuple[Flags, Flags]:
+    """Whether an edge of a triangle (m, 3, 3) passes through another one (m,), and whether one only just may.
 
-
-def _edges_meet(edges: Floats, triangles: Floats, small: float | Floats) -> tuple[Flags, Flags]:
-    """The same for each pair (m,); volumes up to `small` (m,) are none."""
+    Volumes up to `small` (m,) are none.
+    """
     crossing, touching = np.zeros((2, len(edges)), bool)
     a, b, c = np.moveaxis(triangles, 1, 0)
     for k in range(3):
@@ -284,5 +269,4 @@ def _edges_meet(edges: Floats, triangles: Floats, small: float | Floats) -> tupl
 def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     """Six times the signed volume (m,) of tetrahedra with these corners (m, 3)."""
     (x, y, z), (u, v, w), (r, s, t) = (b - a).T, (c - a).T, (d - a).T
-    result: Floats = x * (v * t - w * s) + y * (w * r - u * t) + z * (u * s - v * r)
-    return result
+    return x * (v * t - w * s) + y * (w * r - u * t) + z * (u * s - v * r)

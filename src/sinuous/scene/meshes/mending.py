@@ -88,8 +88,7 @@ def cones(vertices: Floats, faces: Integers) -> Floats:
     """Signed volumes (f,) between the triangles and the middle of their box; a closed body's sum up to its own."""
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     a, b, c = np.moveaxis((vertices - middle)[faces], 1, 0)
-    result: Floats = (a * np.cross(b, c)).sum(axis=-1) / 6.0
-    return result
+    return (a * np.cross(b, c)).sum(axis=-1) / 6.0
 
 
 def turn_alike(faces: Integers) -> tuple[Integers, int]:
@@ -228,8 +227,7 @@ def without_slivers(vertices: Floats, faces: Integers) -> Integers:
 
 def _with_three_corners(faces: Integers) -> Integers:
     a, b, c = faces.T
-    result: Integers = faces[(a != b) & (b != c) & (c != a)]
-    return result
+    return faces[(a != b) & (b != c) & (c != a)]
 
 
 def _beside(vertices: Floats, faces: Integers, k: int) -> tuple[int, list[int], list[int]] | None:

@@ -11,31 +11,7 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import (
-    COUNT,
-    CUBE_HALF,
-    EXACT_BELOW,
-    FIRST_CELL,
-    FIRST_SAMPLE,
-    ITEM_KIND,
-    ITEMS,
-    KIND,
-    LEVELS,
-    NODES,
-    NORMALS,
-    OBSTACLE_WIDTH,
-    ORIGIN,
-    PLACE,
-    PLACED,
-    POSE_WIDTH,
-    ROUNDING,
-    ROUNDOFF,
-    SAMPLES,
-    SHAPE,
-    SIGN,
-    SPACING,
-    TREE,
-)
+from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.bodies import bodies_overlap
 from sinuous.scene.meshes.mesh import Mesh
@@ -110,9 +86,9 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
 def put(part: Part, pose: Floats) -> Part:
     """Return what the kernels read of an obstacle that is in the store, moved by a pose (4, 4); the store is shared."""
     row = part.row.copy()
-    row[PLACED] = 1.0
-    row[PLACE : PLACE + POSE_WIDTH] = packing.pose_row(pose)[0]
-    row[ROUNDOFF] += packing.roundoff(pose[None, :3, 3])
+    row[t.PLACED] = 1.0
+    row[t.PLACE : t.PLACE + t.POSE_WIDTH] = packing.pose_row(pose)[0]
+    row[t.ROUNDOFF] += packing.roundoff(pose[None, :3, 3])
     return Part(row, part.store)
 
 
@@ -162,16 +138,16 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
 
 def _of_pieces(pieces: Pieces) -> Part:
     """Row and store of a tree."""
-    row = np.zeros(OBSTACLE_WIDTH)
-    row[[KIND, SIGN]] = TREE, pieces.sign
-    row[[LEVELS, COUNT, ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
-    row[[CUBE_HALF, ROUNDING]] = pieces.half, pieces.rounding
+    row = np.zeros(t.OBSTACLE_WIDTH)
+    row[[t.KIND, t.SIGN]] = t.TREE, pieces.sign
+    row[[t.LEVELS, t.COUNT, t.ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
+    row[[t.CUBE_HALF, t.ROUNDING]] = pieces.half, pieces.rounding
     items = pieces.nodes.size
     normals = items + pieces.items.size
-    row[[NODES, ITEMS]] = 0.0, items
-    row[[NORMALS, FIRST_SAMPLE, FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
+    row[[t.NODES, t.ITEMS]] = 0.0, items
+    row[[t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
     if len(pieces.items):
-        row[ROUNDOFF] = packing.roundoff(np.stack([pieces.low, pieces.high]), abs(pieces.rounding))
+        row[t.ROUNDOFF] = packing.roundoff(np.stack([pieces.low, pieces.high]), abs(pieces.rounding))
     return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
 
 
@@ -182,38 +158,38 @@ def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
         return part
     wanted = min(max(sampling.PER_PIECE * len(pieces.items), sampling.LEAST), sampling.MOST)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
-    row = _with_grid(part.row, FIRST_SAMPLE, -1, shape, low, spacing)
+    row = _with_grid(part.row, t.FIRST_SAMPLE, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)
     return Part(
-        _with_grid(part.row, FIRST_SAMPLE, part.store.size, shape, low, spacing),
+        _with_grid(part.row, t.FIRST_SAMPLE, part.store.size, shape, low, spacing),
         np.concatenate([part.store, values.ravel()]),
     )
 
 
 def _of_samples(values: Floats, low: Floats, spacing: float, exact_below: float) -> Part:
     """Row and store of samples alone, which are distances below a value."""
-    row = np.zeros(OBSTACLE_WIDTH)
-    row[[KIND, SIGN, NODES, ITEMS, NORMALS, FIRST_CELL]] = SAMPLES, 1.0, -1.0, -1.0, -1.0, -1.0
-    row[EXACT_BELOW] = exact_below
+    row = np.zeros(t.OBSTACLE_WIDTH)
+    row[[t.KIND, t.SIGN, t.NODES, t.ITEMS, t.NORMALS, t.FIRST_CELL]] = t.SAMPLES, 1.0, -1.0, -1.0, -1.0, -1.0
+    row[t.EXACT_BELOW] = exact_below
     corners = np.stack([low, low + spacing * np.array(values.shape)])
-    row[ROUNDOFF] = packing.roundoff(corners, float(np.abs(values).max()))
-    return Part(_with_grid(row, FIRST_SAMPLE, 0, values.shape, low, spacing), values.ravel().copy())
+    row[t.ROUNDOFF] = packing.roundoff(corners, float(np.abs(values).max()))
+    return Part(_with_grid(row, t.FIRST_SAMPLE, 0, values.shape, low, spacing), values.ravel().copy())
 
 
 def _with_candidates(pieces: Pieces) -> Part:
     """Row and store of a tree of triangles, and lists of those that may be the closest."""
     part = _of_pieces(pieces)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.CELLS)
-    row = _with_grid(part.row, FIRST_CELL, part.store.size, shape, low, spacing)
+    row = _with_grid(part.row, t.FIRST_CELL, part.store.size, shape, low, spacing)
     return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]))
 
 
 def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
     """Return a row that says where its grid is: `first` is the column of the place in the store."""
     result = row.copy()
-    result[first], result[SPACING] = at, spacing
-    result[SHAPE : SHAPE + 3] = shape
-    result[ORIGIN : ORIGIN + 3] = low
+    result[first], result[t.SPACING] = at, spacing
+    result[t.SHAPE : t.SHAPE + 3] = shape
+    result[t.ORIGIN : t.ORIGIN + 3] = low
     return result
 
 
@@ -224,8 +200,8 @@ def _check_sides(mesh: Mesh, part: Part, name: str) -> None:
     """
     if bodies_overlap(mesh.vertices, mesh.faces):
         raise InputError(name, "cuts through itself", "bodies that overlap", "its bodies one by one: mesh.bodies()")
-    at, spacing = int(part.row[FIRST_SAMPLE]), float(part.row[SPACING])
-    shape = part.row[SHAPE : SHAPE + 3].astype(int)
+    at, spacing = int(part.row[t.FIRST_SAMPLE]), float(part.row[t.SPACING])
+    shape = part.row[t.SHAPE : t.SHAPE + 3].astype(int)
     values = part.store[at:].reshape(shape)
     for axis in range(3):
         jump = np.abs(np.diff(values, axis=axis)).max()

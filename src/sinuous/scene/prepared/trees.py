@@ -43,15 +43,13 @@ def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
 def _gather(index: NDArray[np.int64], vectors: Floats, count: int) -> Floats:
     """Sum vectors (f, 3, 3) by their index (f, 3), and give everyone the direction of the sum of its own."""
     sums = [np.bincount(index.ravel(), vectors[..., axis].ravel(), count) for axis in range(3)]
-    result: Floats = _unit(np.stack(sums, axis=-1))[index]
-    return result
+    return _unit(np.stack(sums, axis=-1))[index]
 
 
 def _unit(vectors: Floats) -> Floats:
     """Scale vectors (..., 3) to length 1; zero stays zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    result: Floats = vectors / np.where(length > 0.0, length, 1.0)
-    return result
+    return vectors / np.where(length > 0.0, length, 1.0)
 
 
 if TYPE_CHECKING:

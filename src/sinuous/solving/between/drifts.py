@@ -53,8 +53,7 @@ class Drifts:
             return times
         own = self._turns[first:last]
         fresh = own[~np.isin(own, times)]
-        finer: Floats = np.sort(np.concatenate([times, fresh]), kind="stable") if len(fresh) else times
-        return finer
+        return np.sort(np.concatenate([times, fresh]), kind="stable") if len(fresh) else times
 
 
 def _poses(courses: list[Course]) -> Floats:
@@ -75,8 +74,7 @@ def divided_knots(knots: Floats, times: Floats, finer: Floats) -> Floats:
     """Configurations (U, n, 3) of a motion at finer times (U,), among which are those of its knots (T, n, 3)."""
     step = np.clip(np.searchsorted(times, finer, side="right") - 1, 0, len(times) - 2)
     share = ((finer - times[step]) / (times[step + 1] - times[step]))[:, None, None]
-    result: Floats = (1.0 - share) * knots[step] + share * knots[step + 1]
-    return result
+    return (1.0 - share) * knots[step] + share * knots[step + 1]
 
 
 def together(answers: Floats, times: Floats, finer: Floats) -> Floats:

@@ -115,8 +115,7 @@ def _sampled(one: Rest, other: Rest, prove: Callable[[Piece], Floats]) -> Floats
     way = Way(one, other)
     rests = [one, *map(way.rest, np.linspace(0.0, 1.0, SAMPLES)[1:-1].tolist()), other]
     if any(each.states is None for each in rests):
-        nothing: Floats = unproved(1)[0]
-        return nothing
+        return unproved(1)[0]
     arcs = np.stack([each.arcs for each in rests])
     middles = np.ascontiguousarray(0.5 * (arcs[:-2:2] + arcs[2::2]))
     frames = np.empty((2, len(middles), arcs.shape[1] + 1, 12))

@@ -53,8 +53,7 @@ class Steps:
     @cached_property
     def proved(self) -> NDArray[np.bool_]:
         """Whether the body is proved clear of obstacles and of itself all the way (m,)."""
-        proved: NDArray[np.bool_] = self.answers[:, VERDICT] == CLEAR
-        return proved
+        return self.answers[:, VERDICT] == CLEAR
 
     @property
     def samples(self) -> NDArray[np.intp]:

@@ -47,8 +47,7 @@ class Tip:
         """
         if self._ways is not None:
             return self._under_load(self._ways, ends, enough)
-        bound: float = leave_line(self._group, ends, self.line, enough, self._q, self._frames)
-        return bound
+        return leave_line(self._group, ends, self.line, enough, self._q, self._frames)
 
     def _under_load(self, ways: Ways, ends: Floats, enough: float) -> float:
         """The same for the loaded body; where nothing bounds the equilibria between, as far as the ends show it."""

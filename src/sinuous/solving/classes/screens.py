@@ -206,5 +206,4 @@ def _up_to(away: Floats, rays: Floats, radius: float) -> Floats:
     along = np.einsum("mki,mi->mk", rays, away)
     inside = radius * radius - (away * away).sum(axis=1)[:, None] + along * along
     hits = (inside > 0.0) & (along > 0.0)
-    lengths: Floats = np.where(hits, along - np.sqrt(np.maximum(inside, 0.0)), np.inf)
-    return lengths
+    return np.where(hits, along - np.sqrt(np.maximum(inside, 0.0)), np.inf)

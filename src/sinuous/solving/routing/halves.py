@@ -11,20 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.query import ball_radius
-from sinuous.kernels.tables import (
-    DIRECTION,
-    GOAL,
-    HAS_POSITION,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    ORIENTATION,
-    OUT_OF_REACH,
-    SOLVED,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-)
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.growth import segments_of
 from sinuous.solving.routing.parts import before, beyond, laid, searched, segments_in
@@ -79,10 +67,10 @@ class Part:
         own, self._starts = (self._starts, starts), max(starts, self._starts)
         if self._q is None and self.possible and own[0] < starts:
             found = searched(self._groups, np.empty((0, self._n, 3)), own, deadline)
-            self.possible = found.code < OUT_OF_REACH
+            self.possible = found.code < t.OUT_OF_REACH
             if found.merit < self._least:
                 self._least, self.nearest = found.merit, found.q
-            if found.code == SOLVED:
+            if found.code == t.SOLVED:
                 self._q = found.q
         return self._q
 
@@ -114,7 +102,7 @@ class Halves:
         first, last = _run_about(own <= NARROW * max(0.0, own.min()), int(own.argmin()))
         spacing = lengths_along(legs[which])[-1] / (legs.shape[1] - 1)
         deep = round(min(max(0.0, own.min() / spacing), last - first)) if spacing > 0.0 else 0
-        self._long = (last - first - deep) * spacing > segments_in(groups[0])[:, MAX_LENGTH].mean()
+        self._long = (last - first - deep) * spacing > segments_in(groups[0])[:, t.MAX_LENGTH].mean()
         self._at = skipped + (min(first + deep, last) if self._long else (first + last) // 2)
         self._end = skipped + last if self._long else self._at
         narrow = own.min() < WIDE * ball_radius(segments_in(groups[0])) and first > 0 and last < len(own) - 1
@@ -141,7 +129,7 @@ class Halves:
         ends = [-1, *segments_of(self._groups)[-len(legs) :]]
         first = ends[self._which] + 1
         own = segments_in(self._groups[0])[first : ends[self._which + 1] + 1]
-        low, high = (np.append(0.0, np.cumsum(own[:, which])) for which in (MIN_LENGTH, MAX_LENGTH))
+        low, high = (np.append(0.0, np.cumsum(own[:, which])) for which in (t.MIN_LENGTH, t.MAX_LENGTH))
         along = STRETCHED * lengths_along(legs[self._which])
         gone, rest = along[at], along[-1] - along[at]
         counts = [m for m in range(1, len(own)) if high[m] >= gone and high[-1] - high[m] >= rest]
@@ -173,7 +161,7 @@ class Halves:
         line = self._legs[self._which][self._at : self._end + 1]
         if not self._long:
             return np.empty((0, 3))
-        low, high = (segments_in(rest[0])[:-1, which] for which in (MIN_LENGTH, MAX_LENGTH))
+        low, high = (segments_in(rest[0])[:-1, which] for which in (t.MIN_LENGTH, t.MAX_LENGTH))
         ends = np.cumsum(0.5 * (low + high))
         count = int(np.searchsorted(ends, lengths_along(line)[-1] + BARELY * high.mean()))
         return laid(rest, count, line, max(0.0, deadline()))
@@ -182,9 +170,10 @@ class Halves:
         """The place and the tangent of the route there, as a target (15,) of the end of the first segments."""
         leg, at = self._legs[self._which], self._at
         ahead = leg[at + TANGENT] - leg[at - TANGENT]
-        row = np.zeros(TARGET_WIDTH)
-        row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = count - 1.0, 1.0, DIRECTION
-        row[TARGET_POSITION : TARGET_POSITION + 3], row[GOAL : GOAL + 3] = leg[at], ahead / np.linalg.norm(ahead)
+        row = np.zeros(t.TARGET_WIDTH)
+        row[t.TARGET_SEGMENT], row[t.HAS_POSITION], row[t.ORIENTATION] = count - 1.0, 1.0, t.DIRECTION
+        row[t.TARGET_POSITION : t.TARGET_POSITION + 3] = leg[at]
+        row[t.GOAL : t.GOAL + 3] = ahead / np.linalg.norm(ahead)
         return row
 
 

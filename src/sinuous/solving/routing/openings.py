@@ -11,15 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tables import (
-    QUERY_GOAL,
-    QUERY_GOAL_RADIUS,
-    QUERY_LONGEST,
-    QUERY_ORIGIN,
-    QUERY_OTHER_LENGTH,
-    QUERY_RADIUS,
-)
 from sinuous.kernels.tubes.mouths import find_tubes
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.growth import arriving, departing
@@ -39,7 +32,7 @@ FEWEST = 256
 AHEAD = 2
 """Points of an axis that its direction at a mouth is taken over."""
 
-ORIGIN, GOAL = (slice(at, at + 3) for at in (QUERY_ORIGIN, QUERY_GOAL))
+ORIGIN, GOAL = (slice(at, at + 3) for at in (t.QUERY_ORIGIN, t.QUERY_GOAL))
 
 Leg = Callable[[Floats], Floats | None]
 """From what a route has to keep (28,) to a route (K, 3), or to none."""
@@ -103,7 +96,7 @@ def route_through(axes: list[Floats], query: Floats, leg: Leg, last: Leg, most: 
         if path.tube < 0:
             route = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
             length = lengths_along(route)[-1]
-            return respaced(route, min(most, max(FEWEST, int(length / query[QUERY_RADIUS]))))
+            return respaced(route, min(most, max(FEWEST, int(length / query[t.QUERY_RADIUS]))))
         gone = path.gone + lengths_along(line)[-1] + lengths_along(path.axis)[-1]
         _add_from(paths, numbers, axes, query, gone, lines, (*path.passed, path.tube))
     return None
@@ -125,7 +118,7 @@ def _add_from(
     for tube, axis in new:
         rest = np.linalg.norm(axis[0] - end) + lengths_along(axis)[-1] + np.linalg.norm(goal - axis[-1])
         bound = float(gone + rest)
-        if DRAWN * bound <= query[QUERY_LONGEST]:
+        if DRAWN * bound <= query[t.QUERY_LONGEST]:
             heapq.heappush(paths, _Path(bound, next(numbers), gone, lines, passed, tube, axis))
 
 
@@ -137,10 +130,10 @@ def _asked(query: Floats, path: _Path) -> Floats:
         departing(asked, last[-1], _unit(last[-1] - last[-1 - AHEAD]))
     if path.tube >= 0:
         arriving(asked, path.axis[0], _unit(path.axis[AHEAD] - path.axis[0]))
-        asked[QUERY_GOAL_RADIUS] = 0.0
+        asked[t.QUERY_GOAL_RADIUS] = 0.0
         to_mouth = np.linalg.norm(path.axis[0] - asked[ORIGIN])
-        asked[QUERY_OTHER_LENGTH] = max(0.0, asked[QUERY_OTHER_LENGTH] - (path.bound - path.gone - to_mouth))
-    asked[QUERY_LONGEST] -= path.gone
+        asked[t.QUERY_OTHER_LENGTH] = max(0.0, asked[t.QUERY_OTHER_LENGTH] - (path.bound - path.gone - to_mouth))
+    asked[t.QUERY_LONGEST] -= path.gone
     return asked
 
 

@@ -7,37 +7,13 @@ one of a hundred from there to the target, it is one of ten thousand that does b
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables as t
 from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import (
-    ACTUATOR_WIDTH,
-    ANGLE_TOLERANCE,
-    DIRECTION,
-    FIRST_SEGMENT,
-    FREE,
-    GOAL,
-    HAS_POSITION,
-    LAST_SEGMENT,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    MOUNT,
-    ORIENTATION,
-    POSE_POSITION,
-    POSE_WIDTH,
-    POSITION_TOLERANCE,
-    ROBOT_HEADER,
-    ROTATION,
-    SEGMENT_WIDTH,
-    SOLVED,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-    UNIT,
-    Outcome,
-)
+from sinuous.kernels.tables import Outcome
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import FLIP, Groups
 from sinuous.solving.starts import Deadline
@@ -68,18 +44,18 @@ def up_to(groups: Groups, count: int) -> Groups:
 def along_tangent(groups: Groups, tangent: Floats) -> Groups:
     """Return the problem to end with a unit tangent (3,), where no target says how."""
     targets = groups[3].copy()
-    open_rows = (_segments(groups) == groups[0][0] - 1.0) & (targets[:, ORIENTATION] == FREE)
-    targets[open_rows, ORIENTATION], targets[open_rows, GOAL : GOAL + 3] = DIRECTION, tangent
+    open_rows = (_segments(groups) == groups[0][0] - 1.0) & (targets[:, t.ORIENTATION] == t.FREE)
+    targets[open_rows, t.ORIENTATION], targets[open_rows, t.GOAL : t.GOAL + 3] = t.DIRECTION, tangent
     return (*groups[:3], targets)
 
 
 def before(groups: Groups, row: Floats) -> Groups:
     """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
-    robot, scene, told, own = up_to(groups, int(row[TARGET_SEGMENT]) + 1)
+    robot, scene, told, own = up_to(groups, int(row[t.TARGET_SEGMENT]) + 1)
     last = row.copy()
-    last[TARGET_SEGMENT] = -1.0
-    told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * ball_radius(segments_in(groups[0])))
-    told[ANGLE_TOLERANCE] = max(told[ANGLE_TOLERANCE], SLANT)
+    last[t.TARGET_SEGMENT] = -1.0
+    told[t.POSITION_TOLERANCE] = max(told[t.POSITION_TOLERANCE], LOOSE * ball_radius(segments_in(groups[0])))
+    told[t.ANGLE_TOLERANCE] = max(told[t.ANGLE_TOLERANCE], SLANT)
     return robot, scene, told, np.vstack([own, last])
 
 
@@ -88,16 +64,16 @@ def ending(groups: Groups, count: int, end: Floats) -> Groups:
 
     It is turned about its tangent as the pose is only where the target of the tip is a rotation.
     """
-    row = np.zeros(TARGET_WIDTH)
-    row[TARGET_SEGMENT], row[HAS_POSITION] = count - 1.0, 1.0
-    row[TARGET_POSITION : TARGET_POSITION + 3] = end[POSE_POSITION:]
-    against = end[:POSE_POSITION].reshape(3, 3) @ FLIP
-    if groups[3][-1, ORIENTATION] == ROTATION:
-        row[ORIENTATION], row[GOAL : GOAL + 9] = ROTATION, against.ravel()
+    row = np.zeros(t.TARGET_WIDTH)
+    row[t.TARGET_SEGMENT], row[t.HAS_POSITION] = count - 1.0, 1.0
+    row[t.TARGET_POSITION : t.TARGET_POSITION + 3] = end[t.POSE_POSITION :]
+    against = end[: t.POSE_POSITION].reshape(3, 3) @ FLIP
+    if groups[3][-1, t.ORIENTATION] == t.ROTATION:
+        row[t.ORIENTATION], row[t.GOAL : t.GOAL + 9] = t.ROTATION, against.ravel()
     else:
-        row[ORIENTATION], row[GOAL : GOAL + 3] = DIRECTION, against[:, 2]
+        row[t.ORIENTATION], row[t.GOAL : t.GOAL + 3] = t.DIRECTION, against[:, 2]
     part = before(groups, row)
-    tolerances = [POSITION_TOLERANCE, ANGLE_TOLERANCE]
+    tolerances = [t.POSITION_TOLERANCE, t.ANGLE_TOLERANCE]
     part[2][tolerances] = groups[2][tolerances]
     return part
 
@@ -108,16 +84,16 @@ def beyond(groups: Groups, chain: Floats) -> Groups:
     count = len(chain)
     segments, _, tool = _split(robot)
     own = targets[_segments(groups) >= count]
-    own[:, TARGET_SEGMENT] = np.where(own[:, TARGET_SEGMENT] < 0.0, -1.0, own[:, TARGET_SEGMENT] - count)
+    own[:, t.TARGET_SEGMENT] = np.where(own[:, t.TARGET_SEGMENT] < 0.0, -1.0, own[:, t.TARGET_SEGMENT] - count)
     told = _scaled(settings, segments[count:])
-    told[MOUNT] = max(0.0, told[MOUNT] - chain[:, 2].sum())
+    told[t.MOUNT] = max(0.0, told[t.MOUNT] - chain[:, 2].sum())
     return _robot(robot, count, len(segments), end_of(groups, chain), tool), scene, told, own
 
 
 def end_of(groups: Groups, chain: Floats) -> Floats:
     """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
-    base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, POSE_WIDTH))
-    frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, t.POSE_WIDTH))
+    frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     end: Floats = frames[0, -1]
     return end
 
@@ -132,7 +108,7 @@ def searched(groups: Groups, chains: Floats, own: tuple[int, int], deadline: Dea
 def solved(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
     """Return a configuration (n, 3) that is proved, from chains (g, n, 3) and scattered starts, or `None`."""
     found = searched(groups, chains, (0, starts), deadline)
-    return found.q if found.code == SOLVED else None
+    return found.q if found.code == t.SOLVED else None
 
 
 def first(robot: Floats, count: int) -> Floats:
@@ -163,8 +139,8 @@ def fitted(groups: Groups, route: Floats, seconds: float) -> Floats:
 def backbone_of(groups: Groups, chain: Floats) -> Floats:
     """Return points (K, 3) along the backbone of a chain (n, 3), `SAMPLES` for each segment."""
     n, base = len(chain), _split(groups[0])[1]
-    frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
-    frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    frames, points = np.empty((1, n + 1, t.POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
+    frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     points_of(chain[None].copy(), frames, SAMPLES, points)
     line: Floats = points[0]
     return line
@@ -177,14 +153,14 @@ def segments_in(robot: Floats) -> Floats:
 
 def begin(groups: Groups) -> Floats:
     """Where the backbone begins (3,)."""
-    return _split(groups[0])[1][POSE_POSITION:]
+    return _split(groups[0])[1][t.POSE_POSITION :]
 
 
 def _split(robot: Floats) -> tuple[Floats, Floats, Floats]:
     """Rows (n, 7) of the segments of a robot, and the poses (12,) of its base and its tool."""
     n = int(robot[0])
-    rows = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
-    return rows, robot[-2 * POSE_WIDTH : -POSE_WIDTH], robot[-POSE_WIDTH:]
+    rows = robot[t.ROBOT_HEADER : t.ROBOT_HEADER + t.SEGMENT_WIDTH * n].reshape(n, t.SEGMENT_WIDTH)
+    return rows, robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH], robot[-t.POSE_WIDTH :]
 
 
 def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> Floats:
@@ -193,10 +169,10 @@ def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> 
     Limits of actuators that see others, too, are left out: the whole robot has to keep them.
     """
     segments, _, _ = _split(robot)
-    rows = robot[ROBOT_HEADER + segments.size : -2 * POSE_WIDTH].reshape(-1, ACTUATOR_WIDTH)
-    inside = (rows[:, FIRST_SEGMENT] >= first) & (rows[:, LAST_SEGMENT] < last)
-    own = rows[inside & (rows[:, FIRST_SEGMENT] == rows[:, LAST_SEGMENT])]
-    own[:, [FIRST_SEGMENT, LAST_SEGMENT]] -= first
+    rows = robot[t.ROBOT_HEADER + segments.size : -2 * t.POSE_WIDTH].reshape(-1, t.ACTUATOR_WIDTH)
+    inside = (rows[:, t.FIRST_SEGMENT] >= first) & (rows[:, t.LAST_SEGMENT] < last)
+    own = rows[inside & (rows[:, t.FIRST_SEGMENT] == rows[:, t.LAST_SEGMENT])]
+    own[:, [t.FIRST_SEGMENT, t.LAST_SEGMENT]] -= first
     header = [float(last - first), float(len(own)), robot[2]]
     return np.concatenate([header, segments[first:last].ravel(), own.ravel(), base, tool])
 
@@ -204,11 +180,11 @@ def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> 
 def _scaled(settings: Floats, segments: Floats) -> Floats:
     """Settings for a robot of these segments (m, 7)."""
     told = settings.copy()
-    told[UNIT] = segments[:, [MIN_LENGTH, MAX_LENGTH]].mean(axis=1).sum()
+    told[t.UNIT] = segments[:, [t.MIN_LENGTH, t.MAX_LENGTH]].mean(axis=1).sum()
     return told
 
 
 def _segments(groups: Groups) -> Floats:
     """Segment (t,) whose end each target concerns."""
     robot, _, _, targets = groups
-    return np.where(targets[:, TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, TARGET_SEGMENT])
+    return np.where(targets[:, t.TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, t.TARGET_SEGMENT])

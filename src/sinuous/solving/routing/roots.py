@@ -10,19 +10,9 @@ import math
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
-from sinuous.kernels.tables import (
-    DIRECTION,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    POSE_POSITION,
-    POSE_WIDTH,
-    ROTATION,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-)
 from sinuous.poses import least_rotation
 from sinuous.solving.routing.parts import segments_in
 from sinuous.solving.routing.turned import FLIP, Groups
@@ -64,13 +54,13 @@ def roots(groups: Groups, route: Floats) -> Floats:
     There is none where the tip is not asked to be somewhere, or where the route (K, 3) has no direction there.
     """
     robot, scene, _, targets = groups
-    tips = targets[np.isin(targets[:, TARGET_SEGMENT], (-1.0, robot[0] - 1.0))]
-    tool = robot[-POSE_WIDTH:]
-    tangent = None if len(tips) != 1 or tips[0, HAS_POSITION] == 0.0 else _arrival(tips[0], tool, route)
+    tips = targets[np.isin(targets[:, t.TARGET_SEGMENT], (-1.0, robot[0] - 1.0))]
+    tool = robot[-t.POSE_WIDTH :]
+    tangent = None if len(tips) != 1 or tips[0, t.HAS_POSITION] == 0.0 else _arrival(tips[0], tool, route)
     if tangent is None:
-        return np.empty((0, POSE_WIDTH))
+        return np.empty((0, t.POSE_WIDTH))
     ends = _ends(tips[0], tool, tangent)
-    places = tips[0, TARGET_POSITION : TARGET_POSITION + 3] - ends @ tool[POSE_POSITION:]
+    places = tips[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] - ends @ tool[t.POSE_POSITION :]
     ahead, radius = ends[:, :, 2], ball_radius(segments_in(robot))
     order = [0]
     if len(ends) > 1:
@@ -97,8 +87,8 @@ def _arrival(target: Floats, tool: Floats, route: Floats) -> Floats | None:
 
     Where all of the route is nearer to the target than the tool is long, that is where the route begins.
     """
-    goal = target[TARGET_POSITION : TARGET_POSITION + 3]
-    beyond = np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(tool[POSE_POSITION:]))
+    goal = target[t.TARGET_POSITION : t.TARGET_POSITION + 3]
+    beyond = np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(tool[t.POSE_POSITION :]))
     before = min(BEFORE, len(route) - 1)
     at = max(before, int(beyond[-1]) if len(beyond) else 0)
     tangent: Floats = route[at] - route[at - before]
@@ -108,12 +98,12 @@ def _arrival(target: Floats, tool: Floats, route: Floats) -> Floats | None:
 
 def _ends(target: Floats, tool: Floats, tangent: Floats) -> Floats:
     """Rotations (m, 3, 3) of the end of the backbone at a target; what that leaves open is tried."""
-    held, aside = tool[:POSE_POSITION].reshape(3, 3), bool(tool[POSE_POSITION : POSE_POSITION + 2].any())
-    if target[ORIENTATION] == ROTATION:
-        return (target[GOAL : GOAL + 9].reshape(3, 3) @ held.T)[None]
-    if target[ORIENTATION] == DIRECTION:
+    held, aside = tool[: t.POSE_POSITION].reshape(3, 3), bool(tool[t.POSE_POSITION : t.POSE_POSITION + 2].any())
+    if target[t.ORIENTATION] == t.ROTATION:
+        return (target[t.GOAL : t.GOAL + 9].reshape(3, 3) @ held.T)[None]
+    if target[t.ORIENTATION] == t.DIRECTION:
         rolls = np.arange(ROLLS) / ROLLS if aside or held[2, 2] < 1.0 else np.zeros(1)
-        ahead = least_rotation(target[GOAL : GOAL + 3])
+        ahead = least_rotation(target[t.GOAL : t.GOAL + 3])
         return np.stack([ahead @ _spin(roll) @ held.T for roll in rolls])
     count = 2 * DIRECTIONS if aside else DIRECTIONS
     number = np.arange(count - 1) + 0.5

@@ -11,17 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tables import (
-    MAX_LENGTH,
-    MIN_LENGTH,
-    QUERY_AXIS,
-    QUERY_FREE_LENGTH,
-    QUERY_GOAL,
-    QUERY_LONGEST,
-    QUERY_ORIGIN,
-    QUERY_RADIUS,
-)
 from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
 from sinuous.solving.routing.parts import backbone_of, beyond, first, fitted, searched, segments_in
@@ -75,7 +66,7 @@ class Tube(NamedTuple):
 
 def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
     """Return the tube that the base lies in, from what a route has to keep (28,); `None` where there is none."""
-    radius, longest = query[QUERY_RADIUS], query[QUERY_LONGEST]
+    radius, longest = query[t.QUERY_RADIUS], query[t.QUERY_LONGEST]
     if radius <= 0.0:
         return None
     spacing = max(radius, longest / POINTS)
@@ -86,10 +77,10 @@ def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
 
 
 def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> Tube | None:
-    radius = query[QUERY_RADIUS]
-    origin, axis = (query[at : at + 3] for at in (QUERY_ORIGIN, QUERY_AXIS))
+    radius = query[t.QUERY_RADIUS]
+    origin, axis = (query[at : at + 3] for at in (t.QUERY_ORIGIN, t.QUERY_AXIS))
     points, clock = np.empty((2 * POINTS, 3)), np.zeros(CLOCK_SIZE, np.int64)
-    sizes = radius, spacing, query[QUERY_FREE_LENGTH]
+    sizes = radius, spacing, query[t.QUERY_FREE_LENGTH]
     count, ended = follow_tube(scene, np.stack([origin, axis]), sizes, seconds, clock, points)
     known = points[:count]
     if ended not in (MOUTH, END, BRANCH) or lengths_along(known)[-1] < SHORTEST * radius:
@@ -99,11 +90,11 @@ def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> T
 
 def within(tube: Tube, query: Floats) -> Floats | None:
     """Return the line (K, 3) along the axis to a target that lies in the tube; `None` where it does not."""
-    goal = query[QUERY_GOAL : QUERY_GOAL + 3]
+    goal = query[t.QUERY_GOAL : t.QUERY_GOAL + 3]
     gaps = np.linalg.norm(tube.axis - goal, axis=1)
     at = int(gaps.argmin())
     last = len(tube.axis) - 1
-    if gaps[at] > BESIDE * query[QUERY_RADIUS] or at < 2 or (tube.open and at == last):
+    if gaps[at] > BESIDE * query[t.QUERY_RADIUS] or at < 2 or (tube.open and at == last):
         return None
     return _spaced(np.vstack([tube.axis[:at], goal]))
 
@@ -121,8 +112,8 @@ def heads(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floa
     """
     robot, scene, settings, targets = groups
     n, segments = int(groups[0][0]), segments_in(groups[0])
-    ends = np.cumsum(segments[:, [MIN_LENGTH, MAX_LENGTH]].mean(axis=1))
-    length = lengths_along(tube.axis)[-1] - BARELY * segments[-1, MAX_LENGTH]
+    ends = np.cumsum(segments[:, [t.MIN_LENGTH, t.MAX_LENGTH]].mean(axis=1))
+    length = lengths_along(tube.axis)[-1] - BARELY * segments[-1, t.MAX_LENGTH]
     inside = 1 + int(np.searchsorted(ends, length))
     for count in (inside, inside - 1) if inside <= n else ():
         if 0 < count < n and deadline() > 0.0:

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import LinearConstraint, minimize
 
 from sinuous.checks import Floats
-from sinuous.solving.least_distance import least_distance
+from sinuous.solution.least_distance import least_distance
 
 
 def _energy(free: Floats, square: Floats, y: Floats) -> float:

@@ -31,7 +31,7 @@ os.environ.setdefault("SINUOUS_KERNELS", "compiled")
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(
     "sinuous",
-    max_examples=50,
+    max_examples=30,
     deadline=None,
     derandomize=True,
     database=None,
@@ -57,13 +57,17 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Look for no garbage while tests are collected, nor later among what was: all of it stays to the end."""
+    """Look for no garbage while tests are collected, nor later among what was: all of it stays to the end.
+
+    And look seldom afterwards: what tests import and compile stays, too, and is more than they leave behind.
+    """
     gc.disable()
     try:
         return (yield)
     finally:
         gc.enable()
         gc.freeze()
+        gc.set_threshold(20_000, 20, 50)
 
 
 @pytest.fixture(autouse=True)
@@ -89,7 +93,7 @@ def no_figures_stay() -> Iterator[None]:
 FIRST = (
     "solving/routing/test_routes.py",  # our own method and routes, for one process
     "methods/opti_path/test_options.py",  # methods that share little with it, for the other
-    "methods/slinki/test_search.py",
+    "methods/test_slinki.py",
     "methods/fabrik/test_reaching.py",
     "methods/test_monte_carlo.py",
     "methods/fabrik/test_avoiding.py",

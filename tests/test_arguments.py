@@ -14,7 +14,7 @@ import pytest
 import sinuous as sn
 from sinuous import arguments
 from sinuous.kernels.tables import SOURCES
-from sinuous.methods.opti_path.costs import OptiPathArguments
+from sinuous.methods.opti_path.gradient import OptiPathArguments
 from sinuous.methods.registry import METHODS
 from sinuous.problem.problem import ProblemArguments
 from sinuous.problem.target import TargetArguments

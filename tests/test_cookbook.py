@@ -145,6 +145,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["checked"].ok.shape == (20,)
         case "Calibrate an arm from motion capture":
             assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length
+        case "Weigh what an arm carries":
+            assert names["found"].robot.payload[0].mass == pytest.approx(0.005, rel=1e-6)
         case "Pictures and films":
             assert {"shape.pdf", "motion.gif", "clearance.png"} <= {file.name for file in tmp_path.iterdir()}
         case "In a notebook":

@@ -66,8 +66,8 @@ def test_refusals_name_extras_that_are_there() -> None:
     """Of pictures, and of each kind of file that another package reads."""
     sources = "".join(file.read_text(encoding="utf-8") for file in Path(sinuous.__file__).parent.rglob("*.py"))
     named = set(re.findall(r"pip install sinuous\[(\w+)\]", sources))
-    named |= set(re.findall(r'= needed\("\w+", "(\w+)", file\)', sources))
-    assert {"mesh", "plot"} <= named <= set(PROJECT["optional-dependencies"])
+    named |= set(re.findall(r'checks\.needed\("[\w.]+", "(\w+)"', sources))
+    assert {"batch", "cluster", "mesh", "plot", "view"} <= named <= set(PROJECT["optional-dependencies"])
 
 
 def test_this_numba_is_within_the_bounds_that_were_tested() -> None:

@@ -23,14 +23,14 @@ ROBOTS = 600
 
 def measure(plan: Plan) -> Iterator[Line]:
     """A line a problem, then how often it was better, and the longest time."""
-    problems, count = plan.count(PROBLEMS, 1), plan.count(1000, 50)
+    problems, count = plan.count(PROBLEMS, 1), plan.count(1000, 20)
     section = SECTION.format(count=f"{count:,}")
     seconds, better, beyond = [], 0, 0
     for number in plan.track(range(problems), "problems", problems):
         asked = problem(number, plan.rng(91, number))
         given = asked.template, asked.tasks, asked.scene
         began = time.perf_counter()
-        robots = plan.count(ROBOTS, 96)
+        robots = plan.count(ROBOTS, 64)
         found = design(*given, vary=asked.vary, minimise=asked.minimise, robots=robots, workers=2)
         seconds.append(time.perf_counter() - began)
         best = np.inf if found.best is None else _least(asked, found.best.objectives[asked.minimise])

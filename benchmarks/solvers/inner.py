@@ -18,7 +18,7 @@ from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_problem
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import SOLVED
-from sinuous.methods.judge import FINEST, carve_check, check_size
+from sinuous.methods.search import FINEST, carve_check, check_size
 from sinuous.solving.solver import Solver
 
 
@@ -38,7 +38,7 @@ def repeat_self_proof(
 ) -> float:
     """Prove `times` times that the body does not run through itself at `q` (n, 3); return the sum of what is proved.
 
-    The groups are those of a solve; `scratch`: see `judge.check_size`.
+    The groups are those of a solve; `scratch`: see `search.check_size`.
     """
     problem = read_problem(robot, scene, settings, targets)
     check, _ = carve_check(scratch, problem)

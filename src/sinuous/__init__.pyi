@@ -31,9 +31,9 @@ from sinuous.motion.plan import plan as plan
 from sinuous.motion.track import track as track
 from sinuous.motion.trajectory import Trajectory as Trajectory
 from sinuous.pictures.animate import animate as animate
-from sinuous.pictures.assessment import plot_assessment as plot_assessment
-from sinuous.pictures.calibration import plot_calibration as plot_calibration
-from sinuous.pictures.design import plot_design as plot_design
+from sinuous.pictures.charts import plot_assessment as plot_assessment
+from sinuous.pictures.charts import plot_calibration as plot_calibration
+from sinuous.pictures.charts import plot_design as plot_design
 from sinuous.pictures.diagrams import diagram as diagram
 from sinuous.pictures.plot import plot as plot
 from sinuous.pictures.workspace import plot_reach as plot_reach

@@ -4,6 +4,7 @@ import math
 import numbers
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -273,6 +274,15 @@ def text(key: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
         raise InputError(key, "", value, "a text")
     return value
+
+
+def needed(package: str, extra: str, key: str, value: object = None, name: str = "") -> Any:
+    """Import a package that an extra brings, or say what to install; it is called `name`, where that is another one."""
+    try:
+        return import_module(package)
+    except ImportError:
+        wanted = f"it installed: pip install sinuous[{extra}]"
+        raise InputError(key, f"needs {name or package}", value, wanted) from None
 
 
 def choice(key: str, value: Any, words: Sequence[Word]) -> Word:

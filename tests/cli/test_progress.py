@@ -7,7 +7,7 @@ import time
 import pytest
 
 from sinuous.cli import reading
-from sinuous.cli.reading import Waiting
+from sinuous.cli.reading import waiting
 
 
 class Terminal(io.StringIO):
@@ -26,12 +26,12 @@ def test_reading_is_shown_when_it_takes_long(
     stream = Terminal() if terminal else io.StringIO()
     monkeypatch.setattr(sys, "stderr", stream)
     monkeypatch.setattr(reading, "PATIENCE", patience)
-    with Waiting() as waiting:
-        waiting.begin("engine.yaml")
+    with waiting() as show:
+        show("reading engine.yaml", None)
         if shows:
             until = time.monotonic() + 10.0
             while "engine.yaml" not in stream.getvalue() and time.monotonic() < until:
                 time.sleep(0.01)
-        waiting.show("housing", 0.5)
+        show("preparing housing", 0.5)
     assert ("reading engine.yaml" in stream.getvalue()) is shows
     assert ("housing" in stream.getvalue()) is shows

@@ -30,7 +30,7 @@ VARY: dict[str, Any] = {"segments.length": (40.0, 130.0), "segments.count": [2, 
 
 def run(**changes: Any) -> Design:
     """Find the shortest robot among few."""
-    options = {"vary": VARY, "minimise": "length", "robots": 96, "workers": 1, **changes}
+    options = {"vary": VARY, "minimise": "length", "robots": 64, "workers": 1, **changes}
     return sn.design(TEMPLATE, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)], **options)
 
 
@@ -50,7 +50,7 @@ def test_the_best_robot_does_all_tasks_and_is_shorter_than_the_template() -> Non
 
 def test_derivatives_lead_fields_and_answers_to_a_better_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     varied = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}
-    found = run(minimise="bend", vary=varied, robots=128)
+    found = run(minimise="bend", vary=varied, robots=96)
     assert found.best is not None
     scene, bends = [sn.Sphere((0.0, 60.0, 120.0), 20.0)], []
     for name, target in TASKS.items():
@@ -59,7 +59,7 @@ def test_derivatives_lead_fields_and_answers_to_a_better_robot(monkeypatch: pyte
         bends.append(np.hypot(q[:, 0], q[:, 1]).max())
     assert max(bends) == found.best.objectives["bend"]
     monkeypatch.setattr(find, "can_descend", lambda _: False)
-    without = run(minimise="bend", vary=varied, robots=192).best
+    without = run(minimise="bend", vary=varied, robots=144).best
     assert without is not None
     assert found.best.objectives["bend"] < 0.95 * without.objectives["bend"]
 

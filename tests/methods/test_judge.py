@@ -8,7 +8,7 @@ from benchmarks.problems import clutter, random_configurations
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
-from sinuous.methods import judge as common
+from sinuous.methods import search as common
 from sinuous.packing import pose_row
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target

@@ -34,8 +34,8 @@ from sinuous.kernels.tables import (
     answer_size,
 )
 from sinuous.methods import search as method_search
-from sinuous.methods.judge import Answer, Check, check_size, offer
 from sinuous.methods.prepared import as_outcomes
+from sinuous.methods.search import Answer, Check, check_size, offer
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot, robot_group

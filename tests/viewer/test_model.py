@@ -14,8 +14,7 @@ from sinuous.display.curves import speeds_of
 from sinuous.errors import InputError
 from sinuous.robot.segment import straight
 from sinuous.solution.remedies import Remedy
-from sinuous.viewer.history import History
-from sinuous.viewer.model import Model, least_of
+from sinuous.viewer.model import History, Model, least_of
 from sinuous.viewer.saving import loaded, saved
 from sinuous.viewer.solvers import QUICK, Solvers
 

@@ -44,7 +44,7 @@ class Methods(Indivisible):
 
     @property
     def _together(self) -> int:
-        return self.plan.count(TOGETHER, 3)
+        return self.plan.count(TOGETHER, 2)
 
     @property
     def _pieces(self) -> int:

@@ -48,7 +48,7 @@ class Tracking(Indivisible):
 
     @property
     def _points(self) -> int:
-        return self.plan.count(POINTS, 12)
+        return self.plan.count(POINTS, 8)
 
     def _problems(self, spheres: int, scene: int) -> ProblemSet:
         return path_through(SEGMENTS, spheres, self.plan.rng(20, spheres, scene), self._points)

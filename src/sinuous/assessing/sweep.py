@@ -1,6 +1,7 @@
 """Robots that differ in some fields of the robot file: every combination of the values."""
 
 import copy
+import math
 import re
 from collections.abc import Iterable, Mapping
 from itertools import product
@@ -46,9 +47,7 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise InputError(f"[{field!r}]", "", values, "a list of values")
         listed[field] = list(values)
-    count = 1
-    for values in listed.values():
-        count *= len(values)
+    count = math.prod(map(len, listed.values()))
     if not 0 < count <= MOST_ROBOTS:
         raise InputError("fields", f"make {count} robots", list(listed), f"1 to {MOST_ROBOTS}")
     found = {}
@@ -114,34 +113,26 @@ def one_segment(values: dict[str, Any], which: str, field: str) -> dict[str, Any
 
 
 def _set(entry: dict[str, Any], path: list[str], value: Any, field: str) -> None:
+    """Set a field, or an element of a list: of a length that is one number, both ends are that.
+
+    A robot that stands or carries its tool nowhere special has these places, too.
+    """
     *outer, last = path
-    match = re.fullmatch(r"(\w+)\[(\d+)\]", last)
-    if match is not None:
-        _set_element(entry, outer, (match[1], int(match[2])), value, field)
-        return
     if last == "count" and not outer and "length" not in entry:
         raise InputError(f"[{field!r}]", "is no field of it", value, "segments.count")
-    _inner(entry, outer, value, field)[last] = value
-
-
-def _inner(entry: dict[str, Any], outer: list[str], value: Any, field: str) -> dict[str, Any]:
-    """The mapping that a field stands in; a robot that stands or carries its tool nowhere special has those, too."""
     for key in outer:
         if key in PLACES and key not in entry:
             entry[key] = {}
         if not isinstance(entry.get(key), dict):
             raise InputError(f"[{field!r}]", f"this robot has no {key}", value, "a field that is there")
         entry = entry[key]
-    return entry
-
-
-def _set_element(entry: dict[str, Any], outer: list[str], last: tuple[str, int], value: Any, field: str) -> None:
-    """Set an element of a list: of a length that is one number, both ends are that."""
-    key, i = last
-    inner = _inner(entry, outer, value, field)
-    listed = inner.get(key, [0.0, 0.0, 0.0] if key == "position" else None)
-    if key == "length" and isinstance(listed, int | float):
-        listed = [listed, listed]
-    if not isinstance(listed, list) or i >= len(listed):
-        raise InputError(f"[{field!r}]", "is no element of it", value, "an element of a list that is there")
-    inner[key] = [*listed[:i], value, *listed[i + 1 :]]
+    match = re.fullmatch(r"(\w+)\[(\d+)\]", last)
+    if match is not None:
+        last, i = match[1], int(match[2])
+        listed = entry.get(last, [0.0, 0.0, 0.0] if last == "position" else None)
+        if last == "length" and isinstance(listed, int | float):
+            listed = [listed, listed]
+        if not isinstance(listed, list) or i >= len(listed):
+            raise InputError(f"[{field!r}]", "is no element of it", value, "an element of a list that is there")
+        value = [*listed[:i], value, *listed[i + 1 :]]
+    entry[last] = value

@@ -258,8 +258,7 @@ def read_tasks(tasks: Any) -> dict[str, Task]:
 
 def _task(name: str, task: Any) -> Task:
     if hasattr(task, "do") and hasattr(task, "check"):
-        own: Task = task
-        return own
+        return task
     if type(task) not in OF_TYPES:
         raise InputError(
             f"tasks[{name!r}]",

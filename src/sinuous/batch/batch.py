@@ -1,6 +1,7 @@
 """The summary of a batch: how many rows ended how, which were no targets, which were skipped, where the results are."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,15 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.arguments import Parameter, Rows, Stack
+from sinuous.batch.tables.kinds import open_source
 from sinuous.batch.tables.layout import INVALID, STATUSES, Block
+from sinuous.batch.tables.npz_files import NpzRows
+from sinuous.batch.work import Work
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.groups import read_tangent
 from sinuous.reprs import ShortRepr
 
 if TYPE_CHECKING:
-    from sinuous.batch.answers import Answers
     from sinuous.derivatives.many import Derivatives
+
+NEEDED = ["status", "q", "clearance"]
+"""What a table of results says of answers that are derived."""
 
 SHOWN = 10
 """Rows without a target whose numbers are printed."""
@@ -38,6 +44,51 @@ class Failed(NamedTuple):
     first: int
     last: int
     why: str
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Where the answers of a batch are, and what they answer.
+
+    Attributes
+    ----------
+    work : Work
+    targets : path, mapping of arrays, or array_like
+    fingerprint : str
+        Of the targets that were solved.
+    chunk : int
+        Rows of a chunk.
+    found : Path or dict
+        The table of results, or arrays by their names.
+    """
+
+    work: Work
+    targets: Any
+    fingerprint: str
+    chunk: int
+    found: Path | Block
+
+    def derivatives(self, wrt: tuple[Parameter, ...]) -> "Iterator[Derivatives]":
+        """Derive one chunk after the other."""
+        with closing(open_source(self.targets)) as source, _reader(self.found) as read:
+            if source.fingerprint() != self.fingerprint:
+                given = str(self.targets) if isinstance(self.targets, Path | str) else "arrays"
+                raise InputError("targets", "have changed since they were solved", given, "those of this batch")
+            for first in range(0, source.rows, self.chunk):
+                span = first, min(source.rows, first + self.chunk)
+                yield self.work.derive(source.read(*span), read(*span), wrt)
+
+
+@contextmanager
+def _reader(found: Path | Block) -> Iterator[Callable[[int, int], Block]]:
+    """Yield what reads rows of results, from the first up to, without it, the last."""
+    if not isinstance(found, Path):
+        yield lambda first, last: {name: rows[first:last] for name, rows in found.items()}
+        return
+    if found.suffix.lower() != ".npz":
+        raise InputError("out", "cannot be derived", str(found), "results as .npz, or in memory")
+    with closing(NpzRows(found, lambda _: NEEDED)) as rows:
+        yield rows.read
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,7 +127,7 @@ class Batch(ShortRepr):
     before: int
     total: int
     results: Block | None = field(default=None)
-    _answers: "Answers | None" = field(default=None)
+    _answers: Answers | None = field(default=None)
 
     words = STATUSES
     """The status that each number in `status` stands for."""
@@ -145,8 +196,7 @@ class Batch(ShortRepr):
         ways = {name: self._by_rows(f"tangent[{name!r}]", way) for name, way in given.items()}
         spans = self._spans(tuple(ways))
         motions = [part.jvp({name: way[rows] for name, way in ways.items()}) for rows, part in spans]
-        whole: Floats = np.concatenate(motions)
-        return whole
+        return np.concatenate(motions)
 
     def _spans(self, wrt: Any) -> "Iterator[tuple[slice, Derivatives]]":
         """Rows of each chunk, and the derivatives of their answers."""
@@ -163,8 +213,7 @@ class Batch(ShortRepr):
             raise InputError(key, "", value, "an array of numbers") from None
         if given.shape[:1] != (self.total,):
             raise InputError(key, "", f"shape {given.shape}", f"one for each row: {self.total}")
-        rows: NDArray[Any] = given
-        return rows
+        return given
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, without the results."""

@@ -6,6 +6,7 @@ from concurrent.futures import Future
 from typing import Any
 from uuid import uuid4
 
+from sinuous import checks
 from sinuous.batch.engines import PER_WORKER, Engine, LostError, pickled
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task, Work
@@ -35,12 +36,7 @@ def distributed() -> Any:
     InputError
         When it is not installed.
     """
-    try:
-        import distributed as module  # noqa: PLC0415
-    except ImportError:
-        wanted = "it installed: pip install sinuous[cluster]"
-        raise InputError("dask", "needs distributed", "dask", wanted) from None
-    return module
+    return checks.needed("distributed", "cluster", "dask", "dask")
 
 
 def _solve(name: str, task: Task) -> Block:
@@ -115,8 +111,7 @@ class Dask(Engine):
         """Hand a task to a worker; a worker that dies is replaced by another one, up to three times."""
         if self._client.status != "running":
             raise LostError(self.gone)
-        future: Future[Block] = self._pool.submit(_solve, self._name, task)
-        return future
+        return self._pool.submit(_solve, self._name, task)
 
     def restart(self) -> None:
         """Refuse: without a scheduler all is lost."""

@@ -9,8 +9,7 @@ from typing import Any, Unpack
 
 from sinuous import checks
 from sinuous.arguments import Rows, Truth, Whole
-from sinuous.batch.answers import Answers
-from sinuous.batch.batch import Batch, Failed
+from sinuous.batch.batch import Answers, Batch, Failed
 from sinuous.batch.checkpoint import hash_of, problem_record
 from sinuous.batch.dispatch import Dispatcher, begin
 from sinuous.batch.engines import LostError

@@ -30,6 +30,9 @@ PASSES = 2
 TRIED_ON = 300
 """Most rows with which groups are tried; the last fit takes all."""
 
+TRIED_AT_REST = 100
+"""The same where each row is an equilibrium under load, which takes some ten times as long."""
+
 TRIED_STEPS = 8
 """Most steps of a fit that tries a group."""
 
@@ -176,7 +179,8 @@ def _chosen(
     drawn: Robot, rows: Measurements, levelled: bool, trials: list[Trial], notes: list[str]
 ) -> tuple[Robot, State]:
     """Add groups as long as held-back rows get better."""
-    part = rows.part(slice(None, None, max(1, len(rows.labels) // TRIED_ON)))
+    most = TRIED_AT_REST if drawn.hangs else TRIED_ON
+    part = rows.part(slice(None, None, max(1, len(rows.labels) // most)))
 
     def tried(robot: Robot, state: State) -> tuple[State, float]:
         own = fitted(robot, state, part, TRIED_STEPS)

@@ -219,7 +219,13 @@ class Calibration(ShortRepr):
         return self.robot.changed(uncertainty=Uncertainty(bounds_of(len(self.robot), off, rows, share), share))
 
     def predict(self, actuators: Stack) -> Floats:
-        """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight."""
+        """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight.
+
+        Raises
+        ------
+        InputError
+            When the robot cannot hold its load at some of these values.
+        """
         values = checks.stack("actuators", actuators, (len(self.robot.drive),))
         return at_rest(self.robot, values.reshape(-1, values.shape[-1])).tips().reshape(*values.shape[:-1], 4, 4)
 

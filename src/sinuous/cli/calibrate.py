@@ -14,7 +14,7 @@ from sinuous.files.nouns import read_robot
 from sinuous.files.results import json_line
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.pictures.calibration import plot_calibration
+from sinuous.pictures.charts import plot_calibration
 from sinuous.robot.robot import Robot
 
 

@@ -60,7 +60,7 @@ def design_file(
     if out is not None and found.solved:
         found.robot.save(out)
     if plot is not None and found.solved:
-        from sinuous.pictures.design import plot_design  # noqa: PLC0415
+        from sinuous.pictures.charts import plot_design  # noqa: PLC0415
 
         plot_design(found, plot)
     say(file, found, json=json)

@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,9 +15,8 @@ import typer
 from sinuous import checks
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
 from sinuous.errors import SuspiciousInput
-from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
 from sinuous.files.results import json_line
-from sinuous.files.setting import Setting, read_setting
 from sinuous.progress import rich_progress
 from sinuous.robot.robot import Robot
 from sinuous.solving.memory import Memory
@@ -48,16 +47,16 @@ def read_all(files: list[str], demands: Mapping[str, Any] | None = None) -> list
         For the first that is wrong.
     """
     result = []
-    with Waiting() as waiting:
+    with waiting() as show:
         for file in files:
-            waiting.begin(file)
+            show(f"reading {file}", None)
             began = time.perf_counter()
             problem = read_problem(file)
             if demands:
                 with as_typed(*demands):
                     problem = problem.demanding(**demands)
             with checks.in_file(file):
-                problem.scene.prepare(waiting.show)
+                problem.scene.prepare(lambda what, share: show(f"preparing {what}", share))
             result.append(Read(problem, time.perf_counter() - began))
     return result
 
@@ -122,36 +121,24 @@ def say(file: str, found: Summary, *, json: bool) -> None:
     typer.echo(json_line({"file": file, **found.to_dict()}) if json else f"{file}: {told}")
 
 
-class Waiting:
-    """Says what is being read, and how much of it is done; shows nothing when it is quick or nobody looks."""
+@contextmanager
+def waiting() -> Iterator[Callable[[str, float | None], None]]:
+    """Yield what says what is done, and which share of it, 0 to 1; nothing where it is quick or nobody looks."""
+    if not sys.stderr.isatty():
+        yield lambda what, share: None
+        return
+    from rich.progress import BarColumn, SpinnerColumn, TextColumn  # noqa: PLC0415
 
-    def __init__(self) -> None:
-        self._progress: Any = None
-        if sys.stderr.isatty():
-            from rich.progress import BarColumn, SpinnerColumn, TextColumn  # noqa: PLC0415
-
-            self._progress = rich_progress(SpinnerColumn(), TextColumn("{task.description}"), BarColumn())
-            self._task = self._progress.add_task("reading", total=None)
-            self._late = threading.Timer(max(LEAST, PATIENCE - time.process_time()), self._progress.start)
-            self._late.daemon = True
-
-    def __enter__(self) -> "Waiting":
-        if self._progress is not None:
-            self._late.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._progress is not None:
-            self._late.cancel()
-            self._late.join()
-            self._progress.stop()
-
-    def begin(self, file: str) -> None:
-        """Name what is read from now on."""
-        if self._progress is not None:
-            self._progress.update(self._task, description=f"reading {file}", total=None)
-
-    def show(self, what: str, share: float) -> None:
-        """Show the share of `what`, 0 to 1, that is ready."""
-        if self._progress is not None:
-            self._progress.update(self._task, description=f"preparing {what}", total=1.0, completed=share)
+    progress = rich_progress(SpinnerColumn(), TextColumn("{task.description}"), BarColumn())
+    task = progress.add_task("reading", total=None)
+    late = threading.Timer(max(LEAST, PATIENCE - time.process_time()), progress.start)
+    late.daemon = True
+    late.start()
+    try:
+        yield lambda what, share: progress.update(
+            task, description=what, total=None if share is None else 1.0, completed=share
+        )
+    finally:
+        late.cancel()
+        late.join()
+        progress.stop()

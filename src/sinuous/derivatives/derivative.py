@@ -15,12 +15,11 @@ from sinuous.derivatives.preferred import Wish, follow_minimum
 from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
 from sinuous.groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, SELF_CLEARANCE
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.elastic import Elastic
 from sinuous.robot.robot import Robot
-from sinuous.solution.step import CONSTRAINTS, Active
+from sinuous.solution.step import Active
 
 SAME_GAP = 1e-6
 """Difference of gaps, in mean lengths of the robot, up to which two places are both the nearest to obstacles."""
@@ -96,7 +95,9 @@ class Derivative:
     @property
     def active(self) -> tuple[Active, ...]:
         """What nothing is left of; once for each limit, each obstacle and segment, each pair of segments."""
-        return tuple(dict.fromkeys(self._named(row) for row in self._rows.about[self._rows.targets :]))
+        limited = [self._problem.robot.actuators[i] for i in self._plan.limited]
+        rows = self._rows.about[self._rows.targets :, [a.KIND, a.SEGMENT, a.OTHER]].astype(np.int64).tolist()
+        return tuple(dict.fromkeys(Active.of(row, self._problem.scene, limited) for row in rows))
 
     @property
     def weak(self) -> tuple[Active, ...]:
@@ -124,7 +125,7 @@ class Derivative:
         if not len(self._problem.scene):
             return None
         if not hasattr(self, "_clearance"):
-            self._clearance = clearance_change(self._problem, self._configuration, self._plan, self._moved())
+            self._clearance = clearance_change(self._problem, self._configuration, self._plan, self._rows.moved)
         return PerGroup(self.wrt, lambda name: self._clearance[self._plan.chosen(name, self._problem)])
 
     def labels(self, name: Parameter) -> tuple[str, ...]:
@@ -140,7 +141,7 @@ class Derivative:
         InputError
             When it has another shape.
         """
-        given = checks.array("cotangent", cotangent, self._configuration.shape).ravel() @ self._moved()
+        given = checks.array("cotangent", cotangent, self._configuration.shape).ravel() @ self._rows.moved
         return {name: given[self._plan.chosen(name, self._problem)] for name in self.wrt}
 
     def jvp(self, tangent: Vector | Mapping[Parameter, Vector]) -> Floats:
@@ -159,7 +160,7 @@ class Derivative:
             When a name was not asked for, or a tangent has another shape.
         """
         whole = self._tangent(tangent)
-        moved = self._moved() @ whole if self.regular else self._one_way(whole)
+        moved = self._rows.moved @ whole if self.regular else self._one_way(whole)
         return moved.reshape(self._configuration.shape)
 
     def one_sided(self, name: Parameter) -> tuple[Floats, Floats]:
@@ -183,24 +184,9 @@ class Derivative:
         held = [f"active {', '.join(dict.fromkeys(each.constraint for each in self.active))}"] if self.active else []
         return call("Derivative", [", ".join(self.wrt), told, *held])
 
-    def _moved(self) -> Floats:
-        """Derivatives (3 n, p) of the configuration by all parameters."""
-        return self._rows.moved
-
     def _of_q(self, name: Parameter) -> Floats:
-        chosen = self._moved()[:, self._plan.chosen(name, self._problem)]
+        chosen = self._rows.moved[:, self._plan.chosen(name, self._problem)]
         return checks.closed(chosen.reshape(*self._configuration.shape, chosen.shape[1]))
-
-    def _named(self, row: Floats) -> Active:
-        kind, segment, other = int(row[a.KIND]), int(row[a.SEGMENT]), int(row[a.OTHER])
-        if kind == CLEARANCE:
-            return Active("clearance", segment + 1, obstacle=self._problem.scene.name(other))
-        if kind == SELF_CLEARANCE:
-            return Active("self_clearance", segment + 1, other_segment=other + 1)
-        if kind == ACTUATOR:
-            actuator = self._problem.robot.actuators[self._plan.limited[other]]
-            return Active("actuator", actuator.segment, actuator=actuator.name)
-        return Active(CONSTRAINTS[kind], segment + 1)
 
     def _tangent(self, tangent: Any) -> Floats:
         whole = np.zeros(self._plan.columns)

@@ -71,8 +71,7 @@ class Space:
     """
 
     def __init__(self, template: Robot, vary: Any) -> None:
-        if not isinstance(template, Robot):
-            raise InputError("template", "", template, "a Robot")
+        checks.instance("template", template, Robot, "a Robot")
         if not isinstance(vary, Mapping) or not vary:
             raise InputError("vary", "", vary, "a mapping of fields to ranges or lists of values")
         read = [_read(str(field), value) for field, value in vary.items()]

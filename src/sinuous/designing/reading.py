@@ -9,8 +9,7 @@ from sinuous.assessing.tasks import Cover, Follow, Meet, Move
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
-from sinuous.files.problem_file import read_question
-from sinuous.files.setting import Setting, setting_of_values
+from sinuous.files.problem_file import Setting, read_question, setting_of_values
 from sinuous.robot.robot import Robot
 
 KEYS = ("tasks", "vary", "minimise")

@@ -105,8 +105,7 @@ class MovingArm(NamedTuple):
         now = begin + share * (end - begin)
         i = int(np.clip(np.searchsorted(self.times, now, side="right") - 1, 0, len(self.times) - 2))
         part = (now - self.times[i]) / (self.times[i + 1] - self.times[i])
-        value: Floats = (1.0 - part) * values[i] + part * values[i + 1]
-        return value
+        return (1.0 - part) * values[i] + part * values[i + 1]
 
 
 class Body(NamedTuple):
@@ -160,5 +159,4 @@ def segments_of(body: Robot, robot: Robot | None) -> Sequence[int]:
     """Which segment of a robot each segment of its body belongs to, 0 = first."""
     if robot is None or len(body) == len(robot):
         return range(len(body))
-    owners: list[int] = body_of(robot).owners.tolist()
-    return owners
+    return body_of(robot).owners.tolist()

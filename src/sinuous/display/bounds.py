@@ -117,8 +117,7 @@ def _places(contents: Contents) -> Floats:
     """Points (m, 3) that must be seen: whole bodies with their bases, targets, paths."""
     found: list[Floats] = [place[None] for _, place in contents.targets]
     found += contents.paths + contents.forces_at(0.0) + contents.forces_at(1.0)
-    on_the_way = [moving.at(share) for moving in contents.moving for share in np.linspace(0.0, 1.0, SAMPLES).tolist()]
-    for arm in [*contents.arms, *on_the_way]:
+    for arm in contents.arms_at(*np.linspace(0.0, 1.0, SAMPLES).tolist()):
         robot, q = arm.robot, arm.q
         points, radius = robot.backbone(q), max(robot.radii)
         behind = robot.base[:3, 3] - FOOT * robot.radii[0] * robot.base[:3, 2]
@@ -146,8 +145,7 @@ def best_view(contents: Contents) -> View:
 
 def seen_places(contents: Contents) -> Floats:
     """Places (m, 3) that a viewer looks for: along the robots, also on their way."""
-    on_the_way = [moving.at(share) for moving in contents.moving for share in (0.0, 0.5, 1.0)]
-    bodies = [arm for arm in [*contents.arms, *on_the_way] if not arm.ghost]
+    bodies = [arm for arm in contents.arms_at(0.0, 0.5, 1.0) if not arm.ghost]
     found = [arm.robot.backbone(arm.q, max(1, SIGHTED // len(arm.robot))) for arm in bodies]
     return np.concatenate(found) if found else np.empty((0, 3))
 

@@ -128,15 +128,14 @@ class Contents:
         """Lines of forces and payloads after this share of the time of each motion."""
         return [*self.forces, *(line for moving in self.moving for line in moving.forces_at(share))]
 
-    @property
-    def all_arms(self) -> list[Arm]:
-        """Bodies that stand still, and those that move where they end."""
-        return [*self.arms, *(moving.at(1.0) for moving in self.moving)]
+    def arms_at(self, *shares: float) -> list[Arm]:
+        """Bodies that stand still, and each that moves after these shares of its time."""
+        return [*self.arms, *(moving.at(share) for moving in self.moving for share in shares)]
 
     @property
     def bodies(self) -> Iterator[Arm]:
-        """The same without ghosts."""
-        return (arm for arm in self.all_arms if not arm.ghost)
+        """All bodies, those that move where they end, without ghosts."""
+        return (arm for arm in self.arms_at(1.0) if not arm.ghost)
 
 
 def gather(things: Iterable[Any]) -> Contents:

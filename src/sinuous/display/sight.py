@@ -43,13 +43,11 @@ def _between(obstacle: Obstacle, points: Floats, eyes: Floats) -> NDArray[np.boo
     along = (eyes[:, None] - points) @ rotation / half
     if isinstance(obstacle, Sphere):
         near = np.clip(-(along * begin).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-        ball: NDArray[np.bool_] = ((begin + near[..., None] * along) ** 2).sum(axis=-1) < 1.0
-        return ball
+        return ((begin + near[..., None] * along) ** 2).sum(axis=-1) < 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
         sides = np.stack([(-1.0 - begin) / along, (1.0 - begin) / along])
     enters, leaves = sides.min(axis=0).max(axis=-1), sides.max(axis=0).min(axis=-1)
-    box: NDArray[np.bool_] = np.maximum(enters, 0.0) < np.minimum(leaves, 1.0)
-    return box
+    return np.maximum(enters, 0.0) < np.minimum(leaves, 1.0)
 
 
 def _box(obstacle: Obstacle) -> tuple[Floats, Floats, Floats]:

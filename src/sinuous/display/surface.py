@@ -81,8 +81,7 @@ def circle(around: int) -> Floats:
 def arc(radius: float, begin: float, end: float, bands: int) -> Floats:
     """Points (bands + 1, 2) of an arc about the origin, from one angle (rad) to another."""
     angles = np.linspace(begin, end, bands + 1)
-    points: Floats = radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    return points
+    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
 def lathe(profile: Floats, around: int) -> Surface:

@@ -122,8 +122,7 @@ def explore(
         When a worker fails again and again.
     """
     began = clock.perf_counter()
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     refuse_unknown(options, SolveArguments, *(explore.__kwdefaults__ or ()))
     given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
     place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
@@ -132,8 +131,7 @@ def explore(
     most = math.inf if rounds is None else checks.integer("rounds", rounds, 0, 2**31 - 1)
     near = reach_of(robot) / ACROSS if spacing is None else checks.number("spacing", spacing, above=0.0)
     kept = Memory(robot) if memory is None else memory
-    if not isinstance(kept, Memory):
-        raise InputError("memory", "", memory, "a Memory")
+    checks.instance("memory", kept, Memory, "a Memory")
     kept.check(robot)
     if robot.hangs:
         raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
@@ -285,16 +283,14 @@ class _Draws:
 
     def _anywhere(self, count: int) -> Floats:
         """Positions (count, 3) drawn evenly in the ball of the reach."""
-        found: Floats = self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
-        return found
+        return self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
 
     def _where_few(self, count: int) -> Numbers:
         """Numbers (count,) of shapes: every cell with a tip is as likely."""
         cells = np.floor(self._graph.tips / self._spacing).astype(np.int64)
         _, which, sizes = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
         weights = 1.0 / sizes[which.ravel()]
-        found: Numbers = self._rng.choice(len(cells), count, p=weights / weights.sum())
-        return found
+        return self._rng.choice(len(cells), count, p=weights / weights.sum())
 
     def _of_others(self, count: int) -> Numbers:
         """Numbers (count,) of shapes: every part but the largest is as likely."""
@@ -302,8 +298,7 @@ class _Draws:
             return np.empty(0, np.int64)
         others = np.flatnonzero(self._graph.parts > 0)
         weights = 1.0 / np.bincount(self._graph.parts)[self._graph.parts[others]]
-        found: Numbers = self._rng.choice(others, count, p=weights / weights.sum())
-        return found
+        return self._rng.choice(others, count, p=weights / weights.sum())
 
     def _near(self, kinds: Numbers, begins: Numbers, targets: Floats) -> Numbers:
         """Numbers (t, k) of the shapes nearby that tasks are told; -1: there are no more."""
@@ -327,5 +322,4 @@ class _Draws:
 def _in_ball(rng: np.random.Generator, count: int) -> Floats:
     """Points (count, 3) drawn evenly in the unit ball."""
     aside = rng.normal(size=(count, 3))
-    found: Floats = aside / np.linalg.norm(aside, axis=1, keepdims=True) * rng.random((count, 1)) ** (1.0 / 3.0)
-    return found
+    return aside / np.linalg.norm(aside, axis=1, keepdims=True) * rng.random((count, 1)) ** (1.0 / 3.0)

@@ -7,7 +7,7 @@ unless an attempt takes longer than `PATIENCE`.
 from dataclasses import replace
 from enum import IntEnum
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -99,19 +99,19 @@ class Explorer:
                 found.own.append(self._do(work, found, task))
             return found.block()
 
-    def _do(self, work: Workspace, found: "_Found", task: dict[str, Any]) -> int:
+    def _do(self, work: Workspace, found: "_Found", raw: dict[str, Any]) -> int:
         """Do one task; return the number of the shape that was found, 0: none."""
-        kind, begin, seed = Kind(int(task["kind"])), task["begin"], int(task["seed"])
-        numbers = task["numbers"][task["numbers"] >= 0]
-        near, deadline = task["near"][: len(numbers)], Deadline(PATIENCE)
+        kind, numbers = Kind(int(raw["kind"])), raw["numbers"][raw["numbers"] >= 0]
+        near, begin, seed = raw["near"][: len(numbers)], raw["begin"], int(raw["seed"])
+        task = _Task(numbers, near, seed, Deadline(PATIENCE))
         if kind is Kind.JOIN:
-            self._join(work, found, begin, int(task["own"]), numbers, near, seed, deadline)
+            self._join(work, found, begin, int(raw["own"]), task)
             return 0
-        q = self._moved(work, begin, seed) if kind is Kind.ASIDE else self._met(kind, task["target"], begin)
+        q = self._moved(work, begin, seed) if kind is Kind.ASIDE else self._met(kind, raw["target"], begin)
         if q is None:
             return 0
         order = np.argsort(self._apart(q, near), kind="stable")
-        return self._link(work, found, q, numbers[order], near[order], seed, deadline)
+        return self._link(work, found, q, task._replace(numbers=numbers[order], near=near[order]))
 
     def _met(self, kind: Kind, target: Floats, begin: Floats) -> Floats | None:
         """Meet a position: from anywhere, or from one shape."""
@@ -137,47 +137,44 @@ class Explorer:
             share *= 0.5
         return None
 
-    def _link(
-        self, work: Workspace, found: "_Found", q: Floats, numbers: Whole, near: Floats, seed: int, deadline: Deadline
-    ) -> int:
-        """Keep a shape, and motions to shapes nearby (k, n, 3), which have these numbers (k,); return its number."""
+    def _link(self, work: Workspace, found: "_Found", q: Floats, task: "_Task") -> int:
+        """Keep a shape, and motions to shapes nearby; return its number."""
         own = found.add(q[None])
         count = 0
-        for number, other in zip(numbers[:TRIES].tolist(), near, strict=False):
-            if deadline.left() > 0.0 and is_clear(work.prover, q, other):
+        for number, other in zip(task.numbers[:TRIES].tolist(), task.near, strict=False):
+            if task.deadline.left() > 0.0 and is_clear(work.prover, q, other):
                 found.edges.append((own, number))
                 count += 1
                 if count == LINKS:
                     return own
-        if count == 0 and len(near) and deadline.left() > 0.0:
-            path = work.trees.grow(np.stack([q, *near[:TRIES]]), seed, (0, DRAWS), deadline)
+        if count == 0 and len(task.near) and task.deadline.left() > 0.0:
+            path = work.trees.grow(np.stack([q, *task.near[:TRIES]]), task.seed, (0, DRAWS), task.deadline)
             if path is not None:
-                found.add_way(own, path.q, numbers, near)
+                found.add_way(own, path.q, task)
         return own
 
-    def _join(
-        self,
-        work: Workspace,
-        found: "_Found",
-        begin: Floats,
-        own: int,
-        numbers: Whole,
-        near: Floats,
-        seed: int,
-        deadline: Deadline,
-    ) -> None:
-        """Find a way from a shape to one of others (k, n, 3)."""
+    def _join(self, work: Workspace, found: "_Found", begin: Floats, own: int, task: "_Task") -> None:
+        """Find a way from a shape to one of those nearby."""
+        near, seed, deadline = task.near, task.seed, task.deadline
         path = work.trees.grow(np.stack([begin, *near]), seed, (0, DRAWS_TO_JOIN), deadline)
         if path is None and seed % 4 == 0 and deadline.left() > 0.0:
             query = Query(self.robot, work.scene, begin, lambda _: near, seed, 0, deadline)
             path = find_path(query, work.trees, TURNS_TO_JOIN)
         if path is not None:
-            found.add_way(own, path.q, numbers, near)
+            found.add_way(own, path.q, task)
 
     def _apart(self, q: Floats, others: Floats) -> Floats:
         moves = ((others - q) * lever_metric(self.robot)).reshape(len(others), q.size)
-        found: Floats = np.sqrt(np.einsum("mk,mk->m", moves, moves))
-        return found
+        return np.sqrt(np.einsum("mk,mk->m", moves, moves))
+
+
+class _Task(NamedTuple):
+    """What a task is told: numbers (k,) of shapes nearby, these (k, n, 3), its seed, and the time that it has."""
+
+    numbers: Whole
+    near: Floats
+    seed: int
+    deadline: Deadline
 
 
 class _Found:
@@ -200,9 +197,10 @@ class _Found:
         self._count += len(q)
         return -1 - (self._count - len(q))
 
-    def add_way(self, own: int, q: Floats, numbers: Whole, near: Floats) -> None:
-        """Keep the motions along a path (T, n, 3) from a shape that is kept to one of others (k, n, 3)."""
-        last = next(int(number) for number, other in zip(numbers, near, strict=True) if np.array_equal(other, q[-1]))
+    def add_way(self, own: int, q: Floats, task: "_Task") -> None:
+        """Keep the motions along a path (T, n, 3) from a shape that is kept to one of those nearby."""
+        known = zip(task.numbers, task.near, strict=True)
+        last = next(int(number) for number, other in known if np.array_equal(other, q[-1]))
         first = self.add(q[1:-1])
         way = [own, *(first - i for i in range(len(q) - 2)), last]
         self.edges += pairwise(way)

@@ -103,8 +103,7 @@ class JointChain(Frozen):
     def values(self, q: Batch) -> Floats:
         """Joint values (..., j) of configurations (..., n, 3): rad, and lengths."""
         checked = checks.stack("q", q, (len(self.robot), 3))
-        result: Floats = checked.reshape(*checked.shape[:-2], -1) @ self.matrix.T
-        return result
+        return checked.reshape(*checked.shape[:-2], -1) @ self.matrix.T
 
     def __len__(self) -> int:
         return len(self.joints)

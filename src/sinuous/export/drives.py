@@ -125,8 +125,7 @@ class DrivenChain(Frozen):
     def controls(self, q: Batch) -> Floats:
         """What drives are told (..., d) so that the robot takes configurations (..., n, 3)."""
         checked = checks.stack("q", q, (len(self.chain.robot), 3))
-        result: Floats = checked.reshape(*checked.shape[:-2], -1) @ self._rows.T + self._offsets
-        return result
+        return checked.reshape(*checked.shape[:-2], -1) @ self._rows.T + self._offsets
 
     def __len__(self) -> int:
         return len(self.drives)

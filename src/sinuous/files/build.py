@@ -38,6 +38,15 @@ def make(constructor: Callable[..., Noun], value: Any, parts: Mapping[str, Calla
     return constructor(**entries)
 
 
+def each(read: Callable[[Any], Noun], entries: Iterable[Any]) -> list[Noun]:
+    """Read the entries of a list one after the other; a refusal names the place."""
+    result = []
+    for i, entry in enumerate(entries):
+        with checks.inside(f"[{i}]"):
+            result.append(read(entry))
+    return result
+
+
 @cache
 def keys_of(constructor: Callable[..., Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names of all parameters, and of those that have no default."""

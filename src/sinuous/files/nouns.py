@@ -11,7 +11,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.files.build import keys_of, known_entries, make
+from sinuous.files.build import each, keys_of, known_entries, make
 from sinuous.files.documents import parse_json, read_part
 from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
@@ -85,12 +85,8 @@ def read_robot(value: Any) -> Robot:
 
 
 def _read_payload(value: Any) -> list[Payload]:
-    listed = value if isinstance(value, list) else [value]
-    result = []
-    for i, entry in enumerate(listed):
-        with checks.inside(f"[{i}]" if isinstance(value, list) else ""):
-            result.append(make(Payload, entry))
-    return result
+    read = partial(make, Payload)
+    return each(read, value) if isinstance(value, list) else [read(value)]
 
 
 def _read_segments(value: Any, shared: dict[str, Any]) -> list[Segment]:
@@ -223,11 +219,7 @@ def read_target(value: Any, robot: Robot) -> Target:
 
 def read_targets(value: Any, robot: Robot) -> tuple[Target, ...]:
     """Read a list of targets that are to be met at once."""
-    targets = []
-    for i, entry in enumerate(_list_of("targets", value)):
-        with checks.inside(f"[{i}]"):
-            targets.append(read_target(entry, robot))
-    return tuple(targets)
+    return tuple(each(partial(read_target, robot=robot), _list_of("targets", value)))
 
 
 def targets_together(entries: list[Any]) -> tuple[Target, ...]:
@@ -282,8 +274,7 @@ def _configuration(value: Any, robot: Robot) -> Floats:
         knots = checks.rows("knots", value["knots"], len(robot), 3)
         if not len(knots):
             raise InputError("knots", "", value["knots"], "at least one configuration")
-        last: Floats = knots[-1]
-        return last
+        return knots[-1]
     if "q" not in value:
         raise InputError("q", "missing", value, "a result of an earlier solve")
     return checks.array("q", value["q"], (len(robot), 3))

@@ -1,4 +1,4 @@
-"""A problem file: one question about one robot."""
+"""A problem file: one question about one robot; or what it says apart from its targets."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -10,15 +10,15 @@ from sinuous import checks
 from sinuous.arguments import OneEach, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.files.build import known_entries, make
+from sinuous.files.build import each, known_entries, make
 from sinuous.files.documents import read_values
-from sinuous.files.nouns import read_configuration, read_place, read_target, read_targets, targets_together
+from sinuous.files.nouns import read_configuration, read_place, read_robot, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
 from sinuous.gc_pause import gc_paused
 from sinuous.problem.problem import Preferences, Problem, check_sizes
-from sinuous.problem.suspicions import all_suspicions
+from sinuous.problem.suspicions import all_suspicions, suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.reprs import text
 from sinuous.robot.rates import Rates
@@ -246,20 +246,77 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
         raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
-    robot, scene = read_place(entries, folder)
-    question = read_question(entries, robot, folder)
+    place = read_place(entries, folder)
     return kind(
-        robot,
-        scene=scene,
-        tolerance=made(entries, "tolerance", Tolerance),
-        start=None if entries.get("start") is None else read_configuration("start", entries["start"], robot, folder),
-        prefer=made(entries, "prefer", Preferences),
+        **_in_place(place, entries, folder),
         rates=_rates(entries),
         clearance=entries.get("clearance"),
         self_clearance=entries.get("self_clearance"),
         file=file,
-        **question,
+        **read_question(entries, place[0], folder),
     )
+
+
+def _in_place(place: tuple[Robot, Scene], entries: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """What a file says of a robot and a scene, whatever it asks: arguments of `ProblemFile`, and of `Setting`."""
+    robot, scene = place
+    start = entries.get("start")
+    return {
+        "robot": robot,
+        "scene": scene,
+        "tolerance": made(entries, "tolerance", Tolerance),
+        "start": None if start is None else read_configuration("start", start, robot, folder),
+        "prefer": made(entries, "prefer", Preferences),
+    }
+
+
+class Setting(NamedTuple):
+    """A robot in a scene, for targets that stand elsewhere.
+
+    Attributes
+    ----------
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+    start : ndarray (n, 3) or None
+    prefer : Preferences
+    notes : tuple of str
+        What is suspicious.
+    """
+
+    robot: Robot
+    scene: Scene
+    tolerance: Tolerance
+    start: Floats | None
+    prefer: Preferences
+    notes: tuple[str, ...]
+
+
+def read_setting(file: str | Path) -> Setting:
+    """Read a file with a robot alone, or a problem file; targets in it are not read and may be missing.
+
+    Raises
+    ------
+    InputError
+        As `read_problem`.
+    """
+    with checks.in_file(file):
+        return setting_of_values(read_values(file), Path(file).parent)
+
+
+def setting_of_values(value: Any, folder: Path) -> Setting:
+    """Make a setting of what its file says; names of files in it are relative to `folder`."""
+    if not isinstance(value, dict):
+        raise InputError("file", "", value, "a robot, or a mapping with " + ", ".join(KEYS))
+    entries: dict[str, Any] = {}
+    if "segments" in value and "robot" not in value:
+        robot, scene = read_robot(value), Scene()
+    else:
+        entries = known_entries(value, KEYS, ["robot"])
+        robot, scene = read_place(entries, folder)
+    robot = demanding(robot, *(entries.get(key) for key in DEMANDS))
+    check_sizes(robot, scene)
+    return Setting(**_in_place((robot, scene), entries, folder), notes=tuple(suspicions(robot, scene.snapshot())))
 
 
 def _rates(entries: dict[str, Any]) -> Rates:
@@ -318,8 +375,9 @@ def _read_path(value: Any, robot: Robot, folder: Path) -> Waypoints:
     together = targets_together(value)
     if together:
         return Waypoints(tuple((target,) for target in together), None)
-    waypoints = []
-    for i, entry in enumerate(value):
-        with checks.inside(f"path[{i}]"):
-            waypoints.append(read_targets(entry, robot) if isinstance(entry, list) else (read_target(entry, robot),))
-    return Waypoints(tuple(waypoints), None)
+
+    def read(entry: Any) -> tuple[Target, ...]:
+        return read_targets(entry, robot) if isinstance(entry, list) else (read_target(entry, robot),)
+
+    with checks.inside("path"):
+        return Waypoints(tuple(each(read, value)), None)

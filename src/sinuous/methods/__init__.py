@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
-    from sinuous.methods.slinki.search import Slinki as Slinki
+    from sinuous.methods.slinki import Slinki as Slinki
 else:
 
     def __getattr__(name: str) -> Any:

@@ -23,9 +23,8 @@ from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.judge import Answer, Check, offer
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.search import Start, begin_from, search_by
+from sinuous.methods.search import Answer, Check, Start, begin_from, offer, search_by
 
 MOST_ROWS = 6
 """Rows of a target: a position and a rotation."""

@@ -29,9 +29,8 @@ from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.capabilities import LIMITS, Capabilities
-from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.search import Start, begin_from, search_by
+from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 
 LOOKS = 8
 """Places of every segment that are looked at for obstacles."""

@@ -12,8 +12,8 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.judge import check_size
 from sinuous.methods.prepared import Compiled, Prepared
+from sinuous.methods.search import check_size
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr

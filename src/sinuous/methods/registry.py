@@ -28,7 +28,7 @@ METHODS: dict[MethodName, str] = {
     "opti_path": "opti_path.options.OptiPath",
     "dls": "dls.Dls",
     "fabrikc": "fabrik.reaching.Fabrikc",
-    "slinki": "slinki.search.Slinki",
+    "slinki": "slinki.Slinki",
     "fabrikx": "fabrik.reaching.Fabrikx",
     "fabrik_avoid": "fabrik.reaching.FabrikAvoid",
     "monte_carlo": "monte_carlo.MonteCarlo",

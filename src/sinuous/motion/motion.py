@@ -336,8 +336,7 @@ class Motion(NotebookMixin, Frozen):
         """
         from sinuous.measures.following import deviation, line_in_front  # noqa: PLC0415
 
-        if not len(self.q):
-            raise InputError("motion", "has no knots", self, "a motion with knots")
+        self._refuse_empty()
         count = checks.integer("between", between, 0, 10_000) + 1
         at = np.arange((len(self.q) - 1) * count + 1) / count
         when = np.interp(at, np.arange(len(self.q)), self.times)
@@ -370,8 +369,7 @@ class Motion(NotebookMixin, Frozen):
         from sinuous.measures.following import line_in_front  # noqa: PLC0415
         from sinuous.motion.leader_derivative import LeaderDerivative, Question  # noqa: PLC0415
 
-        if not len(self.q):
-            raise InputError("motion", "has no knots", self, "a motion with knots")
+        self._refuse_empty()
         when = checks.increasing("depths", depths, None)
         if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
             raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
@@ -435,11 +433,14 @@ class Motion(NotebookMixin, Frozen):
             no knots, or the file cannot be written.
         """
         written = self._at_rate(rate)
-        if not len(self.q):
-            raise InputError("motion", "has no knots", self, "a motion with knots")
+        self._refuse_empty()
         tables.write_ros(file, self.robot, written.times, written.q, None, of, joints_per_segment)
         warn_of_corners(written, self, "lines")
         return written
+
+    def _refuse_empty(self) -> None:
+        if not len(self.q):
+            raise InputError("motion", "has no knots", self, "a motion with knots")
 
     def _at_rate(self, rate: Number | None) -> Self:
         """Return the motion that a file is of: this one, or the one through samples at an even rate."""

@@ -14,6 +14,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot, demanding
 from sinuous.scene.scene import entries_of
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.reading import Entries
 from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
@@ -113,16 +114,16 @@ def read(
     `scene` is the one whose obstacles move, where they do. So many waypoints were `asked`; by default those of the
     problems.
     """
-    checks.instance("", values, dict, "a result")
+    entries = Entries(values)
     if scene is not None and scene.moves:
         problems = _at_their_times(values, problems, scene)
     count = len(problems) if asked is None else asked
     solutions = _read_waypoints(values, problems, place is None, count)
     robot, around = place or (problems[0].robot, scene or problems[0].scene)
     robot = demanding(robot, *(values.get(key) for key in ("demanded_clearance", "demanded_self_clearance")))
-    q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
-    times = checks.increasing("times", _value(values, "times"), len(q))
-    clearance, own = (_optional(values, key) for key in ("clearance", "self_clearance"))
+    q = checks.rows("knots", entries.value("knots"), len(robot), 3)
+    times = checks.increasing("times", entries.value("times"), len(q))
+    clearance, own = (entries.optional(key) for key in ("clearance", "self_clearance"))
     wrong = _read_numbers(values, "unproved_steps", len(q) - 1)
     steps = _read_steps(values, len(q) - 1, robot)
     steps = steps or Steps.told(max(0, len(q) - 1), wrong, clearance, own, robot.least_demanded)
@@ -131,9 +132,9 @@ def read(
         waypoint_knots=_read_knots(values, len(solutions), len(q)),
         reconfigured=tuple(_read_numbers(values, "reconfigured", count)),
         remaining=count - len(solutions),
-        seconds=checks.number("seconds", _value(values, "seconds"), low=0.0),
-        method=checks.text("method", _value(values, "method")),
-        seed=checks.integer("seed", _value(values, "seed"), 0, 2**31 - 1),
+        seconds=entries.number("seconds", low=0.0),
+        method=entries.text("method"),
+        seed=entries.integer("seed", 2**31 - 1),
     )
     motion = kind.made(robot, around, q, times, steps, report)
     return _as_it_ended(motion, values, report)
@@ -147,7 +148,7 @@ def _read_steps(values: dict[str, Any], count: int, robot: Robot) -> Steps | Non
     """What a file of a motion says of each step; a result says it of all together."""
     if values.get("steps") is None:
         return None
-    given = _list(values, "steps")
+    given = Entries(values).items("steps")
     rows = [[0.0 if value is None else value for value in row] if isinstance(row, list) else row for row in given]
     known = checks.rows("steps", rows or np.zeros((0, ANSWER_WIDTH)), ANSWER_WIDTH).copy()
     if len(known) != max(0, count):
@@ -158,7 +159,7 @@ def _read_steps(values: dict[str, Any], count: int, robot: Robot) -> Steps | Non
 
 def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene: Snapshot) -> tuple[Problem, ...]:
     """Ask each problem in the scene as it is when its waypoint was reached; of one that was not, at the last time."""
-    times, knots = _list(values, "times"), _list(values, "waypoint_knots")
+    times, knots = map(Entries(values).items, ("times", "waypoint_knots"))
     ends = [times[knot] if isinstance(knot, int) and 0 <= knot < len(times) else times[-1] for knot in knots if times]
     when = [*ends, *[times[-1] if times else 0.0] * (len(problems) - len(ends))]
     return tuple(problem.changed(scene=scene.at(t)) for problem, t in zip(problems, when, strict=False))
@@ -166,7 +167,7 @@ def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene
 
 def _as_it_ended(motion: "Motion", values: dict[str, Any], report: Report) -> "Motion":
     """Tell how it ended, where solutions and steps do not say the same."""
-    status = Status(checks.choice("status", _value(values, "status"), tuple(Status)))
+    status = Status(checks.choice("status", Entries(values).value("status"), tuple(Status)))
     worst = None if values.get("worst") is None else Worst.from_dict(values["worst"])
     if motion.status is status and (worst is None or motion.worst is not None):
         return motion
@@ -190,11 +191,11 @@ def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...], some:
 
 def _read_numbers(values: dict[str, Any], key: str, count: int) -> list[int]:
     """Numbers of steps or waypoints, 1 = first."""
-    return [checks.integer(f"{key}[{i}]", one, 1, max(1, count)) for i, one in enumerate(_list(values, key))]
+    return [checks.integer(f"{key}[{i}]", one, 1, max(1, count)) for i, one in enumerate(Entries(values).items(key))]
 
 
 def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> tuple[int | None, ...]:
-    listed = _list(values, "waypoint_knots")
+    listed = Entries(values).items("waypoint_knots")
     if len(listed) != waypoints:
         raise InputError("waypoint_knots", "", len(listed), f"as many as waypoints: {waypoints}")
     keys = [f"waypoint_knots[{i}]" for i in range(waypoints)]
@@ -202,23 +203,6 @@ def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> tuple[int
         None if one is None else checks.integer(key, one, 0, max(0, knots - 1))
         for key, one in zip(keys, listed, strict=True)
     )
-
-
-def _list(values: dict[str, Any], key: str) -> list[Any]:
-    listed = _value(values, key)
-    checks.instance(key, listed, list, "a list")
-    return listed
-
-
-def _value(values: dict[str, Any], key: str) -> Any:
-    if key not in values:
-        raise InputError(key, "missing", values, "a result of a motion")
-    return values[key]
-
-
-def _optional(values: dict[str, Any], key: str) -> float | None:
-    value = _value(values, key)
-    return None if value is None else checks.number(key, value)
 
 
 def _largest(results: list[dict[str, Any]], key: str) -> float | None:

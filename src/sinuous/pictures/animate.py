@@ -91,15 +91,14 @@ def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator
     figure = new_figure(**sizes(box, view, area) | {"dpi": DPI})
     axes = _prepared(figure, contents, box, view)
     fill(axes, box, room_of(figure))
-    on_the_way = [moving.at(share) for moving in contents.moving for share in np.linspace(0.0, 1.0, LOOKS).tolist()]
-    bodies = places_of([*contents.arms, *on_the_way], box)
+    bodies = places_of(contents.arms_at(*np.linspace(0.0, 1.0, LOOKS).tolist()), box)
     still = [obstacle for obstacle in contents.obstacles if not isinstance(obstacle, Moving)]
     walls = paint_walls(walls_of(still, box), *bodies, view)
     draw_dots(axes, still, box)
     draw_lines(axes, contents, box, moving=False)
     paths = tip_paths(contents)
     for share in np.linspace(0.0, 1.0, count).tolist():
-        arms = [*contents.arms, *(moving.at(share) for moving in contents.moving)]
+        arms = contents.arms_at(share)
         there = [own for own in contents.obstacles_at(share) if not any(own is one for one in still)]
         moved = paint_walls(walls_of(there, box), *bodies, view) if there else []
         drawn = [add(axes, walls + moved + paint_arms(arms, box, view)), *draw_dots(axes, there, box)]

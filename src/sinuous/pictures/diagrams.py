@@ -9,11 +9,10 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.display.clearances import clearances, lengths_along
-from sinuous.display.curves import Curves, actuators_of, bends_of, lengths_of
+from sinuous.display.curves import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
 from sinuous.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
 from sinuous.errors import InputError
-from sinuous.methods import registry
+from sinuous.methods.registry import options_of
 from sinuous.motion.motion import Motion
 from sinuous.pictures.files import need_matplotlib
 from sinuous.solution.solution import Solution
@@ -146,7 +145,9 @@ def _draw_convergence(axes: Any, answer: Solution | Motion) -> None:
 
 def _counts_iterations(solution: Solution) -> bool:
     """Whether its method can be stopped after any number of iterations, and it is known with which options it ran."""
-    return isinstance(solution._resolver, SolvesAgain) and hasattr(_options(solution._resolver), "iterations")
+    return isinstance(solution._resolver, SolvesAgain) and hasattr(
+        options_of(solution._resolver.options.method), "iterations"
+    )
 
 
 def _errors(solution: Solution) -> tuple[Floats, Floats]:
@@ -156,7 +157,8 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     """
     again = solution._resolver
     assert isinstance(again, SolvesAgain)
-    options, given = _options(again), solution._given.reshape(-1, *solution.q.shape)
+    options: Any = options_of(again.options.method)
+    given = solution._given.reshape(-1, *solution.q.shape)
     found: list[tuple[float, float]] = []
     for count in range(1, min(options.iterations, MOST_ITERATIONS) + 1):
         method = replace(options, iterations=count)
@@ -166,12 +168,6 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
             break
     position, angle = np.array(found).T
     return position, angle
-
-
-def _options(again: SolvesAgain) -> Any:
-    """Return the options of the method, also where it was given by its name."""
-    method = again.options.method
-    return registry.options_class(method)() if isinstance(method, str) else method
 
 
 def _known(error: float | None) -> float:
@@ -238,24 +234,13 @@ def _draw_map(axes: Any, answer: Solution | Motion) -> None:
 def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Solution | Motion) -> None:
     assert isinstance(answer, Motion)
     curves = of(answer)
-    _draw_curves(axes, curves.times, curves.values, curves.names)
-    tidy(axes, curves.title, x="time", y=curves.unit)
-
-
-def _draw_curves(axes: Any, times: Floats, values: Floats, names: Any) -> None:
-    """Draw values (T, m) at times (T,); each has a name in a legend beside the diagram, where they are few."""
-    for k, name in enumerate(names):
+    for k, name in enumerate(curves.names):
         style = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(CURVES) % 3]
-        axes.plot(
-            times,
-            values[:, k],
-            color=CURVES[k % len(CURVES)],
-            linestyle=style,
-            linewidth=1.5,
-            label=name,
-        )
-    if len(names) <= MOST_NAMED:
+        look = {"color": CURVES[k % len(CURVES)], "linestyle": style, "linewidth": 1.5, "label": name}
+        axes.plot(curves.times, curves.values[:, k], **look)
+    if len(curves.names) <= MOST_NAMED:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL, labelcolor=PALE)
+    tidy(axes, curves.title, x="time", y=curves.unit)
 
 
 def _draw_times(axes: Any, answer: Solution | Motion) -> None:

@@ -55,8 +55,7 @@ def _clustered(surface: Surface, cells: int) -> Surface:
 def normals(facets: Floats) -> Floats:
     """Outward unit normals (m, 3) of facets; zero for a facet without area."""
     across = np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1])
-    result: Floats = across / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-300)
-    return result
+    return across / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-300)
 
 
 def cut(facets: Floats, longest: float) -> Floats:

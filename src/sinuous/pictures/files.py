@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.writing.documents import written
 
@@ -19,10 +20,7 @@ def need_matplotlib(key: str, value: object = None) -> None:
     InputError
         That names the extra to install.
     """
-    try:
-        import matplotlib.backend_bases  # noqa: F401, PLC0415
-    except ImportError:
-        raise InputError(key, "needs Matplotlib", value, "it installed: pip install sinuous[plot]") from None
+    checks.needed("matplotlib.backend_bases", "plot", key, value, "Matplotlib")
 
 
 def stills() -> tuple[str, ...]:

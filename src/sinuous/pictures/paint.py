@@ -150,5 +150,4 @@ def _hiding(facets: Floats, bodies: Floats, radius: float, view: View) -> Floats
     depth = np.append(bodies @ toward, np.inf)  # one more for neighbours that are not there
     front = (middles @ toward)[:, None] > depth[which] - 0.5 * radius
     share = np.clip((FAR * radius - apart) / ((FAR - NEAR) * radius), 0.0, 1.0)
-    hiding: Floats = np.where(front, share, 0.0).max(axis=1)
-    return hiding
+    return np.where(front, share, 0.0).max(axis=1)

@@ -70,29 +70,24 @@ def plot(
     need_matplotlib("plot")
     if path is not None:
         check_picture("path", Path(path), stills())
-    drawn = _plot(things, ax, view)
-    if path is not None:
-        with written(path, "path"):
-            drawn.figure.savefig(path)
-    return drawn
-
-
-def _plot(things: tuple[Things, ...], ax: "Axes3D | None", view: Sequence[Number]) -> "Axes3D":
-    seen = as_view(view)
-    contents = gather(things)
+    seen, contents = as_view(view), gather(things)
     box = axes_box(contents)
     if ax is None:
         from matplotlib import pyplot  # noqa: PLC0415
 
-        return draw_in(pyplot.figure(**sizes(box, seen)), contents, box, seen)
-    if not hasattr(ax, "get_proj"):
-        raise InputError("ax", "", ax, 'axes in space, made with projection="3d"')
-    if ax.has_data():
-        low, high = np.transpose([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
-        box = box.joined(low, high)
-    draw_contents(ax, contents, box, seen)
-    ax.set_title(caption(contents.answers) if contents.answers else "", fontsize=TITLE, color=INK)
-    fill(ax, box)
+        ax = draw_in(pyplot.figure(**sizes(box, seen)), contents, box, seen)
+    else:
+        if not hasattr(ax, "get_proj"):
+            raise InputError("ax", "", ax, 'axes in space, made with projection="3d"')
+        if ax.has_data():
+            low, high = np.transpose([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
+            box = box.joined(low, high)
+        draw_contents(ax, contents, box, seen)
+        ax.set_title(caption(contents.answers) if contents.answers else "", fontsize=TITLE, color=INK)
+        fill(ax, box)
+    if path is not None:
+        with written(path, "path"):
+            ax.figure.savefig(path)
     return ax
 
 
@@ -142,7 +137,7 @@ def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
 
 def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: View) -> None:
     """Draw all that has a surface, and the points of what has none."""
-    arms = contents.all_arms
+    arms = contents.arms_at(1.0)
     painted = paint_arms(arms, box, view)
     for moving in contents.moving:
         for share in [] if moving.ghost else np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():

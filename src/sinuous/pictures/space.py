@@ -71,8 +71,7 @@ def new_axes(figure: Any) -> Any:
 def room_of(figure: Any, head: float = HEAD) -> Floats:
     """Opposite corners (2, 2), in pixels, of the room in a figure under a title of this height (inches)."""
     width, height = figure.get_size_inches()
-    room: Floats = figure.dpi * np.array([[EDGE, EDGE], [width - EDGE, height - EDGE - head]])
-    return room
+    return figure.dpi * np.array([[EDGE, EDGE], [width - EDGE, height - EDGE - head]])
 
 
 def set_bounds(axes: Any, bounds: Bounds, view: View) -> None:

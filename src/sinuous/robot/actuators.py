@@ -19,7 +19,7 @@ from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vect
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_offset, checked_unit
+from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_unit
 from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
@@ -111,7 +111,7 @@ class Lines(Frozen):
         self._set(angles=values, radius=checks.number("radius", radius, above=0.0))
         m = len(values)
         self._set(names=listed_names(names, m))
-        self._set(gain=checked_gain(gain, m), offset=checked_offset(offset, m), unit=checked_unit(unit, m))
+        self._set(gain=checked_gain(gain, m), offset=checked_each("offset", offset, m), unit=checked_unit(unit, m))
         self._set(limits=UNLIMITED if limits is None else checks.interval("limits", limits))
         self._set(stiffness=None if stiffness is None else _positive("stiffness", stiffness, m))
         self._set(tension=_tension(tension, stiffness, self.one_sided))
@@ -384,7 +384,7 @@ class Actuators(Frozen):
                 raise InputError(f"matrix[{i}]", "", row.tolist(), "a row that is not zero")
         own = listed_names(names, count) or tuple(f"a{i + 1}" for i in range(count))
         self._set(matrix=rows, names=own, limits=_limits(limits, count), gain=checked_gain(gain, count))
-        self._set(offset=checked_offset(offset, count), unit=checked_unit(unit, count))
+        self._set(offset=checked_each("offset", offset, count), unit=checked_unit(unit, count))
 
     @property
     def motors(self) -> Motors:

@@ -89,11 +89,6 @@ def checked_gain(value: Any, count: int) -> float | Floats:
     return gain
 
 
-def checked_offset(value: Any, count: int) -> float | Floats:
-    """Check an offset for all motors, or one for each."""
-    return checked_each("offset", value, count)
-
-
 def checked_unit(value: Any, count: int) -> str | tuple[str | None, ...] | None:
     """Check a unit for all motors, or one for each, or none."""
     if value is None or isinstance(value, str):

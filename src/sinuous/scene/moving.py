@@ -16,7 +16,7 @@ from sinuous.frozen import Frozen
 from sinuous.poses import any_rotations
 from sinuous.reprs import text
 from sinuous.scene.grids import Field, Grid
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.obstacles import Obstacle, Primitive
 
 
 class Course(Frozen):
@@ -82,29 +82,18 @@ class Course(Frozen):
 
 def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
     """Return an obstacle of the same name, each place x of which lies at `pose` (4, 4) times x."""
-    turn, shift, name = pose[:3, :3], pose[:3, 3], obstacle.name
-    match obstacle:
-        case Sphere():
-            there: Obstacle = Sphere(turn @ obstacle.center + shift, obstacle.radius, obstacle.inside, name)
-        case Box():
-            center, rotation = turn @ obstacle.center + shift, turn @ obstacle.rotation
-            there = Box(center, obstacle.size, rotation, obstacle.inside, name)
-        case Capsule():
-            there = Capsule(turn @ obstacle.start + shift, turn @ obstacle.end + shift, obstacle.radius, name)
-        case Cylinder():
-            ends = turn @ obstacle.start + shift, turn @ obstacle.end + shift
-            there = Cylinder(*ends, obstacle.radius, obstacle.inside, name)
-        case HalfSpace():
-            there = HalfSpace(turn @ obstacle.point + shift, turn @ obstacle.normal, name)
-        case Grid():
-            there = obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
-        case Field():
-            corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
-            function = Elsewhere(obstacle.function, pose)
-            there = obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
-        case _:
-            there = obstacle.placed(pose)
-    return there
+    turn = pose[:3, :3]
+    if isinstance(obstacle, Primitive):
+        own, places, axes = vars(obstacle), ("center", "start", "end", "point"), ("rotation", "normal")
+        there: dict[str, Any] = {key: _there(pose, own[key]) for key in places if key in own}
+        return obstacle._changed(there | {key: turn @ own[key] for key in axes if key in own})
+    if isinstance(obstacle, Grid):
+        return obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
+    if isinstance(obstacle, Field):
+        corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
+        function = Elsewhere(obstacle.function, pose)
+        return obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
+    return obstacle.placed(pose)
 
 
 def _there(pose: Floats, point: Floats) -> Floats:

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,14 +29,6 @@ def check_file(file: Path, kinds: Sequence[str]) -> None:
         raise InputError(
             "file", f"cannot be read: {reason}", str(file), "the name of a file that can be read"
         ) from None
-
-
-def needed(package: str, extra: str, file: Path) -> Any:
-    """Import a package that an extra brings, or say what to install."""
-    try:
-        return import_module(package)
-    except ImportError:
-        raise InputError("file", f"needs {package}", str(file), f"it installed: pip install sinuous[{extra}]") from None
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

@@ -2,7 +2,7 @@
 
 import math
 import threading
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -61,13 +61,10 @@ class Snapshot(Frozen):
     @property
     def _kernel_group(self) -> Floats:
         """The same, writable, as kernels are compiled for."""
-        return self._made() if self._group is None else self._group
-
-    def _made(self) -> Floats:
-        self.refuse_moving()
-        self.prepare()
-        assert self._group is not None
-        return self._group
+        if self._group is None:
+            self.refuse_moving()
+            self.prepare()
+        return self._group  # type: ignore[return-value]  # `prepare` has set it
 
     def prepare(self, progress: Callable[[str, float], object] | None = None) -> None:
         """Compute what the kernels read, if that is not done yet; see `Scene.prepare`."""
@@ -119,12 +116,9 @@ class Snapshot(Frozen):
         self.prepare()
         assert self._parts is not None
         there = tuple(standing_at(self._obstacles, when))
-        parts = [part if own is old else prepare(own, "") for own, old, part in self._each(there)]
+        each = zip(there, self._obstacles, self._parts, strict=True)
+        parts = [part if own is old else prepare(own, "") for own, old, part in each]
         return Snapshot(there, parts)
-
-    def _each(self, there: tuple[Obstacle, ...]) -> Iterator[tuple[Obstacle, Obstacle, Part]]:
-        assert self._parts is not None
-        return zip(there, self._obstacles, self._parts, strict=True)
 
     def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
         name = self.name(index)
@@ -273,15 +267,6 @@ def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = Fals
 
     `above`: of upper bounds of distances, where only bounds of them are known.
     """
-    return _least(points, radii, scene, above)
-
-
-def room_at(place: Floats, scene: Snapshot) -> Nearest:
-    """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it."""
-    return _least(place[None], np.zeros(1), scene, True)
-
-
-def _least(points: Floats, radii: Floats, scene: Snapshot, above: bool) -> Nearest:
     from sinuous.kernels.fields import distances  # noqa: PLC0415
 
     fields = {i: obstacle for i, obstacle in enumerate(scene.obstacles) if isinstance(obstacle, Field)}
@@ -295,6 +280,11 @@ def _least(points: Floats, radii: Floats, scene: Snapshot, above: bool) -> Neare
         if gaps.min(initial=math.inf) < best[0]:
             best = float(gaps.min()), int(gaps.argmin()), i
     return Nearest(best[0], best[1], scene.name(best[2])) if best[2] >= 0 else Nearest(math.inf, None, None)
+
+
+def room_at(place: Floats, scene: Snapshot) -> Nearest:
+    """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it."""
+    return least_gap(place[None], np.zeros(1), scene, True)
 
 
 class Mover:

@@ -33,15 +33,15 @@ def read_result(values: Any, problem: Problem) -> Read:
     InputError
         When a key is missing or its value cannot be meant.
     """
-    result = _Result(values)
+    result = Entries(values)
     status, start = result.choice("status", _STATUSES), result.choice("start", t.SOURCES)
     clearance = result.optional("clearance")
     q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
     outcome = t.Outcome(
         q,
         CODES.get(Status(status), t.FAILED),
-        checks.integer("iterations", result.value("iterations"), 0, 2**62),
-        checks.integer("starts", result.value("starts"), 0, 2**62),
+        result.integer("iterations", 2**62),
+        result.integer("starts", 2**62),
         t.SOURCES.index(start),
         _or(result.optional("position_error"), math.nan),
         _or(result.optional("angle_error"), math.nan),
@@ -52,9 +52,8 @@ def read_result(values: Any, problem: Problem) -> Read:
         result.number("seconds"),
         _cell(result) if status == Status.NO_ROUTE else math.nan,
     )
-    seed = checks.integer("seed", result.value("seed"), 0, 2**31 - 1)
-    method = checks.text("method", result.value("method"))
-    return Read(outcome, outcome.seconds, method, seed, _route_class(values))
+    seed = result.integer("seed", 2**31 - 1)
+    return Read(outcome, outcome.seconds, result.text("method"), seed, _route_class(values))
 
 
 def as_demanded(problem: Problem, values: Any) -> Problem:
@@ -64,29 +63,52 @@ def as_demanded(problem: Problem, values: Any) -> Problem:
     return problem if robot is problem.robot else problem.changed(robot=robot)
 
 
-class _Result:
-    """The values of a result, checked as they are asked for."""
+class Entries:
+    """The values of a result, checked as they are asked for.
+
+    Raises
+    ------
+    InputError
+        When they are no mapping, a key is missing, or its value cannot be meant.
+    """
 
     def __init__(self, values: Any) -> None:
         checks.instance("", values, dict, "a result")
         self._values = values
 
     def value(self, key: str) -> Any:
+        """Return what stands under a key."""
         if key not in self._values:
             raise InputError(key, "missing", self._values, "a result of an earlier solve")
         return self._values[key]
 
-    def number(self, key: str) -> float:
-        return checks.number(key, self.value(key))
+    def number(self, key: str, low: float = -math.inf) -> float:
+        """Return a number of at least `low`."""
+        return checks.number(key, self.value(key), low=low)
 
     def optional(self, key: str) -> float | None:
+        """Return a number, or nothing."""
         return None if self.value(key) is None else self.number(key)
 
+    def integer(self, key: str, high: int) -> int:
+        """Return a whole number from 0 to `high`."""
+        return checks.integer(key, self.value(key), 0, high)
+
+    def text(self, key: str) -> str:
+        """Return a text."""
+        return checks.text(key, self.value(key))
+
     def choice(self, key: str, among: tuple[str, ...]) -> str:
+        """Return one of some words."""
         value = self.value(key)
         if value not in among:
             raise InputError(key, "", value, "one of " + ", ".join(among))
         return str(value)
+
+    def items(self, key: str) -> list[Any]:
+        """Return a list."""
+        checks.instance(key, self.value(key), list, "a list")
+        return self._values[key]
 
 
 def _or(value: float | None, otherwise: float) -> float:
@@ -102,7 +124,7 @@ def _route_class(values: dict[str, Any]) -> RouteClass | None:
         return RouteClass.from_dict(own)
 
 
-def _cell(result: _Result) -> float:
+def _cell(result: Entries) -> float:
     """Edge of the cells by which it was proved that there is no route."""
     with checks.inside("reason"):
-        return _Result(result.value("reason")).number("available")
+        return Entries(result.value("reason")).number("available")

@@ -1,5 +1,6 @@
 """One step of a control loop: where to go, what that reaches, and what held it back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, get_args
 
@@ -10,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.velocity import query as t
-from sinuous.kernels.velocity.layout import CLEARANCE, POSITION, SELF_CLEARANCE, TARGETS
+from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, POSITION, SELF_CLEARANCE, TARGETS
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr, call
 from sinuous.robot.actuation import Actuator
@@ -49,6 +50,19 @@ class Active(ShortRepr):
     obstacle: str | None = None
     actuator: str | None = None
     other_segment: int | None = None
+
+    @classmethod
+    def of(cls, row: Sequence[int], scene: Snapshot, limited: Sequence[Actuator]) -> "Active":
+        """Make it of a row of the kernels: a kind, a segment (0 = first), and which obstacle, segment or actuator."""
+        kind, segment, which = row
+        place = segment + 1 if segment >= 0 else None
+        if kind == CLEARANCE:
+            return cls("clearance", place, obstacle=scene.name(which))
+        if kind == SELF_CLEARANCE:
+            return cls("self_clearance", place, other_segment=which + 1)
+        if segment < 0 or kind == ACTUATOR:
+            return cls(CONSTRAINTS[kind], limited[which].segment, actuator=limited[which].name)
+        return cls(CONSTRAINTS[kind], place)
 
 
 class Wanted(NamedTuple):
@@ -249,19 +263,7 @@ class Step:
         first = t.SHAPE + self.q.size
         rows = self._answer[first : first + t.ACTIVE_WIDTH * int(self._answer[t.ACTIVE])].reshape(-1, t.ACTIVE_WIDTH)
         ordered = rows[np.argsort(-rows[:, 0], kind="stable"), 1:].astype(np.int64).tolist()
-        return tuple(dict.fromkeys(self._named(*row) for row in ordered))
-
-    def _named(self, kind: int, segment: int, which: int) -> Active:
-        scene = self._wanted.scene
-        place = segment + 1 if segment >= 0 else None
-        if kind == CLEARANCE:
-            return Active("clearance", place, obstacle=scene.name(which))
-        if kind == SELF_CLEARANCE:
-            return Active("self_clearance", place, other_segment=which + 1)
-        if segment < 0:
-            actuator = self._wanted.limited[which]
-            return Active(CONSTRAINTS[kind], actuator.segment, actuator=actuator.name)
-        return Active(CONSTRAINTS[kind], place)
+        return tuple(dict.fromkeys(Active.of(row, self.scene, self._wanted.limited) for row in ordered))
 
 
 def _restored(wanted: Wanted, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:

@@ -1,10 +1,12 @@
 """Obstacles that are moved, resized or made new by hand."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.poses import pose
@@ -16,8 +18,16 @@ from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle,
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.writing.plain import pose_arguments
 
-KINDS = ("sphere", "box", "capsule", "cylinder", "half_space")
-"""What can be added by hand."""
+MADE: dict[str, Callable[[Floats, float, Floats], Obstacle]] = {
+    "sphere": lambda center, size, up: Sphere(center, 0.5 * size),
+    "box": lambda center, size, up: Box(center, np.full(3, size)),
+    "capsule": lambda center, size, up: Capsule(center - up, center + up, 0.25 * size),
+    "cylinder": lambda center, size, up: Cylinder(center - up, center + up, 0.25 * size),
+    "half_space": lambda center, size, up: HalfSpace(center, (0.0, 0.0, 1.0)),
+}
+"""What can be added by hand: made at a place (3,), of a size, of which half is a vector upwards."""
+
+KINDS = tuple(MADE)
 
 
 def place_of(obstacle: Obstacle) -> Floats | None:
@@ -105,16 +115,4 @@ def made(kind: str, center: Floats, size: float) -> Obstacle:
     InputError
         When there is no such kind.
     """
-    along = np.array([0.0, 0.0, 0.5 * size])
-    match kind:
-        case "sphere":
-            return Sphere(center, 0.5 * size)
-        case "box":
-            return Box(center, np.full(3, size))
-        case "capsule":
-            return Capsule(center - along, center + along, 0.25 * size)
-        case "cylinder":
-            return Cylinder(center - along, center + along, 0.25 * size)
-        case "half_space":
-            return HalfSpace(center, (0.0, 0.0, 1.0))
-    raise InputError("kind", "", kind, "one of " + ", ".join(KINDS))
+    return MADE[checks.choice("kind", kind, KINDS)](center, size, np.array([0.0, 0.0, 0.5 * size]))

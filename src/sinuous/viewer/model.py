@@ -1,6 +1,8 @@
 """The state of the page of `sinuous view`, and how it changes: without a browser, and without threads."""
 
+import time as clock
 import warnings
+from collections.abc import Hashable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -35,6 +37,12 @@ ASKED = ("position", "direction", "rotation")
 MOST_SECONDS = 60.0
 """Longest budget that can be set on the page."""
 
+
+TOGETHER = 1.0
+"""Seconds within which changes of the same thing are one step: somebody drags it."""
+
+MOST_STEPS = 1000
+"""Steps that are kept."""
 
 LONGEST, SHORTENED = 30.0, 20.0
 """A motion that takes longer than the first is played in so many seconds as the second."""
@@ -78,6 +86,38 @@ class Moment(NamedTuple):
         """Whether people decided the same; what was found for it may differ."""
         same = self.job is other.job and self[1:5] == other[1:5]
         return same and (self.q is other.q or not self.by_hand)
+
+
+class History:
+    """The moments of a page before every step, and those that were taken back."""
+
+    def __init__(self) -> None:
+        self._past: list[Moment] = []
+        self._taken_back: list[Moment] = []
+        self._last: tuple[Hashable, float] = None, 0.0
+
+    def note(self, key: Hashable, before: Moment) -> None:
+        """Keep the moment before a change of what `key` stands for."""
+        now = clock.monotonic()
+        if key != self._last[0] or now - self._last[1] > TOGETHER:
+            self._past = [*self._past[1 - MOST_STEPS :], before]
+        self._last = key, now
+        self._taken_back = []
+
+    def undo(self, now: Moment) -> Moment:
+        """Return the moment before the last step; that of now where there is none."""
+        return self._step(self._past, self._taken_back, now)
+
+    def redo(self, now: Moment) -> Moment:
+        """Return the moment that was taken back last; that of now where there is none."""
+        return self._step(self._taken_back, self._past, now)
+
+    def _step(self, begin: list[Moment], end: list[Moment], now: Moment) -> Moment:
+        if not begin:
+            return now
+        end.append(now)
+        self._last = None, 0.0
+        return begin.pop()
 
 
 class Model:
@@ -177,8 +217,24 @@ class Model:
 
     @property
     def window(self) -> tuple[float, float]:
-        """The first and the last time that can be shown; the same where nothing moves."""
-        return window_of(self.job, self.motion)
+        """The first and the last time of a motion, or else of all obstacles that move and of the waypoints.
+
+        They are the same where nothing moves. Motions begin at 0, unless somebody says otherwise: that is among them.
+        """
+        if self.motion is not None:
+            return float(self.motion.times[0]), float(self.motion.times[-1])
+        courses = self.scene.courses.values()
+        if not courses:
+            return 0.0, 0.0
+        ends = [0.0, *(float(time) for course in courses for time in (course.times[0], course.times[-1]))]
+        if self.job.is_path:
+            ends += [self._time_of(0), self._time_of(len(self.job.waypoints) - 1)]
+        return min(ends), max(ends)
+
+    def _time_of(self, waypoint: int) -> float:
+        """When a path is at a waypoint, 0 = first: at 0, 1, 2, ... with the start, unless they have times."""
+        job = self.job
+        return float(waypoint + (job.start is not None)) if job.times is None else float(job.times[waypoint])
 
     @property
     def targets(self) -> tuple[Target, ...]:
@@ -275,7 +331,7 @@ class Model:
         """Ask for another waypoint of the path, 0 = first; where obstacles move, at its time."""
         self.waypoint = checks.integer("waypoint", index, 0, len(self.job.waypoints) - 1)
         if self.scene.moves:
-            self.time = time_of(self.job, self.waypoint)
+            self.time = self._time_of(self.waypoint)
         self._asked_anew()
 
     def tolerate(self, position: float, angle: float) -> None:
@@ -328,9 +384,8 @@ class Model:
     def bend(self, segment: int, bend_x: float, bend_y: float, length: float) -> None:
         """Bend a segment (0 = first) by hand; the shape stays so until something else is asked."""
         k = checks.integer("segment", segment, 0, len(self.robot) - 1)
-        row = [checks.number(key, value) for key, value in (("bend_x", bend_x), ("bend_y", bend_y), ("length", length))]
         q = np.array(self.shown)
-        q[k] = row
+        q[k] = [checks.number(*each) for each in (("bend_x", bend_x), ("bend_y", bend_y), ("length", length))]
         self._bent(q)
 
     @property
@@ -425,6 +480,11 @@ class Model:
         self.job = changed(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
             self.show_motion(paced(self.motion, rates))
+
+    def offer(self, solutions: list[Solution]) -> None:
+        """Show distinct solutions to choose from, the first of them chosen."""
+        self.ghosts = solutions
+        self.choose(0)
 
     def choose(self, index: int) -> None:
         """Show one of the distinct solutions."""
@@ -572,24 +632,3 @@ def changed(job: Job, **parts: Any) -> Job:
     if job.waypoints:
         own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
     return Job(parts.pop("robot", job.robot), **{**own, **parts})
-
-
-def window_of(job: Job, motion: Motion | None) -> tuple[float, float]:
-    """Return the first and the last time of a motion, or else of all obstacles that move and of the waypoints.
-
-    Motions begin at 0, unless somebody says otherwise; so that time is among them.
-    """
-    if motion is not None:
-        return float(motion.times[0]), float(motion.times[-1])
-    courses = job.scene.snapshot().courses.values()
-    if not courses:
-        return 0.0, 0.0
-    ends = [0.0, *(float(time) for course in courses for time in (course.times[0], course.times[-1]))]
-    if job.is_path:
-        ends += [time_of(job, 0), time_of(job, len(job.waypoints) - 1)]
-    return min(ends), max(ends)
-
-
-def time_of(job: Job, waypoint: int) -> float:
-    """Return when a path is at a waypoint, 0 = first: at 0, 1, 2, ... with the start, unless they have times."""
-    return float(waypoint + (job.start is not None)) if job.times is None else float(job.times[waypoint])

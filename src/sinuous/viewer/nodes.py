@@ -1,11 +1,13 @@
-"""Robots, obstacles, targets and lines as nodes of viser. A node is sent again only where it has changed."""
+"""Robots, obstacles, targets, lines and axes as nodes of viser. A node is sent again only where it has changed."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import BatchedMeshHandle, MeshHandle, SceneApi, SceneNodeHandle
+from viser import BatchedMeshHandle, LineSegmentsHandle, MeshHandle, SceneApi, SceneNodeHandle
 from viser.transforms import SO3
 
 from sinuous.checks import Floats
@@ -13,13 +15,47 @@ from sinuous.display.arms import Arm
 from sinuous.display.body import BodySurface
 from sinuous.display.bounds import Bounds
 from sinuous.display.obstacles import Dotted, dots, obstacle_surface
-from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, arrows_of, rgb
+from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, X, Y, Z, arrows_of, rgb
 from sinuous.display.surface import Triangles, as_triangles
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
+
+NUMBERS = 4
+"""Numbers along the longest axis, about."""
+
+TICK, WIDTH, NAME = 0.015, 0.0012, 0.06
+"""Length of a tick, width of a line, and how far beyond its axis a name stands, in spans of the page."""
+
+LETTERS = 0.6
+"""Size of numbers, relative to that of other labels."""
+
+
+def show_axes(scene: SceneApi, bounds: Bounds) -> SceneNodeHandle:
+    """Draw axes from the lowest corner of the bounds; return the node that holds them."""
+    root, span, low = scene.add_frame("/axes", show_axes=False), bounds.span, bounds.low
+    for k, (name, colour) in enumerate(zip("xyz", (X, Y, Z), strict=True)):
+        along, aside = np.eye(3)[k], TICK * span * np.eye(3)[1 if k == 0 else 0]
+        numbers = round_numbers(low[k], bounds.high[k], span / NUMBERS)
+        places = [low + (number - low[k]) * along for number in numbers]
+        end = low + (bounds.high[k] - low[k]) * along
+        lines = np.array([(low, end), *((place, place - aside) for place in places)])
+        scene.add_line_segments(f"/axes/{name}", lines, rgb(colour), thickness=WIDTH * span)
+        labels = [(f"{number:.6g}", place - 2.5 * aside) for number, place in zip(numbers, places, strict=True)]
+        for i, (text, place) in enumerate([*labels, (name, end + NAME * span * along)]):
+            at, size = f"/axes/{name}/{i}", LETTERS if i < len(labels) else 1.0
+            scene.add_label(at, text, position=place, font_screen_scale=size, anchor="center-center", depth_test=True)
+    return root
+
+
+def round_numbers(low: float, high: float, apart: float) -> list[float]:
+    """Multiples of 1, 2 or 5 times a power of ten that is about `apart`, from low to high."""
+    unit = 10.0 ** math.floor(math.log10(apart))
+    step = next(size * unit for size in (1.0, 2.0, 5.0, 10.0) if size * unit >= 0.999 * apart)
+    return [i * step for i in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
+
 
 GREY, CHOSEN = rgb(OBSTACLE), rgb("#cc79a7")
 """Colours of obstacles, and of the one that is chosen."""
@@ -48,14 +84,12 @@ UNITS: dict[type[Obstacle], Callable[[bool], Obstacle]] = {
 
 def wxyz(rotation: Floats) -> Floats:
     """Quaternion (4,) of a rotation (3, 3)."""
-    quaternion: Floats = np.asarray(SO3.from_matrix(rotation).wxyz, np.float64)
-    return quaternion
+    return np.asarray(SO3.from_matrix(rotation).wxyz, np.float64)
 
 
 def rotation_of(quaternion: Floats) -> Floats:
     """Rotation (3, 3) of a quaternion wxyz of any length but zero."""
-    matrix: Floats = np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
-    return matrix
+    return np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
 
 
 def colours_of(arm: Arm) -> list[Rgb]:
@@ -317,6 +351,24 @@ def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span:
         shades = np.array([rgb(colour) for _, colour in arrows], np.uint8)
         thin, wide, long = 0.003 * span, 0.008 * span, 0.025 * span
         scene.add_arrows(f"{name}/arrow", ends, shades, shaft_radius=thin, head_radius=wide, head_length=long)
+
+
+class Lines:
+    """Lines on a page that may change. Nothing is there before `show`; a width is in shares of `LINE`."""
+
+    def __init__(self, scene: SceneApi, name: str, colour: Rgb, width: float) -> None:
+        self._add = partial(scene.add_line_segments, name, colors=colour, thickness=LINE * width)
+        self._node: LineSegmentsHandle | None = None
+
+    def show(self, points: Floats | None) -> None:
+        """Show lines between pairs of points (k, 2, 3), or none."""
+        if points is not None:
+            exact = points.astype(np.float32)
+            self._node = self._node or self._add(exact)
+            if not np.array_equal(self._node.points, exact):
+                self._node.points = exact
+        if self._node is not None:
+            self._node.visible = points is not None
 
 
 def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], colour: str, span: float) -> None:

@@ -69,26 +69,15 @@ class Panel:
     """The panel of a page; `actions` are its first row."""
 
     def __init__(self, gui: GuiApi, session: Session, actions: Sequence[Action]) -> None:
-        self._session, model = session, session.model
+        self._session = session
         _add_actions(gui, actions)
         self._status = gui.add_html("")
         group = gui.add_tab_group()
-        entries: list[tuple[str, Callable[[Session, Fields], None], Callable[[], object]]] = [
-            ("Target", tabs.target_tab, lambda: (_asked(session), model.job.is_path)),
-            ("Motion", tabs.motion_tab, lambda: model.job.is_path),
-            ("Shape", tabs.shape_tab, lambda: (_limits(session), session.first_segment, session.sliders)),
-            ("Scene", tabs.scene_tab, lambda: None),
-            ("Robot", tabs.robot_tab, lambda: model.robot.segment_names),
-            ("Solve", tabs.solve_tab, lambda: None),
-            ("File", tabs.file_tab, lambda: None),
-        ]
-        self._sections = []
-        for name, build, made_for in entries if model.targets else entries[1:]:
-            tab = group.add_tab(name)
-            self._sections.append(Section(tab, Fields(gui, session), partial(build, session), made_for))
-            for more, for_what in BELOW.get(name, ()):
-                own = Fields(gui, session)
-                self._sections.append(Section(tab, own, partial(more, session), partial(for_what, session)))
+        self._sections, places = [], dict[str, Any]()
+        for name, build, made_for in (part for part in PARTS if part[0] != "Target" or session.model.targets):
+            tab = places[name] = places.get(name) or group.add_tab(name)
+            own = Fields(gui, session), partial(build, session), partial(made_for, session)
+            self._sections.append(Section(tab, *own))
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
 
@@ -126,23 +115,14 @@ def _add_actions(gui: GuiApi, actions: Sequence[Action]) -> None:
 
 
 def _asked(session: Session) -> object:
-    targets = session.model.targets
-    return tuple(
-        (each.position is None, each.direction is None, each.rotation is None, each.segment) for each in targets
-    )
+    asked = ((t.position is None, t.direction is None, t.rotation is None, t.segment) for t in session.model.targets)
+    return session.model.job.is_path, *asked
 
 
 def _limits(session: Session) -> object:
     robot = session.model.robot
-    return tuple((segment.max_bend, segment.length) for segment in robot.segments), robot.actuators
-
-
-def _sizes(session: Session) -> object:
-    return (session.model.grasped, *tabs.chosen_sizes(session))
-
-
-def _remedies(session: Session) -> object:
-    return session.unsolved, session.explaining, id(session.model.explanation)
+    limits = tuple((segment.max_bend, segment.length) for segment in robot.segments)
+    return limits, robot.actuators, session.first_segment, session.sliders
 
 
 def _plot(session: Session) -> object:
@@ -150,9 +130,16 @@ def _plot(session: Session) -> object:
     return id(session.model.motion), session.plotted, id(rates) if rates else None
 
 
-BELOW: dict[str, list[tuple[Callable[[Session, Fields], None], Callable[[Session], object]]]] = {
-    "Motion": [(tabs.plot_fields, _plot)],
-    "Target": [(tabs.remedy_fields, _remedies)],
-    "Scene": [(tabs.size_fields, _sizes)],
-}
-"""What stands below the fields of a tab, and what that is made for."""
+PARTS: list[tuple[str, Callable[[Session, Fields], None], Callable[[Session], object]]] = [
+    ("Target", tabs.target_tab, _asked),
+    ("Target", tabs.remedy_fields, lambda own: (own.unsolved, own.explaining, id(own.model.explanation))),
+    ("Motion", tabs.motion_tab, lambda own: own.model.job.is_path),
+    ("Motion", tabs.plot_fields, _plot),
+    ("Shape", tabs.shape_tab, _limits),
+    ("Scene", tabs.scene_tab, lambda own: None),
+    ("Scene", tabs.size_fields, lambda own: (own.model.grasped, *tabs.chosen_sizes(own))),
+    ("Robot", tabs.robot_tab, lambda own: own.model.robot.segment_names),
+    ("Solve", tabs.solve_tab, lambda own: None),
+    ("File", tabs.file_tab, lambda own: None),
+]
+"""What stands below each other in the tabs, and what it is made for."""

@@ -19,9 +19,8 @@ from sinuous.display.style import FORCE, ROUTE, TIP_PATH, tones
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
-from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import pace
-from sinuous.viewer.nodes import Body, Look, Obstacles, colours_of, show_line, show_target
+from sinuous.viewer.nodes import Body, Look, Obstacles, colours_of, show_axes, show_line, show_target
 from sinuous.viewer.server import aim, close_server, open_server
 
 GHOST = 0.4
@@ -128,14 +127,11 @@ def _show_forces(server: ViserServer, name: str, forces: Sequence[Floats], span:
 
 def _finished(page: str, contents: Contents) -> str:
     """Put a title, a caption and our style into a page of viser."""
-    head = page.index("</head>")
-    page = page[:head] + STYLE + page[head:]
-    start, end = page.index("<title>"), page.index("</title>")
-    page = page[: start + len("<title>")] + "Sinuous" + page[end:]
-    body = page.index("</body>")
     lines = "\n".join(list(_caption(contents))[:MOST_LINES])
     caption = f'<div id="sinuous-caption">{lines}</div>' if lines else ""
-    return page[:body] + caption + page[body:]
+    title, end = page.index("<title>") + len("<title>"), page.index("</title>")
+    page = page[:title] + "Sinuous" + page[end:]
+    return page.replace("</head>", STYLE + "</head>", 1).replace("</body>", caption + "</body>", 1)
 
 
 def _caption(contents: Contents) -> Iterator[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from sinuous.errors import InputError
 from sinuous.files.documents import parse
 from sinuous.files.problem_file import problem_of
+from sinuous.files.text import join
 from sinuous.motion.job import Job
 from sinuous.motion.tables import write_motion
 from sinuous.viewer.model import Model, changed
@@ -83,10 +84,12 @@ def _refuse_far_files(values: Any, folder: Path, key: str = "") -> None:
     """Refuse names of files that lead out of a folder."""
     entries = values.items() if isinstance(values, dict) else enumerate(values) if isinstance(values, list) else ()
     for inner, entry in entries:
-        if isinstance(entry, str) and inner in NAMED:
-            if not (folder / entry).resolve().is_relative_to(folder.resolve()):
-                place = f"{key}.{inner}" if key else str(inner)
-                raise InputError(place, "leads out of the folder of the page", entry, "a file within that folder")
-        elif isinstance(entry, dict | list):
-            place = f"[{inner}]" if isinstance(inner, int) else f".{inner}" if key else str(inner)
-            _refuse_far_files(entry, folder, key + place)
+        if isinstance(entry, dict | list):
+            _refuse_far_files(entry, folder, join(key, inner))
+        elif (
+            isinstance(entry, str)
+            and inner in NAMED
+            and not (folder / entry).resolve().is_relative_to(folder.resolve())
+        ):
+            wanted = "a file within that folder"
+            raise InputError(join(key, inner), "leads out of the folder of the page", entry, wanted)

@@ -5,19 +5,18 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from viser import ClientHandle, LineSegmentsHandle, TransformControlsHandle, ViserServer
+from viser import ClientHandle, TransformControlsHandle, ViserServer
 
 from sinuous.checks import Floats
 from sinuous.display.arms import Arm, arms_of, forces_of
 from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
-from sinuous.display.clearances import clearances
 from sinuous.display.contents import Contents
+from sinuous.display.curves import clearances
 from sinuous.display.sight import hiding
 from sinuous.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
 from sinuous.problem.target import Target
-from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import Model
-from sinuous.viewer.nodes import LINE, Body, Look, Obstacles, colours_of, rotation_of, show_line, wxyz
+from sinuous.viewer.nodes import Body, Lines, Look, Obstacles, colours_of, rotation_of, show_axes, show_line, wxyz
 from sinuous.viewer.server import aim
 from sinuous.viewer.session import Session
 from sinuous.viewer.status import Near
@@ -60,8 +59,8 @@ class Scenery:
         self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
         self._bodies: dict[str, Body] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
-        self._line: LineSegmentsHandle | None = None
-        self._forces: LineSegmentsHandle | None = None
+        self._near = Lines(server.scene, "/near", NEAR, self.bounds.span)
+        self._forces = Lines(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
         self._hiding: frozenset[int] = frozenset()
         self.look()
         if model.job.is_path:
@@ -86,11 +85,12 @@ class Scenery:
         """Show the model as it is."""
         with self._server.atomic():
             self._show_bodies()
-            self._show_forces()
+            forces = forces_of(self._model.robot, self._model.shown)
+            self._forces.show(np.stack(forces) if forces else None)
             self._obstacles.show(self._model.there.obstacles, self._model.grasped, self._hiding)
             self._axes.visible = self._session.axes
             self._show_gizmos()
-            self._show_near(near)
+            self._near.show(None if near is None else np.stack([near.body, near.surface])[None])
 
     def _show_bodies(self) -> None:
         wanted = list(self._wanted_bodies())
@@ -103,21 +103,6 @@ class Scenery:
                     body.remove()
                 body = self._bodies[name] = Body(self._server.scene, f"/{name}", arm.robot, look)
             body.show(arm.q, colours)
-
-    def _show_forces(self) -> None:
-        """Show what pulls at the robot as lines that end where it does."""
-        lines = forces_of(self._model.robot, self._model.shown)
-        if not lines:
-            if self._forces is not None:
-                self._forces.visible = False
-            return
-        points = np.stack(lines).astype(np.float32)
-        if self._forces is None:
-            thick = 2.0 * LINE * self.bounds.span
-            self._forces = self._server.scene.add_line_segments("/forces", points, rgb(FORCE), thickness=thick)
-        if not np.array_equal(self._forces.points, points):
-            self._forces.points = points
-        self._forces.visible = True
 
     def _wanted_bodies(self) -> Iterator[tuple[str, Look, Arm, list[Rgb]]]:
         """Yield the bodies on the page: a name, how it is drawn, the body, a colour for each of its pieces."""
@@ -200,15 +185,6 @@ class Scenery:
 
         return gizmo
 
-    def _show_near(self, near: Near | None) -> None:
-        if self._line is None:
-            ends = np.zeros((1, 2, 3))
-            thick = LINE * self.bounds.span
-            self._line = self._server.scene.add_line_segments("/near", ends, NEAR, thickness=thick, visible=False)
-        if near is not None:
-            self._line.points = np.stack([near.body, near.surface])[None].astype(np.float32)
-        self._line.visible = near is not None
-
     def _show_path(self) -> None:
         places = [target.position for targets in self._model.job.waypoints for target in targets[:1]]
         known = [place for place in places if place is not None]
@@ -234,8 +210,7 @@ def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
 def _axis(quaternion: Floats) -> Floats:
     """The z axis (3,) of a frame whose rotation is this quaternion wxyz."""
     w, x, y, z = quaternion.tolist()
-    axis: Floats = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    return axis
+    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _contents(model: Model) -> Contents:

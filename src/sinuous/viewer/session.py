@@ -6,7 +6,7 @@ import time as clock
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
 from functools import partial
-from typing import Literal
+from typing import Literal, TypeVar
 
 from sinuous.checks import Floats
 from sinuous.display.style import Colouring
@@ -15,13 +15,13 @@ from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import TIME
 from sinuous.poses import pose
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
 from sinuous.solving.memory import Memory
 from sinuous.viewer.edits import is_quick
-from sinuous.viewer.history import History
-from sinuous.viewer.model import Model, Moment, pace
+from sinuous.viewer.model import History, Model, Moment, pace
 from sinuous.viewer.saving import loaded
 from sinuous.viewer.solvers import QUICK, Question, Solvers, serving
 from sinuous.viewer.workers import Worker
@@ -35,6 +35,8 @@ DETAILS = 0.1
 TICK = 1.0 / 30.0
 """Seconds between two pictures of what is played."""
 
+
+Found = TypeVar("Found")
 
 Sliders = Literal["bends and lengths", "actuators"]
 """What the sliders of the shape move."""
@@ -249,12 +251,23 @@ class Session(ABC):
         if chosen is not None and is_quick(chosen):
             self.do("carry", lambda: self.model.carry(place))
         elif chosen is not None and let_go:
-            self._background.post("carry", partial(self._carry_slowly, place, self.model.number))
+            self._find(self._background, "carry", partial(self._prepared, place), partial(self.model.put, place))
 
-    def _carry_slowly(self, place: Floats, number: int) -> None:
+    def _prepared(self, place: Floats) -> Obstacle:
+        """Return the chosen obstacle as it is at its new place (4, 4), ready to be asked."""
         obstacle = self.model.carried(place)
         Scene([obstacle]).prepare()
-        self.do("carry", lambda: self.model.put(place, obstacle) if number == self.model.number else None)
+        return obstacle
+
+    def _find(self, worker: Worker, key: str, find: Callable[[], Found], show: Callable[[Found], object]) -> None:
+        """Have a worker find something, and show it where the question is still the same then."""
+        number = self.model.number
+
+        def run() -> None:
+            found = find()
+            self.do(key, lambda: show(found) if number == self.model.number else None)
+
+        worker.post(key, run)
 
     def choose_obstacle(self, index: int | None) -> None:
         """Choose an obstacle, or none."""
@@ -264,70 +277,52 @@ class Session(ABC):
         """Look for distinct solutions."""
         question = self.model.question()
 
-        def find() -> None:
+        def find() -> list[Solution]:
             found = self._thorough.solver(question).solve_all(question.targets, count=count)
             if not found:
                 raise InputError("solutions", "none was found", 0, "a target that can be met")
-            self.do("others", partial(self._show_others, question.number, found))
+            return found
 
-        self._solving.post("others", find)
-
-    def _show_others(self, number: int, found: list[Solution]) -> None:
-        if number == self.model.number:
-            self.model.ghosts = found
-            self.model.choose(0)
+        self._find(self._solving, "others", find, self.model.offer)
 
     def explain(self) -> None:
         """Look for what would help where nothing was solved."""
-        number, answer = self.model.number, self.model.answer
+        answer = self.model.answer
         if answer is None or not self.unsolved:
             raise InputError("answer", "still looking, or solved", None, "a question that was not solved")
         self.explaining = True
 
-        def run() -> None:
+        def find() -> Explanation:
             try:
-                found = answer.explain()
+                return answer.explain()
             finally:
                 self._owner.post("explained", lambda: setattr(self, "explaining", False))
-            self.do("explanation", partial(self._show_explanation, number, found))
 
-        self._background.post("explain", run)
-
-    def _show_explanation(self, number: int, found: Explanation) -> None:
-        if number == self.model.number:
-            self.model.explanation = found
+        self._find(self._background, "explain", find, partial(setattr, self.model, "explanation"))
 
     def move(self) -> None:
         """Follow the path, or plan a motion to the target or goal, and play it."""
-        number, job, own, begin = self.model.number, self.model.job, self.model.settings, self.model.begin
+        job, own, begin = self.model.job, self.model.settings, self.model.begin
 
-        def run() -> None:
+        def find() -> Motion:
             memory = serving(self._memory, job.robot)
             if job.is_path:
-                motion = job.track(method=own.method, seed=own.seed, time=own.time, memory=memory)
-            else:
-                seconds = max(own.time, TIME)
-                motion = job.plan(method=own.method, seed=own.seed, time=seconds, begin=begin, memory=memory)
-            self.do("motion", partial(self._show_motion, number, motion))
+                return job.track(method=own.method, seed=own.seed, time=own.time, memory=memory)
+            seconds = max(own.time, TIME)
+            return job.plan(method=own.method, seed=own.seed, time=seconds, begin=begin, memory=memory)
 
-        self._background.post("move", run)
+        self._find(self._background, "move", find, self._show_motion)
 
     def retime(self, blend: float) -> None:
         """Pass the way of the motion as fast as rates and accelerations allow, with corners rounded so far."""
-        number, motion, rates = self.model.number, self.model.motion, self.model.job.rates
+        motion, rates = self.model.motion, self.model.job.rates
         if motion is None:
             raise InputError("motion", "none was found yet", None, "a motion")
+        self._find(self._background, "move", lambda: motion.timed(rates, blend).as_motion(), self._show_motion)
 
-        def run() -> None:
-            found = motion.timed(rates, blend).as_motion()
-            self.do("motion", partial(self._show_motion, number, found))
-
-        self._background.post("move", run)
-
-    def _show_motion(self, number: int, motion: Motion) -> None:
-        if number == self.model.number:
-            self.model.show_motion(motion)
-            self.play(True)
+    def _show_motion(self, motion: Motion) -> None:
+        self.model.show_motion(motion)
+        self.play(True)
 
     def load(self, name: str, content: bytes) -> None:
         """Show another problem; one that is none changes nothing."""

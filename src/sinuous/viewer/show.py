@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from sinuous import checks
 from sinuous.display.contents import gather
 from sinuous.errors import InputError
 from sinuous.writing.documents import written
@@ -70,11 +71,7 @@ def require_viser(key: str, value: object) -> None:
     InputError
         When it is missing.
     """
-    try:
-        import viser  # noqa: F401, PLC0415
-    except ImportError:
-        value = None if value is None else str(value)
-        raise InputError(key, "needs viser", value, "it installed: pip install sinuous[view]") from None
+    checks.needed("viser", "view", key, None if value is None else str(value))
 
 
 def _page(things: Iterable[Any]) -> str:

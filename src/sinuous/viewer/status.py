@@ -8,7 +8,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.display.captions import number, rows_of, start_in_words, words_of
-from sinuous.display.clearances import lengths_along, radii_along
+from sinuous.display.curves import lengths_along, radii_along
 from sinuous.errors import InputError
 from sinuous.measures.body import segment_ends
 from sinuous.measures.reach import target_errors

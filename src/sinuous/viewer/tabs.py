@@ -234,8 +234,7 @@ def value_ranges(robot: Robot) -> Floats:
     bends = np.hypot(slopes[..., 0], slopes[..., 1]) @ largest_bends(robot)
     lengths = np.sort(slopes[..., 2, None] * ends, axis=-1).sum(axis=1) + drive.motors.offset[:, None]
     limits = np.array([actuator.limits for actuator in robot.actuators]).reshape(-1, 2)
-    ranges: Floats = np.clip(lengths + np.stack([-bends, bends], axis=-1), limits[:, :1], limits[:, 1:])
-    return ranges
+    return np.clip(lengths + np.stack([-bends, bends], axis=-1), limits[:, :1], limits[:, 1:])
 
 
 def _bend(session: Session, k: int, c: int, value: float) -> None:

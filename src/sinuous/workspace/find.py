@@ -11,7 +11,6 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -86,8 +85,7 @@ def reach(
     """
     began = clock.perf_counter()
     refuse_unknown(options, SolveArguments, "spacing", "directions", *(reach.__kwdefaults__ or ()))
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     count, shown = read_workers(workers), checks.truth("progress", progress)
     voxels, axes, place = Voxels.about(robot, spacing, low, high), directions_of(directions), as_scene(scene)
     given = only_reading({"max_starts": 1, "routes": False, **options})
@@ -175,8 +173,7 @@ def _blocked_places(work: Work, solver: Solver) -> NDArray[np.int64]:
     if not len(near):
         return near
     codes, _ = work.calls.solve(solver, positions=work.places[near])
-    blocked: NDArray[np.int64] = near[codes == Verdict.TARGET_BLOCKED]
-    return blocked
+    return near[codes == Verdict.TARGET_BLOCKED]
 
 
 def _blame(work: Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:

@@ -67,8 +67,7 @@ class Voxels(Frozen):
     @property
     def middles(self) -> Floats:
         """Middles (x, y, z, 3) of all voxels."""
-        middles: Floats = self.first + self.spacing * np.moveaxis(np.indices(self.shape), 0, -1)
-        return middles
+        return self.first + self.spacing * np.moveaxis(np.indices(self.shape), 0, -1)
 
     @property
     def volume(self) -> float:

@@ -229,8 +229,7 @@ class Reach(NotebookMixin, Frozen):
         return "\n".join(parts)
 
     def _share(self, codes: Codes) -> Floats:
-        share: Floats = (codes == Verdict.SOLVED).mean(axis=-1)
-        return share
+        return (codes == Verdict.SOLVED).mean(axis=-1)
 
     def _index(self, place: Floats) -> tuple[int, int, int]:
         x, y, z = np.rint((place - self.voxels.first) / self.voxels.spacing).astype(int).tolist()

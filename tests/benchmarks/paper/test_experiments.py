@@ -81,8 +81,8 @@ def test_tracking_counts_waypoints(ran: Ran) -> None:
     data, text, _ = ran("tracking")
     assert set(data["densities"]) == {"10", "40"}
     for found in data["densities"].values():
-        assert found["newton"]["waypoints"] == 12
-        assert found["newton"]["right"] == 12
+        assert found["newton"]["waypoints"] == 8
+        assert found["newton"]["right"] == 8
         assert found["newton"]["least_clearance"] >= -1e-9
         assert found["newton"]["paths"] == 1
     assert data["not_run"] == {"dls": "does not avoid obstacles"}
@@ -103,7 +103,7 @@ def test_segments_fits_exponents(ran: Ran) -> None:
 def test_methods_covers_every_family(ran: Ran) -> None:
     data, text, _ = ran("methods")
     assert set(data["families"]) == set(FAMILIES)
-    assert all(found["newton"]["right"] == 3 for found in data["families"].values())
+    assert all(found["newton"]["right"] == 2 for found in data["families"].values())
     assert "dls" in data["not_run"]["spheres, position"]
     assert "opti_path" in data["not_run"]["rotation"]
     assert "Not run: " in text

@@ -1,6 +1,5 @@
 """Every family: the hidden shape is feasible by an independent check, seeds make places again, all robots occur."""
 
-import itertools
 import math
 from functools import cache
 
@@ -71,7 +70,7 @@ def test_the_hidden_shape_is_feasible(family: str) -> None:
     made = made_once(family, 10)
     robot, q = made.robot, made.hidden_q
     points, radii, ends = backbone(made)
-    some = slice(None, None, max(1, len(points) // 40))
+    some = slice(None, None, max(1, len(points) // 25))
     for obstacle in made.scene.obstacles:
         assert (distance(obstacle, points[some]) >= radii[some]).all()
     assert robot.excess(q) <= 1e-12
@@ -113,7 +112,7 @@ MESHED = ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct", "open pipe 1.3", "bo
 MESHED += ["two tubes", "funnel"]
 
 
-@pytest.mark.parametrize(("family", "seed"), [("branches", 10), *itertools.product(MESHED, [10, 13])])
+@pytest.mark.parametrize(("family", "seed"), [("branches", 10), ("duct", 13), *((family, 10) for family in MESHED)])
 def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:
     for obstacle in made_once(family, seed).scene.obstacles:
         if isinstance(obstacle, Mesh):

@@ -23,7 +23,6 @@ from sinuous.kernels.between.sweep import (
 )
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.clock import allow, begin
-from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import read_scene
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_robot
@@ -262,7 +261,7 @@ def test_the_proof_ends_by_its_deadline() -> None:
 def test_one_row_is_bounded_again_as_the_whole_proof_bounds_it(row: int) -> None:
     """From what a proof without a tight bound saw; the other row stays as it is."""
     bounded = tighter = 0
-    for seed in range(75):
+    for seed in range(50):
         case = random_case(seed)
         (loose,), (tight,) = prove(case, 1.0), prove(case)
         if loose[VERDICT] != CLEAR or tight[VERDICT] != CLEAR:
@@ -279,11 +278,10 @@ def test_one_row_is_bounded_again_as_the_whole_proof_bounds_it(row: int) -> None
             assert low >= (1.0 - SLACK) * min(known, least) - 1e-6, seed
         bounded += math.isfinite(low)
         tighter += bool(low > loose[SEEN + row * SEEN_WIDTH + LOW])
-    assert bounded > 15
-    assert tighter > 5 or row == 1
+    assert bounded > 10
+    assert tighter > 3 or row == 1
 
 
-@entry
 def bound_row(robot: Array, scene: Array, knots: Array, terms: Terms, workspace: Array, seen: Array, row: int) -> bool:
     """Bound a row of `seen` (2, 6) of the motion between two knots (2, n, 3) again."""
     own, around = read_robot(robot), read_scene(scene)

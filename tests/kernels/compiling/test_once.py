@@ -7,6 +7,9 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from llvmlite import binding as llvm
+from numba import types
+from numba.core.lowering import Lower
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling import once, store
@@ -106,6 +109,43 @@ def test_entries_call_the_machine_code_of_a_shared_kernel() -> None:
         (made,) = entry.overloads.values()
         assert made.library.parts == [result.library]
         assert made.library._final_module.get_function(result.fndesc.mangled_name).is_declaration
+
+
+def test_what_is_linked_two_by_two_is_all_there() -> None:
+    """In a module alone nobody calls it yet."""
+    declared = "".join(f"declare void @f{i}()\n" for i in range(6))
+    modules = [
+        llvm.parse_assembly(
+            declared.replace(f"declare void @f{i}()", f"define linkonce_odr void @f{i}() {{ {call} ret void }}")
+        )
+        for i in range(5)
+        for call in [f"call void @f{i + 1}()"]
+    ]
+    defined = {one.name for one in once._joined(modules).functions if not one.is_declaration}
+    assert defined == {f"f{i}" for i in range(5)}
+
+
+def test_kernels_are_lowered_as_numba_does(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    def farthest(points: Array, pair: tuple[float, Array]) -> tuple[float, Array]:
+        best = pair
+        for i in range(points.shape[0]):
+            row = points[i]
+            if row[0] > best[0]:
+                best = (row[0], row)
+        return best
+
+    texts = []
+    for lower in (once._Lower, Lower):
+        monkeypatch.setattr(once._Lowering, "lowering_class", lower)
+        monkeypatch.setattr(store, "CACHE", tmp_path_factory.mktemp("cache"))
+        made = compiling.compiled_form(compiling.kernel(_copy(farthest)))
+        signature = types.float64[:, ::1], types.Tuple((types.float64, types.float64[::1]))
+        made.compile(signature)
+        texts.append(str(made.overloads[signature].library.own_module()))
+    assert "alloca" in texts[0]
+    assert texts[0] == texts[1]
 
 
 @pytest.mark.usefixtures("fresh")

@@ -85,7 +85,7 @@ print(*(name for name in sys.modules if name.startswith(("sinuous.kernels", "sin
 """
 
 
-@pytest.mark.parametrize("module", ["kernels.velocity.query", "kernels.growing.grow", "methods.slinki.search"])
+@pytest.mark.parametrize("module", ["kernels.velocity.query", "kernels.growing.grow", "methods.slinki"])
 def test_nothing_that_python_loads_is_missed(module: str) -> None:
     command = [sys.executable, "-c", LOADED, f"sinuous.{module}"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm
 
 from sinuous.kernels.problem import Problem
-from sinuous.methods.fabrik import conversion
+from sinuous.methods.fabrik import links as conversion
 from sinuous.methods.fabrik.links import STEEPEST
 from sinuous.packing import pose_row
 from sinuous.problem.target import Target

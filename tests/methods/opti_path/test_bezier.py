@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import bezier
+from sinuous.methods.opti_path import path as bezier
 from tests.helpers import Floats, as_matrix, expm_chain, frames_of, random_pose, random_unit, twist_matrix, vec
 
 HALVES = (0.0, 1e-9, 1e-4, 0.0199, 0.0201, 0.3, 1.2, math.pi / 2 - 1e-9, math.pi / 2, 2.0, 3.0)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import costs as path_costs
-from sinuous.methods.opti_path.costs import OrientationCost, Setting, Weights
+from sinuous.methods.opti_path import gradient as path_costs
+from sinuous.methods.opti_path.gradient import OrientationCost, Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Aim, get_arc
 from sinuous.methods.opti_path.potential import Potential

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import gradient as path_gradient
-from sinuous.methods.opti_path.costs import Setting, Weights
+from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Path
 from tests.helpers import Floats

@@ -10,9 +10,9 @@ from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_conf
 from sinuous import methods
 from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
+from sinuous.methods.opti_path import search as path_steps
 from sinuous.methods.opti_path import starts as path_starts
-from sinuous.methods.opti_path import steps as path_steps
-from sinuous.methods.opti_path.costs import Exponent, PotentialKind, Setting, Weights
+from sinuous.methods.opti_path.gradient import Exponent, PotentialKind, Setting, Weights
 from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.scene import Scene

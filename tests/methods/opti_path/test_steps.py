@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import steps as path_steps
+from sinuous.methods.opti_path import search as path_steps
 from tests.methods.opti_path.test_costs import setting
 from tests.methods.opti_path.test_path import make_path, wavy
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from sinuous.batch.tables.layout import Block, Layout
-from sinuous.batch.tables.source import Raw, fingerprint_of, groups_of
+from sinuous.batch.tables.source import Raw, Source, groups_of
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.text import NUMBER
 
 
-class CsvSource:
+class CsvSource(Source):
     """A CSV file with a header. A cell that is no finite number makes its row invalid, and no other."""
 
     def __init__(self, file: Path) -> None:
@@ -42,10 +42,6 @@ class CsvSource:
         cells = _cells(lines, self._places)
         ends = np.cumsum(list(self._groups.values()))
         return {key: cells[:, end - self._groups[key] : end] for key, end in zip(self._groups, ends, strict=True)}
-
-    def fingerprint(self) -> str:
-        """Size and checksum of the file."""
-        return fingerprint_of(self._file)
 
     def close(self) -> None:
         """Close the file."""

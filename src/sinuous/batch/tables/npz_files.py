@@ -11,7 +11,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from sinuous.batch.tables.layout import STATUSES, Block, Layout
-from sinuous.batch.tables.source import Raw, checked_shape, fingerprint_of
+from sinuous.batch.tables.source import Raw, Source, checked_shape
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import KEYS
@@ -53,7 +53,7 @@ class _Member:
         return np.frombuffer(data, self._dtype)
 
 
-class NpzRows:
+class NpzRows(Source):
     """Arrays with equally many rows of an NPZ file.
 
     Parameters
@@ -94,10 +94,6 @@ class NpzSource(NpzRows):
         super().__init__(file, _asked)
         for key, member in self._members.items():
             checked_shape(key, member)
-
-    def fingerprint(self) -> str:
-        """Size and checksum of the file."""
-        return fingerprint_of(self._file)
 
 
 def _asked(names: list[str]) -> list[str]:

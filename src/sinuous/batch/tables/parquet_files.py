@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.batch.tables.layout import STATUSES, Block, Layout
-from sinuous.batch.tables.source import Raw, fingerprint_of, groups_of
+from sinuous.batch.tables.source import Raw, Source, groups_of
 from sinuous.errors import InputError
 
 
@@ -19,15 +20,10 @@ def parquet(file: Path) -> Any:
     InputError
         When pyarrow is missing.
     """
-    try:
-        from pyarrow import parquet as module  # noqa: PLC0415
-    except ImportError:
-        wanted = "it installed: pip install sinuous[batch]"
-        raise InputError("file", "needs pyarrow", str(file), wanted) from None
-    return module
+    return checks.needed("pyarrow.parquet", "batch", "file", str(file), "pyarrow")
 
 
-class ParquetSource:
+class ParquetSource(Source):
     """A Parquet file with the columns of `GROUPS`; others are left alone."""
 
     def __init__(self, file: Path) -> None:
@@ -57,10 +53,6 @@ class ParquetSource:
             if skipped + taken < len(batch):
                 self._held.append(batch.slice(skipped + taken))
         return {key: np.stack([_column(parts, name) for name in names], axis=-1) for key, names in self._groups.items()}
-
-    def fingerprint(self) -> str:
-        """Size and checksum of the file."""
-        return fingerprint_of(self._file)
 
     def close(self) -> None:
         """Close the file."""

@@ -1,9 +1,10 @@
 """Where targets come from: rows of numbers, read a chunk at a time, from arrays or from a table with named columns."""
 
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -32,22 +33,26 @@ SHAPES: dict[str, list[tuple[int, ...]]] = {
 """Shapes that a row of each array may have."""
 
 
-class Source(Protocol):
-    """Targets in rows."""
+class Source(ABC):
+    """Targets in rows, by default those of a file."""
 
     rows: int
+    _file: Path
 
+    @abstractmethod
     def read(self, first: int, last: int) -> Raw:
         """Return rows `first` to `last`, the end not included; chunks are asked for in rising order."""
-        ...
 
     def fingerprint(self) -> str:
-        """Return a text that differs when the rows do."""
-        ...
+        """Return a text that differs when the rows do: by default size and checksum of the file."""
+        crc = size = 0
+        with self._file.open("rb") as data:
+            while piece := data.read(PIECE):
+                crc, size = zlib.crc32(piece, crc), size + len(piece)
+        return f"{size} bytes, crc {crc:08x}"
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027
         """End reading."""
-        ...
 
 
 def groups_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
@@ -71,16 +76,7 @@ def groups_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def fingerprint_of(file: Path) -> str:
-    """Size and checksum of a file: they differ when somebody changed it."""
-    crc = size = 0
-    with file.open("rb") as data:
-        while piece := data.read(PIECE):
-            crc, size = zlib.crc32(piece, crc), size + len(piece)
-    return f"{size} bytes, crc {crc:08x}"
-
-
-class ArraySource:
+class ArraySource(Source):
     """Arrays by the names of `GoalArrays`; rows with NaN are let through, to be reported."""
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
@@ -108,9 +104,6 @@ class ArraySource:
         for key, rows in self._raw.items():
             crc = zlib.crc32(np.ascontiguousarray(rows).data, zlib.crc32(key.encode(), crc))
         return f"arrays of {self.rows} rows, crc {crc:08x}"
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 def _rows(key: str, value: Any) -> Any:

@@ -5,7 +5,7 @@ callers. Here a kernel stays a `Part`, as Numba lowers it, and the entry, a `Who
 A kernel that is shared is a `Whole`, too: those that call it find its machine code by its name.
 
 Of Numba this takes the hook that lets a function have a compiler of its own (`pipeline_class`), and the methods of its
-`JITCodeLibrary` that are overridden below. `TRIED` lists the versions that this was tried with; with others
+`JITCodeLibrary` and `Lower` that are overridden below. `TRIED` lists the versions that this was tried with; with others
 (`kernels.compile`) Numba compiles as it does by itself. What changes the code that comes out raises `sources.VERSION`.
 """
 
@@ -13,10 +13,13 @@ from typing import Any
 
 import numba
 from llvmlite import binding as llvm
+from numba.core import cgutils
 from numba.core import config as numba_config
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.compiler_machinery import PassManager
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.lowering import Lower
+from numba.core.typed_passes import NativeLowering
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
@@ -135,9 +138,9 @@ class Whole(_Library):
         """Link all parts, each once."""
         found = reached(self._linking_libraries)
         self.parts = [one for one in found if isinstance(one, Whole)]
-        for one in found:
-            if isinstance(one, Part):
-                self._final_module.link_in(one._shared_module, preserve=True)
+        modules = [one._shared_module.clone() for one in found if isinstance(one, Part)]
+        if modules:
+            self._final_module.link_in(_joined(modules))
         self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, Part | Whole)]
         super().finalize()
 
@@ -200,10 +203,46 @@ def _linked(library: Part | Whole) -> Any:
     return module
 
 
+def _joined(modules: list[Any]) -> Any:
+    """Link modules, two by two: to add one LLVM goes through all that is there already."""
+    for module in modules:
+        for function in module.functions:
+            if function.linkage == llvm.Linkage.linkonce_odr:  # of which only what is called so far would be linked
+                function.linkage = "weak_odr"
+    while len(modules) > 1:
+        for module, other in zip(modules[::2], modules[1::2], strict=False):
+            module.link_in(other)
+        modules = modules[::2]
+    return modules[0]
+
+
 def as_was(library: Any, kind: str, parts: list[Part | Whole]) -> None:
     """Let a library that was read from the disk be of the kind that it was, which calls these others."""
     library.__class__ = LIBRARIES[kind]
     library.parts = parts
+
+
+class _Lower(Lower):  # type: ignore[misc]
+    """Writes the same code without asking how large each variable is, which serves debuggers alone.
+
+    Numba prints and parses the type each time to find out, and those of tuples of arrays are long.
+    """
+
+    def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
+        return cgutils.alloca_once(self.builder, lltype, name=name, zfill=False)
+
+    def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
+        if argidx is None or name in self._singly_assigned_vars:
+            super().storevar(value, name, argidx)
+        else:
+            self._alloca_var(name, self.typeof(name))
+            self.builder.store(value, self.getvar(name))
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _Lowering(NativeLowering):  # type: ignore[misc]
+    _name = "kernel_lowering"
+    lowering_class = _Lower
 
 
 def compiler(kind: str, name: str | None) -> type[Compiler]:
@@ -222,7 +261,12 @@ def compiler(kind: str, name: str | None) -> type[Compiler]:
             state.library.enable_object_caching()
             (pipeline,) = super().define_pipelines()
             manager = PassManager(pipeline.pipeline_name)
-            manager.passes = [each for each in pipeline.passes if each[0].__name__ not in NEEDLESS]
+            lowering = NativeLowering if state.flags.debuginfo else _Lowering
+            manager.passes = [
+                (lowering if each is NativeLowering else each, what)
+                for each, what in pipeline.passes
+                if each.__name__ not in NEEDLESS
+            ]
             manager.finalize()
             return [manager]
 

@@ -156,7 +156,7 @@ PIECES = (
     ),
     Piece("the method dls", 4, ("methods.dls.search",), waits=True),
     Piece("the methods fabrikc, fabrikx and fabrik_avoid", 7, ("methods.fabrik.reaching.search",), waits=True),
-    Piece("the method slinki", 6, ("methods.slinki.search.search",), waits=True),
+    Piece("the method slinki", 6, ("methods.slinki.search",), waits=True),
     Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",), waits=True),
     Piece("the method learned", 4, ("methods.learned.search.search",), waits=True),
 )

@@ -38,11 +38,19 @@ from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold, unfold
-from sinuous.methods.fabrik.links import Chain, carve_chain, group, reach_back, reach_out
-from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
+from sinuous.methods.fabrik.links import (
+    Chain,
+    axis_of,
+    carve_chain,
+    end_goal,
+    fold,
+    group,
+    reach_back,
+    reach_out,
+    unfold,
+)
 from sinuous.methods.options import Options, count, flag, number
-from sinuous.methods.search import Start, begin_from, search_by
+from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
@@ -138,21 +146,22 @@ def follow(
 ) -> tuple[int, bool]:
     """Follow one start; see `sinuous.methods.search`. The `options` (7,): see `laid_out`.
 
-    Where obstacles are avoided and the proof finds an overlap that was not seen, the margin doubles.
+    Where obstacles are avoided and the proof finds an overlap that was not seen, the margin doubles; there is as much
+    patience for all of that as for nothing that is gained.
     """
     n, most, pieces, looks = problem.limits.shape[0], int(options[0]), int(options[1]), int(options[4])
     work = carve(scratch, n, (n + pieces - 1) // pieces)
     group(work.chain, n, pieces, options[2])
     source = begin_from(problem, check, start, work.q)
     fold(problem.limits, work.chain, check.frames, options[3] != 0.0, work.q)
-    used, margin = 0, options[6] * problem.unit
+    used, left, margin = 0, most, options[6] * problem.unit
     while True:
-        more, met = descend(problem, check, work, most - used, Aside(looks, options[5], margin))
+        more, met = descend(problem, check, work, left, Aside(looks, options[5], margin))
         used += more
         solved = offer(problem, check, work.kept, source, answer)
         if solved or not met or looks == 0 or over(check.clock):
             return used, solved
-        margin *= 2.0
+        left, margin = min(left - more, PATIENCE_ASIDE), 2.0 * margin
 
 
 search = search_by(follow)

@@ -59,8 +59,7 @@ class Network(Frozen):
     """
 
     def __init__(self, robot: Robot, layers: Sequence[Sequence[Any]]) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
+        checks.instance("robot", robot, Robot, "a Robot")
         if len(layers) != len(KINDS):
             raise InputError("layers", "", len(layers), f"{len(KINDS)} networks: for " + ", ".join(KINDS))
         read = [_read(f"layers[{i}]", own, INPUTS[i], 3 * len(robot)) for i, own in enumerate(layers)]

@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
@@ -21,11 +21,10 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import GIVEN, GOAL, ORIENTATION, REMEMBERED, TARGET_POSITION
 from sinuous.methods import dls
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.judge import Answer, Check, offer
 from sinuous.methods.learned.network import CAPABILITIES, MOST_WIDTH, Network
 from sinuous.methods.learned.training import train
 from sinuous.methods.options import Kind, Options, count
-from sinuous.methods.search import NO_START, Start, own_number, search_by
+from sinuous.methods.search import NO_START, Answer, Check, Start, offer, own_number, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
@@ -99,8 +98,7 @@ search = search_by(follow)
 
 
 def _network(key: str, value: Any) -> Network | None:
-    if value is not None and not isinstance(value, Network):
-        raise InputError(key, "", value, "a Network, as sn.train returns it")
+    checks.instance(key, value, Network | None, "a Network, as sn.train returns it")
     return value
 
 

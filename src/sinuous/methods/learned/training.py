@@ -92,8 +92,7 @@ def train(
     InputError
         When an argument is not what it should be, or the robot hardly reaches any of its own tips.
     """
-    if not isinstance(robot, Robot):
-        raise InputError("robot", "", robot, "a Robot")
+    checks.instance("robot", robot, Robot, "a Robot")
     robot.refuse_load()
     place = as_scene(scene)
     count = checks.integer("samples", samples, FEWEST, 10_000_000)

@@ -15,7 +15,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.opti_path.costs import (
+from sinuous.methods.opti_path.gradient import (
     Exponent,
     Gradient,
     Metric,

@@ -1,12 +1,171 @@
-"""The path that `opti_path` moves: points where arcs meet, and the arcs and tangents that follow from them."""
+"""The path that `opti_path` moves: points where arcs meet, and the arcs and tangents that follow from them.
 
+An arc is given by its end points: it leaves `a` along the unit tangent `t`, and ends in `b`.
+
+With the chord `d = b - a`, `D = |d|`, `e = d / D`, half of it `h = D / 2`, and half the bend `x`, `w = t . e = cos x`
+is the signed weight of the rational Bezier form of the arc (Song et al. 2009): negative for a major arc. The form is
+kept homogeneous, so that the control point `a + (h / w) t`, at infinity for a half turn, is never needed:
+
+    y(u) = ((1 - u)^2 a + 2 u (1 - u) (w a + h t) + u^2 b) / ((1 - u)^2 + 2 u (1 - u) w + u^2)
+
+The next arc leaves along `t' = 2 w e - t`, a reflection; the length is `D x / sin x`. A chain whose end points are
+given is thereby a robot without steps in its tangent, as long as no bend reaches a whole turn and no chord vanishes.
+"""
+
+import math
 from collections import namedtuple
 
+from sinuous.kernels.chain.arc import pose
+from sinuous.kernels.chain.kinematics import compose, frame, put_frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
+from sinuous.kernels.maths.vectors import (
+    Array,
+    Vec,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    get_vec,
+    norm,
+    put_vec,
+    scale,
+    sub,
+    vec_mat,
+)
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
-from sinuous.methods.opti_path.bezier import Arc, arc_between, end_tangent
+
+Arc = namedtuple("Arc", ["t", "d", "e", "chord", "w", "x", "g", "q", "length"])
+"""An arc: tangent, chord (vector, unit vector, length), weight, half bend, x / sin x, minus its slope in w, length."""
+
+LEAST_SINE = 1e-6
+"""Sine of half the bend where an arc counts as closed: its length stays finite."""
+
+LEAST_CHORD = 1e-30
+
+SMALL = 0.02
+"""Half bend below which power series are used."""
+
+
+@kernel
+def stretch(x: float, w: float, sine: float) -> tuple[float, float]:
+    """`x / sin x`, the length of an arc of chord one, and `(sin x - x cos x) / sin^3 x`, minus its slope in cos x."""
+    if x < SMALL:
+        y = x * x
+        return 1.0 + y * (1.0 / 6.0 + y * (7.0 / 360.0)), 1.0 / 3.0 + y * (2.0 / 15.0 + y * (2.0 / 63.0))
+    s = max(sine, LEAST_SINE)
+    return x / s, (s - x * w) / (s * s * s)
+
+
+@kernel
+def arc_between(a: Vec, b: Vec, t: Vec) -> Arc:
+    """The arc from `a` along the unit tangent `t` to `b`; without a chord it is straight."""
+    d = sub(b, a)
+    chord = norm(d)
+    if chord < LEAST_CHORD:
+        return Arc(t, d, t, LEAST_CHORD, 1.0, 0.0, 1.0, 1.0 / 3.0, LEAST_CHORD)
+    e = scale(1.0 / chord, d)
+    w = dot(t, e)
+    sine = norm(cross(t, e))
+    x = math.atan2(sine, w)
+    g, q = stretch(x, w, sine)
+    return Arc(t, d, e, chord, w, x, g, q, chord * g)
+
+
+@kernel
+def end_tangent(arc: Arc) -> Vec:
+    """Unit tangent at the end of an arc: the reflection of the first one about the chord."""
+    turned = sub(scale(2.0 * arc.w, arc.e), arc.t)
+    return scale(1.0 / norm(turned), turned)
+
+
+@kernel
+def offset(arc: Arc, u: float) -> Vec:
+    """The point `y(u)` of the rational Bezier form, seen from the beginning of the arc; u is not arc length."""
+    b = 2.0 * u * (1.0 - u)
+    below = (1.0 - u) * (1.0 - u) + u * u + b * arc.w
+    return scale(1.0 / max(below, LEAST_SINE), add_scaled(scale(0.5 * b * arc.chord, arc.t), u * u, arc.d))
+
+
+@kernel
+def pull_point(arc: Arc, u: float, r: Vec, force: Vec) -> tuple[Vec, Vec]:
+    """What a force at `y(u)`, which is at `r` from the beginning, does to the chord and to the tangent.
+
+    The transposed derivatives of `offset` in `d` and in `t`, applied to `force`.
+    """
+    b = 2.0 * u * (1.0 - u)
+    inverse = 1.0 / max((1.0 - u) * (1.0 - u) + u * u + b * arc.w, LEAST_SINE)
+    along = dot(r, force)
+    on_chord = add_scaled(scale(u * u, force), 0.5 * b * dot(arc.t, force), arc.e)
+    on_chord = add_scaled(on_chord, -along * b / arc.chord, add_scaled(arc.t, -arc.w, arc.e))
+    on_tangent = add_scaled(scale(0.5 * b * arc.chord, force), -along * b, arc.e)
+    return scale(inverse, on_chord), scale(inverse, on_tangent)
+
+
+@kernel
+def pull_length(arc: Arc, force: float) -> tuple[Vec, Vec]:
+    """What a force on the length does to chord and tangent: `dl/dd = g e - q (t - w e)`, `dl/dt = -D q e`."""
+    aside = add_scaled(arc.t, -arc.w, arc.e)
+    return scale(force, add_scaled(scale(arc.g, arc.e), -arc.q, aside)), scale(-force * arc.chord * arc.q, arc.e)
+
+
+@kernel
+def pull_weight(arc: Arc, force: float) -> tuple[Vec, Vec]:
+    """What a force on the weight `w`, the cosine of half the bend, does to the chord and to the tangent."""
+    return scale(force / arc.chord, add_scaled(arc.t, -arc.w, arc.e)), scale(force, arc.e)
+
+
+@kernel
+def pull_tangent(arc: Arc, force: Vec) -> tuple[Vec, Vec]:
+    """What a force on the tangent at the end does to the chord and to the first tangent.
+
+    `dt'/dd = (2 / D) (w (I - e e') + e (t - w e)')`, `dt'/dt = 2 e e' - I`.
+    """
+    along = dot(arc.e, force)
+    aside = add_scaled(arc.t, -arc.w, arc.e)
+    on_chord = add_scaled(scale(arc.w, add_scaled(force, -along, arc.e)), along, aside)
+    return scale(2.0 / arc.chord, on_chord), sub(scale(2.0 * along, arc.e), force)
+
+
+@kernel
+def put_points(frames: Array, points: Array) -> None:
+    """Fill `points` (n + 1, 3) with the positions of `frames` (n + 1, 12)."""
+    for k in range(frames.shape[0]):
+        put_vec(points, k, 0, get_vec(frames, k, 9))
+
+
+@kernel
+def configuration_of(points: Array, frames: Array, q: Array) -> None:
+    """Fill `q` (n, 3), and `frames` after the base in row 0, for the chain of arcs through `points` (n + 1, 3).
+
+    In the frame that the tangent carries along, the chord `p` gives the bend `2 atan2(hypot(px, py), pz)` in its
+    direction. Chords start where the robot really is, so that roundings do not add up.
+    """
+    for k in range(q.shape[0]):
+        rotation, position = frame(frames, k)
+        p = vec_mat(sub(get_vec(points, k + 1, 0), position), rotation)
+        side = math.hypot(p[0], p[1])
+        chord = math.hypot(side, p[2])
+        x = math.atan2(side, p[2])
+        bend, length = 2.0 * x, 0.0
+        if chord > 0.0:
+            length = chord * stretch(x, p[2] / chord, side / chord)[0]
+        cosine, sine = (p[0] / side, p[1] / side) if side > 0.0 else (1.0, 0.0)
+        put_vec(q, k, 0, (bend * cosine, bend * sine, length))
+        turn, shift = pose(q[k, 0], q[k, 1], q[k, 2])
+        rotation, position = compose(rotation, position, turn, shift)
+        put_frame(frames, k + 1, rotation, position)
+
+
+@kernel
+def along_arc(t: Vec, side: Vec, bend: float, length: float, s: float) -> Vec:
+    """Where an arc along `t`, bending towards the unit vector `side` across it, is at arc length `s length`."""
+    if bend < 1e-9:
+        return scale(s * length, t)
+    radius = length / bend
+    half = math.sin(0.5 * s * bend)
+    return add(scale(radius * math.sin(s * bend), t), scale(2.0 * radius * half * half, side))
+
 
 Aim = namedtuple("Aim", ["position", "direction", "directed", "unit"])
 """The target: where the last point is, the tangent there if one is asked for, and the mean length of a segment."""

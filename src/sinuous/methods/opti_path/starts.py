@@ -22,11 +22,9 @@ from sinuous.kernels.maths.vectors import (
 )
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import ARC, GIVEN, MAX_LENGTH, MIN_LENGTH, RANDOM
-from sinuous.methods.judge import Check
-from sinuous.methods.opti_path.bezier import along_arc, put_points
-from sinuous.methods.opti_path.costs import Setting
-from sinuous.methods.opti_path.path import Aim, Path, Work
-from sinuous.methods.search import Start, begin_own, own_number
+from sinuous.methods.opti_path.gradient import Setting
+from sinuous.methods.opti_path.path import Aim, Path, Work, along_arc, put_points
+from sinuous.methods.search import Check, Start, begin_own, own_number
 
 BOWS = 8
 """Bows of a path that are tried: so many directions across the first tangent, by two heights."""

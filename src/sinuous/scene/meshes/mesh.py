@@ -16,7 +16,7 @@ from sinuous.reprs import text
 from sinuous.scene.meshes.bodies import apart, cuts_itself
 from sinuous.scene.meshes.mending import Integers, mend
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Placement, Source, check_file, needed
+from sinuous.scene.reading import Placement, Source, check_file
 
 KINDS = (".stl", ".ply", ".obj", ".glb")
 
@@ -47,7 +47,7 @@ def load_geometry(file: Path) -> Any:
     InputError
         When trimesh is missing or cannot read the file.
     """
-    trimesh = needed("trimesh", "mesh", file)
+    trimesh = checks.needed("trimesh", "mesh", "file", str(file))
     try:
         return trimesh.load_scene(file, process=False, maintain_order=True, skip_materials=True)
     except Exception as error:  # whatever a reader trips over, from a KeyError to a struct.error

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.methods.slinki.search import Slinki
+from sinuous.methods.slinki import Slinki
 from tests.helpers import refused
 from tests.methods import laws
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.methods.slinki import lattice
+from sinuous.methods import slinki as lattice
 from sinuous.robot.robot import Robot
 from tests.helpers import expm_chain, random_rotation, vec
 from tests.methods.fabrik.test_links import MIXED

@@ -1,1 +1,0 @@
-"""SLInKi: A* over motion primitives, then FABRIKc."""

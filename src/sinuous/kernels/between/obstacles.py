@@ -20,7 +20,7 @@ from sinuous.kernels.chain.kinematics import body_point, place_on
 from sinuous.kernels.chain.rates import bow
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, beside, look, price_of, slope
+from sinuous.kernels.fields.distances import Scene, beside, look, price_of, slope, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
@@ -234,9 +234,8 @@ def _decide(
                 return TOUCHING, piece.half, reach, looks
         low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
         aside = piece.radius + aim.rounding + drift
-        primitive = scene.table[i, KIND] < TREE
-        likely = primitive or good_enough(d - aside - piece.lag - _sagging(piece), aim, seen)
-        if likely and not good_enough(low, aim, seen):
+        room = d - aside - piece.lag - _sagging(piece) - wanted(aim, seen)
+        if not good_enough(low, aim, seen) and tangents_pay(scene, i, d, piece.reach - piece.radius, room):
             if not known:
                 known, corners = True, _corners_of(sweep, interval, piece)
             by_corners, place, motion = _by_corners(scene, i, corners, piece, enough)

@@ -19,7 +19,7 @@ from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, 
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel, shared
-from sinuous.kernels.fields.distances import Scene, beside
+from sinuous.kernels.fields.distances import Scene, beside, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
@@ -59,19 +59,30 @@ def _exact(scene: Scene, i: int, d: float, most: float) -> bool:
 
 @kernel
 def _by_tangents(
-    scene: Scene, among: Array, count: int, middle: Vec, ends: tuple[Vec, Vec], half: float, sagging: float
+    scene: Scene,
+    among: Array,
+    count: int,
+    middle: Vec,
+    ends: tuple[Vec, Vec],
+    half: float,
+    sagging: float,
+    closest_one: tuple[float, int],
+    wanted: float,
 ) -> float:
     """Lower bound of the distance of a piece, of arc length 2 `half`, to the first `count` obstacles of `among`.
 
-    `middle`: the place in its middle; `ends`: those of its ends.
+    `middle`: the place in its middle; `ends`: those of its ends; `closest_one`: what is known of the distance of the
+    place in the middle, and the obstacle that it is to; `wanted`: the bound that proves something.
     """
     nothing, least = (0.0, 0.0, 0.0), math.inf
     patch = Patch(scale(0.5, add(ends[0], ends[1])), scale(0.5, sub(ends[1], ends[0])), nothing, nothing)
     for j in range(count):
         i, roundoff = among[j], scene.table[among[j], ROUNDOFF]
-        d = look_here(scene, i, middle, least + half + roundoff, BOUND)[0] - roundoff
+        d = closest_one[0]
+        if i != closest_one[1]:
+            d = look_here(scene, i, middle, least + half + roundoff, BOUND)[0] - roundoff
         low = d - half
-        if low < least and d > 0.0:
+        if low < least and d > 0.0 and tangents_pay(scene, i, d, half, d - sagging - wanted):
             low = max(low, beside(scene, i, patch, sagging, least + roundoff)[0] - roundoff)
         least = min(least, low)
     return least
@@ -127,7 +138,9 @@ def prove(
             low = d - sagging - radius - rounding
             if not decided and _decided(low, min(least, most - radius), slack):
                 ends = body_point(q, frames, k, s - 0.5 * width), body_point(q, frames, k, s + 0.5 * width)
-                sure = max(sure, _by_tangents(scene, among, count, p, ends, half, sagging) - radius - rounding)
+                wanted = (1.0 - slack) * max(0.0, min(least, most - radius)) + radius + rounding
+                by_tangents = _by_tangents(scene, among, count, p, ends, half, sagging, (d, nearest_one), wanted)
+                sure = max(sure, by_tangents - radius - rounding)
                 decided = _decided(sure, min(least, most - radius), slack)
             if most - radius < least:
                 least, where, fraction, which = most - radius, k, s, nearest_one

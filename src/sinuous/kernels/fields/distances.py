@@ -16,6 +16,7 @@ from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import (
     CENTER,
+    FIRST_CELL,
     FIRST_SAMPLE,
     KIND,
     OBSTACLE_WIDTH,
@@ -32,6 +33,9 @@ from sinuous.kernels.tables import (
     SPHERE,
     TREE,
 )
+
+MANY_HALVES = 4.0
+"""How much longer than what it may lose a patch is that is worth a walk in a tree."""
 
 Scene = namedtuple("Scene", ["table", "store"])
 """Rows (m, 33), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
@@ -94,6 +98,21 @@ def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: fl
             g = mat_vec(get_mat(scene.table, i, PLACE + POSE_ROTATION), g)
         return d, g
     return primitive(scene.table, i, p)
+
+
+@kernel
+def tangents_pay(scene: Scene, i: int, d: float, size: float, room: float) -> bool:
+    """Whether tangents may prove a patch, and sooner than its halves would: its center is at the distance `d`.
+
+    No point of it is farther from there than `size`; its bound may be less than `d` by `room`. A primitive and a list
+    are soon asked; in a tree all parts are met that are near a patch, and beside many parts, as beside a ball, a
+    tangent at the center loses some `size * size / (2 d)`. Halves without tangents end no longer than `room`.
+    """
+    if scene.table[i, KIND] < TREE:
+        return True
+    if room <= 0.0 or scene.table[i, FIRST_CELL] >= 0.0:
+        return room > 0.0
+    return bool(size > MANY_HALVES * room and size * size < 2.0 * d * room)
 
 
 @kernel

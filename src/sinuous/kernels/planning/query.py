@@ -1,7 +1,5 @@
 """What Python asks of a planner: a path from a start to one of several goals."""
 
-import math
-
 import numpy as np
 
 from sinuous.kernels.between.obstacles import keep_reachable, measure_balls
@@ -81,7 +79,7 @@ def nodes_of(workspace: Array, segments: int, side: int = 0) -> Array:
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
     for i in range(goals.shape[0]):
-        if joins(space, start, goals[i], exact, math.inf, path.answers[0]):
+        if joins(space, start, goals[i], exact, exact.slack, path.answers[0]):
             copy(start, path.q[0])
             copy(goals[i], path.q[1])
             return 2

@@ -70,26 +70,12 @@ def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
 
 
 @kernel
-def joins(space: Space, p: Array, q: Array, exact: Exactness, least: float, answer: Array) -> bool:
-    """Whether an edge is proved clear; its answer (14,) is filled then.
-
-    It is bounded more tightly where it comes nearer to an obstacle than `least`, for then it may decide how clear the
-    path is.
-    """
+def joins(space: Space, p: Array, q: Array, exact: Exactness, slack: float, answer: Array) -> bool:
+    """Whether an edge is proved clear, with bounds `slack` below the truth; its answer (14,) is filled then."""
     if not looks_clear(space, p, q, exact.coarse):
         return False
-    slack = exact.slack if space.seen[0, LEAST] < least else exact.of_edges
     verdict, until = bound_edge(space, p, q, slack, exact.loose)
     return verdict == CLEAR and _keep(space, verdict, until, answer)
-
-
-@kernel
-def _least_seen(path: Path, count: int) -> float:
-    """The least clearance that was seen on the first `count` edges."""
-    least = math.inf
-    for i in range(count):
-        least = min(least, path.answers[i, SEEN + LEAST])
-    return least
 
 
 @kernel
@@ -152,16 +138,15 @@ def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> 
     """
     kept = at = 0
     while at < count - 1:
-        least = _least_seen(path, kept)
         far = 1 if late(space.sweep.clock) else count - 1 - at
         if at == 0 and not sure:
             far = max(1, far - 1)
-        while far > 1 and not joins(space, path.q[kept], path.q[at + far], exact, least, path.answers[kept]):
+        while far > 1 and not joins(space, path.q[kept], path.q[at + far], exact, exact.of_edges, path.answers[kept]):
             far = 1 if late(space.sweep.clock) else far // 2
         if far == 1:
             if path.answers[at, VERDICT] == CLEAR:
                 copy(path.answers[at : at + 1], path.answers[kept : kept + 1])
-            elif sure or not joins(space, path.q[kept], path.q[at + 1], exact, least, path.answers[kept]):
+            elif sure or not joins(space, path.q[kept], path.q[at + 1], exact, exact.of_edges, path.answers[kept]):
                 clear = prove(space, path.q[kept], path.q[at + 1], exact, path.answers[kept])
                 if not (clear or sure or late(space.sweep.clock)):
                     return 0, at

@@ -57,13 +57,17 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Look for no garbage while tests are collected, nor later among what was: all of it stays to the end."""
+    """Look for no garbage while tests are collected, nor later among what was: all of it stays to the end.
+
+    And look seldom afterwards: what tests import and compile stays, too, and is more than they leave behind.
+    """
     gc.disable()
     try:
         return (yield)
     finally:
         gc.enable()
         gc.freeze()
+        gc.set_threshold(20_000, 20, 50)
 
 
 @pytest.fixture(autouse=True)

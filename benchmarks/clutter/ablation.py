@@ -37,6 +37,10 @@ MOVES_SOLVED, MOVES_TIME = 0.01, 0.10
 """Share of the places of a family that is lost, and share by which its p95 changes, from which on an attempt counts."""
 
 
+LEAST = 2.0
+"""Least change of a p95 that counts, ms: of less than that, other work on the machine makes as much."""
+
+
 class Row(NamedTuple):
     """One place, with one attempt switched off.
 
@@ -77,28 +81,27 @@ def _row(at: Place, off: str) -> tuple[Row, bool]:
 
 
 def tables(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield Markdown: what each attempt brings over all places, and then by family."""
+    """Yield Markdown: what each attempt brings over all places, and the families with everything switched on."""
     by: defaultdict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
         by[row.family, row.off].append(row)
         by["all", row.off].append(row)
     families = list(dict.fromkeys(row.family for row in rows))
-    names = list(dict.fromkeys(row.off for row in rows))
     yield "| switched off | solved | mean, ms | median, ms | p95, ms | families that it moves |"
     yield "|---|---:|---:|---:|---:|---|"
-    for name in names:
-        moved = [family for family in families if _moves(by[family, EVERYTHING], by[family, name])]
+    for name in dict.fromkeys(row.off for row in rows):
+        moved = {family: _moved(by[family, EVERYTHING], by[family, name]) for family in families}
+        told = ", ".join(f"{family} ({how})" for family, how in moved.items() if how)
         figures = _figures(by["all", name])
         mean = fmean(row.milliseconds for row in by["all", name])
-        yield f"| {name} | {figures[0]} | {mean:.1f} | {figures[1]:.2f} | {figures[2]:.1f} | {', '.join(moved)} |"
+        yield f"| {name} | {figures[0]} | {mean:.1f} | {figures[1]:.2f} | {figures[2]:.1f} | {told} |"
     yield ""
-    yield "Solved, median and p95 (ms), with each attempt switched off:"
+    yield "With everything:"
     yield ""
-    yield "| family | " + " | ".join(names) + " |"
-    yield "|---" + "|---:" * len(names) + "|"
+    yield "| family | solved | median, ms | p95, ms |"
+    yield "|---|---:|---:|---:|"
     for family in (*families, "all"):
-        cells = ("{} · {:.2f} · {:.1f}".format(*_figures(by[family, name])) for name in names)
-        yield f"| {family} | " + " | ".join(cells) + " |"
+        yield f"| {family} | " + "{} | {:.2f} | {:.1f} |".format(*_figures(by[family, EVERYTHING]))
 
 
 def _figures(rows: Sequence[Row]) -> tuple[str, float, float]:
@@ -106,10 +109,14 @@ def _figures(rows: Sequence[Row]) -> tuple[str, float, float]:
     return f"{sum(row.solved for row in rows)}/{len(rows)}", median(spent), float(np.quantile(spent, 0.95))
 
 
-def _moves(whole: Sequence[Row], without: Sequence[Row]) -> bool:
-    """Whether an attempt matters in a family: more places are lost without it, or the slowest take longer."""
+def _moved(whole: Sequence[Row], without: Sequence[Row]) -> str:
+    """How an attempt matters in a family: how many more places are lost without it, or how much longer the p95 is."""
     lost = sum(row.solved for row in whole) - sum(row.solved for row in without)
-    return lost > MOVES_SOLVED * len(whole) or _figures(without)[2] > (1.0 + MOVES_TIME) * _figures(whole)[2]
+    if lost > MOVES_SOLVED * len(whole):
+        return f"{lost} lost"
+    before, after = (_figures(rows)[2] for rows in (whole, without))
+    slower = after > (1.0 + MOVES_TIME) * before and after - before > LEAST
+    return f"x {after / before:.1f}" if slower else ""
 
 
 def run(

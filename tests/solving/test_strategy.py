@@ -72,7 +72,7 @@ def everything_made() -> list[Attempt]:
 
 @pytest.fixture(autouse=True)
 def few_passages(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Close passages a few times and no more: each is a search over cells, and what is asked here begins with the first."""
+    """Close passages a few times and no more: each is a search over cells."""
     monkeypatch.setattr(own, "PASSAGES_SEARCHES", 6)
 
 

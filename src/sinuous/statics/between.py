@@ -44,7 +44,7 @@ class Ends(NamedTuple):
     soft : ndarray (N, 3)
         Compliance of bend, twist and stretch, the greatest of both ends; 0 of what is rigid.
     growth : ndarray (N,)
-        Change of the length without load, relative to the least.
+        Change of the length without load, relative to the least; 0 of what is rigid.
     """
 
     bend: Floats
@@ -173,7 +173,7 @@ def _ends(one: Rest, other: Rest) -> Ends:
         np.abs(change[:, t.TWIST]),
         np.abs(change[:, t.LENGTH]),
         soft,
-        np.abs(length[1] - length[0]) / np.maximum(length.min(axis=0), 1e-300),
+        soft.any(axis=1) * np.abs(length[1] - length[0]) / np.maximum(length.min(axis=0), 1e-300),
     )
 
 
@@ -187,7 +187,7 @@ def _bows(one: Rest, other: Rest, bow: Floats) -> Bows:
 
 def _widened(ends: Ends, bows: Bows) -> Ends:
     """The same of ways that are so far aside, either way."""
-    bend, length, growth = bows
+    bend, length, growth = bows.bend, bows.length, bows.growth * ends.soft.any(axis=1)
     return ends._replace(
         bend=ends.bend + bend,
         rest=ends.rest + bend,

@@ -8,7 +8,6 @@ import numba
 import numpy as np
 import pytest
 from llvmlite import binding as llvm
-from numba import types
 from numba.core.lowering import Lower
 
 from sinuous.kernels import compile as compiling
@@ -42,6 +41,7 @@ def test_an_entry_shows_nothing_but_itself() -> None:
 
 
 njit: Any = numba.njit
+typeof: Any = numba.typeof
 
 
 @njit  # type: ignore[untyped-decorator]
@@ -136,12 +136,12 @@ def test_kernels_are_lowered_as_numba_does(
                 best = (row[0], row)
         return best
 
-    texts = []
+    texts, points = [], np.zeros((2, 3))
     for lower in (once._Lower, Lower):
         monkeypatch.setattr(once._Lowering, "lowering_class", lower)
         monkeypatch.setattr(store, "CACHE", tmp_path_factory.mktemp("cache"))
         made = compiling.compiled_form(compiling.kernel(_copy(farthest)))
-        signature = types.float64[:, ::1], types.Tuple((types.float64, types.float64[::1]))
+        signature = typeof(points), typeof((0.0, points[0]))
         made.compile(signature)
         texts.append(str(made.overloads[signature].library.own_module()))
     assert "alloca" in texts[0]

@@ -222,7 +222,7 @@ def as_was(library: Any, kind: str, parts: list[Part | Whole]) -> None:
     library.parts = parts
 
 
-class _Lower(Lower):  # type: ignore[misc]
+class _Lower(Lower):
     """Writes the same code without asking how large each variable is, which serves debuggers alone.
 
     Numba prints and parses the type each time to find out, and those of tuples of arrays are long.
@@ -240,7 +240,7 @@ class _Lower(Lower):  # type: ignore[misc]
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class _Lowering(NativeLowering):  # type: ignore[misc]
+class _Lowering(NativeLowering):
     _name = "kernel_lowering"
     lowering_class = _Lower
 

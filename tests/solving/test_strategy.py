@@ -70,6 +70,12 @@ def everything_made() -> list[Attempt]:
         return made(searching(), patch)
 
 
+@pytest.fixture(autouse=True)
+def few_passages(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Close passages a few times and no more: each is a search over cells."""
+    monkeypatch.setattr(own, "PASSAGES_SEARCHES", 6)
+
+
 @pytest.fixture
 def narrow_beams(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let beams widen once and no more: nearly all of the time goes into wide ones."""

@@ -118,7 +118,7 @@ PASSAGES_CELLS_A_START = 1000
 classes than scattered starts do."""
 
 MakePassages = Callable[[Question, Floats], Passages]
-"""From a question and what routes have to keep (28,) to the passages of its routes."""
+"""From a question and what routes have to keep (27,) to the passages of its routes."""
 
 
 class Strategy:
@@ -268,7 +268,7 @@ class RouteAttempts:
         Where they are added.
     searches : Searches
     question : Question
-    query : ndarray (28,)
+    query : ndarray (27,)
         What routes have to keep.
     passages : callable, optional
         See `Strategy.batches`.

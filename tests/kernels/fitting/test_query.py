@@ -70,7 +70,7 @@ def test_only_segments_up_to_the_target_count() -> None:
 
 def test_the_plan_is_left_alone() -> None:
     _, query = asked(ROBOT, Target((0.0, 0.0, 2.0)))
-    assert (query[-6:] == 7.0).all()
+    assert (query[-5:] == 7.0).all()
 
 
 def test_without_a_position_nothing_is_asked() -> None:

@@ -79,7 +79,7 @@ def _vector(query: Array, at: int) -> Vec:
 
 @kernel
 def read_query(query: Array) -> Query:
-    """Take a query (28,) apart."""
+    """Take a query (27,) apart."""
     return Query(
         _vector(query, QUERY_ORIGIN),
         _vector(query, QUERY_AXIS),

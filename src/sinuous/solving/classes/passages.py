@@ -51,7 +51,7 @@ class Passages:
     curves : Curves
         Of the same robot and scene.
     question : Question
-    query : ndarray (28,)
+    query : ndarray (27,)
         What routes have to keep.
     solved : callable
         Says of a curve (N, 3) whether one of its class is solved.
@@ -146,7 +146,7 @@ class Passages:
 
 
 def _bounds(query: Floats, plan: Plan) -> Bounds:
-    """What screens have to keep in the searches of a query (28,) with cells as large as a plan's."""
+    """What screens have to keep in the searches of a query (27,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell
     return Bounds(

@@ -70,7 +70,7 @@ class Candidates:
     ----------
     searches : Searches
     question : Question
-    query : ndarray (28,)
+    query : ndarray (27,)
         What routes have to keep.
     without : collection of str
         Attempts that are switched off.
@@ -236,7 +236,7 @@ class Candidates:
         return np.stack(legs)
 
     def _leg(self, query: Floats, finest: bool) -> Floats | None:
-        """Return the route (K, 3) of one leg (28,), around edges or over cells; `None` where none is found."""
+        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found."""
         leg = self.around_edges(query)
         leg = self.through_side_tubes(query) if leg is None else leg
         for plan in self.searches.leg_plans(finest) if leg is None else ():

@@ -58,7 +58,7 @@ def segments_of(groups: Groups) -> list[int]:
 
 
 def query_of(groups: Groups) -> Floats | None:
-    """Return what a route to the most distal target has to keep (28,); `None`: no target has a position.
+    """Return what a route to the most distal target has to keep (27,); `None`: no target has a position.
 
     See `sinuous.kernels.tables`.
     """

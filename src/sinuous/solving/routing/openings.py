@@ -35,7 +35,7 @@ AHEAD = 2
 ORIGIN, GOAL = (slice(at, at + 3) for at in (t.QUERY_ORIGIN, t.QUERY_GOAL))
 
 Leg = Callable[[Floats], Floats | None]
-"""From what a route has to keep (28,) to a route (K, 3), or to none."""
+"""From what a route has to keep (27,) to a route (K, 3), or to none."""
 
 
 def tubes_beside(scene: Floats, edges: Floats, radius: float, seconds: float) -> list[Floats]:
@@ -123,7 +123,7 @@ def _add_from(
 
 
 def _asked(query: Floats, path: _Path) -> Floats:
-    """What the next leg of a path has to keep (28,)."""
+    """What the next leg of a path has to keep (27,)."""
     asked = query.copy()
     if path.lines:
         last = path.lines[-1]

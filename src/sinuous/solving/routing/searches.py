@@ -149,7 +149,7 @@ class Searches:
         return tuple(dict.fromkeys(plans))
 
     def query(self, problem: Problem) -> Floats | None:
-        """Return what a route has to keep (28,); see `query_of`."""
+        """Return what a route has to keep (27,); see `query_of`."""
         return query_of(self.groups(problem))
 
     def find(self, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:

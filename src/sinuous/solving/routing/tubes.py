@@ -65,7 +65,7 @@ class Tube(NamedTuple):
 
 
 def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
-    """Return the tube that the base lies in, from what a route has to keep (28,); `None` where there is none."""
+    """Return the tube that the base lies in, from what a route has to keep (27,); `None` where there is none."""
     radius, longest = query[t.QUERY_RADIUS], query[t.QUERY_LONGEST]
     if radius <= 0.0:
         return None

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.batch.cluster import NO_PAGE
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "cookbook.md").read_text(encoding="utf-8")
@@ -57,7 +58,7 @@ def scheduler_in(code: str) -> Iterator[str]:
     if SCHEDULER not in code:
         yield code
         return
-    settings = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    settings = {"n_workers": 1, "threads_per_worker": 1, "processes": False, **NO_PAGE}
     with pytest.importorskip("distributed").LocalCluster(**settings) as cluster:
         yield code.replace(SCHEDULER, cluster.scheduler_address)
 

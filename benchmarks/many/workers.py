@@ -10,7 +10,7 @@ from typing import Any
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.many.questions import ROBOT, spheres, table
-from sinuous.batch.cluster import distributed
+from sinuous.batch.cluster import NO_PAGE, distributed
 from sinuous.batch.solve import solve_batch
 
 SECTION = "engines, free poses and 40 spheres, chunks of 10,000, the better of three runs in turn"
@@ -40,7 +40,7 @@ def _best(solve: Callable[..., Any]) -> dict[str, float]:
     module = distributed()
     best: dict[str, float] = {}
     with (
-        module.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster,
+        module.LocalCluster(n_workers=2, threads_per_worker=1, silence_logs=50, **NO_PAGE) as cluster,
         module.Client(cluster) as client,
     ):
         solve(engine=client)  # what is loaded once a worker

@@ -24,6 +24,10 @@ CLOSING = 2.0
 WHY_LENGTH = 120
 """Letters of what Dask says that are repeated."""
 
+NO_PAGE: dict[str, Any] = {"dashboard_address": ":0", "scheduler_kwargs": {"dashboard": False}}
+"""What makes a `LocalCluster` of ours serve no page. An address it must have: without one it asks for port 8787, and
+warns where another cluster of this machine has it."""
+
 LOGGERS = "distributed", "tornado", "asyncio"
 """Packages that would log on many lines that a connection ended."""
 
@@ -98,8 +102,8 @@ class Dask(Engine):
                 logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             if where == LOCAL:
-                settings = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
-                self._own.append(module.LocalCluster(silence_logs=logging.CRITICAL, **settings))
+                settings = {"n_workers": workers, "threads_per_worker": 1, "silence_logs": logging.CRITICAL}
+                self._own.append(module.LocalCluster(**settings, **NO_PAGE))
             client = module.Client(self._own[0] if self._own else where, timeout=PATIENCE)
         except (OSError, ValueError, TypeError) as error:
             why = " ".join(str(error).split())[:WHY_LENGTH]

@@ -18,11 +18,13 @@ from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solving import strategy as own
 from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempts, read_without
+from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.growth import FIRST_WIDTH
-from sinuous.solving.routing.searches import Searches
+from sinuous.solving.routing.searches import Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import Strategy, attempts_of, plans_of
+from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
 from tests.solving.routing.questions import place
 
@@ -123,6 +125,23 @@ def test_an_attempt_may_add_others_which_come_in_their_turn() -> None:
     strategy.add("grown", 5, noted(order, "second"))
     list(strategy.batches())
     assert order == ["first", "cheap", "second", "dear"]
+
+
+@pytest.mark.parametrize(("seconds", "most"), [(60.0, 6), (0.5 * own.PASSAGES_RESERVE, 0)])
+def test_searches_through_other_passages_end_before_the_time_does(
+    seconds: float, most: int, monkeypatch: pytest.MonkeyPatch, narrow_beams: None
+) -> None:
+    searched: list[int] = []
+    routes = Passages.routes
+
+    def counted(self: Passages, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+        searched.append(len(closed))
+        return routes(self, closed, plan)
+
+    monkeypatch.setattr(Passages, "routes", counted)
+    searches = Searches(ROBOT, SCENE, Tolerance().for_robot(ROBOT))
+    list(attempts_of(question(seconds=seconds), Scattered(3, 1000), searches).batches())
+    assert len(searched) == most
 
 
 def test_nothing_is_made_before_it_is_asked_for_or_after_the_deadline() -> None:

@@ -1,5 +1,7 @@
 """Deformations: what is found must keep winding numbers, by other code; what is drawn tight must stay clear."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -124,7 +126,7 @@ def test_halfway_is_clear_and_leads_round() -> None:
     up = even(np.array([START, (0.0, 0.0, 1.1), END]))
     aside = even(np.array([START, (0.0, 1.1 * np.sin(angle), 1.1 * np.cos(angle)), END]))
     group, middle = BALL.snapshot().group.copy(), np.full_like(up, np.nan)
-    assert halfway(group, up, aside, KEEP, workspace(), middle)
+    assert halfway(group, up, aside, KEEP, math.inf, workspace(), middle)
     assert BALL.distance(middle).min() > SLACK * KEEP
     assert deform(BALL, up, middle)
     assert deform(BALL, middle, aside)
@@ -134,14 +136,14 @@ def test_halfway_between_both_sides_of_a_pillar_is_nothing() -> None:
     pillar = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.3)])
     left, right = (even(np.array([START, (0.0, y, 0.0), END])) for y in (0.5, -0.5))
     group = pillar.snapshot().group.copy()
-    assert not halfway(group, left, right, KEEP, workspace(), np.empty_like(left))
+    assert not halfway(group, left, right, KEEP, math.inf, workspace(), np.empty_like(left))
 
 
 def test_lines_of_sight_end_where_they_come_near() -> None:
     rng = np.random.default_rng(3)
     starts, ends = rng.uniform(-2.0, 2.0, (2, 200, 3))
     lengths, which = np.full(200, np.nan), np.full(200, -9)
-    see(PILLARS.snapshot().group.copy(), starts, ends, KEEP, workspace(), lengths, which)
+    see(PILLARS.snapshot().group.copy(), starts, ends, KEEP, math.inf, workspace(), lengths, which)
     shares = np.linspace(0.0, 1.0, 4001)
     for i in range(200):
         whole = float(np.linalg.norm(ends[i] - starts[i]))
@@ -163,3 +165,16 @@ def test_without_time_nothing_is_told_alike_nor_drawn_tight() -> None:
     assert deform(many, curve, curve)
     assert not deform(many, curve, curve, 0.0)
     assert length(tight(many, curve)) < 1.01 * np.linalg.norm(END - START) < length(tight(many, curve, 0.0))
+
+
+def test_without_time_nobody_knows_how_far_lines_are_seen() -> None:
+    many = Scene([Sphere((x, 9.0, 0.0), 0.1) for x in range(200)]).snapshot().group.copy()
+    starts, ends = np.tile(START, (50, 1)), np.tile(END, (50, 1))
+    for seconds, expected in ((60.0, -1), (0.0, -2)):
+        lengths, which = np.full(50, np.nan), np.full(50, -9)
+        see(many, starts, ends, KEEP, seconds, workspace(), lengths, which)
+        assert which[-1] == expected
+        assert (lengths[-1] == np.linalg.norm(END - START)) == (expected == -1)
+    up, aside = (even(np.array([START, (0.0, y, 0.0), END])) for y in (1.0, 1.2))
+    assert halfway(many, up, aside, KEEP, 60.0, workspace(), np.empty_like(up))
+    assert not halfway(many, up, aside, KEEP, 0.0, workspace(), np.empty_like(up))

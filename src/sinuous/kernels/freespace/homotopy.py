@@ -217,7 +217,7 @@ def _off(scene: Scene, p: Vec, keep: float) -> Vec:
 
 
 @entry
-def halfway(scene: Array, a: Array, b: Array, keep: float, workspace: Array, middle: Array) -> bool:
+def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, workspace: Array, middle: Array) -> bool:
     """Make a curve between two others: halfway between their points, pushed off the obstacles.
 
     Parameters
@@ -227,6 +227,8 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, workspace: Array, mid
     a, b : ndarray (N, 3)
     keep : float
         Distance from the obstacles to which points are pushed.
+    seconds : float
+        Budget; where it ends too soon, the curve counts as too near to the obstacles.
     workspace : ndarray (w,)
         Scratch, see `homotopy_workspace_size`.
     middle : ndarray (N, 3)
@@ -238,7 +240,7 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, workspace: Array, mid
         Whether all of the curve keeps nearly that distance, and it is no longer than both together.
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
-    _begin(clock, math.inf)
+    _begin(clock, seconds)
     count = a.shape[0]
     spare = workspace[CLOCK_SIZE:][: 3 * count].reshape((count, 3))
     most = 0.0
@@ -257,7 +259,16 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, workspace: Array, mid
 
 
 @entry
-def see(scene: Array, starts: Array, ends: Array, keep: float, workspace: Array, lengths: Array, which: Array) -> None:
+def see(
+    scene: Array,
+    starts: Array,
+    ends: Array,
+    keep: float,
+    seconds: float,
+    workspace: Array,
+    lengths: Array,
+    which: Array,
+) -> None:
     """Say how far lines keep their distance.
 
     Parameters
@@ -266,14 +277,17 @@ def see(scene: Array, starts: Array, ends: Array, keep: float, workspace: Array,
         Group, laid out as `sinuous.kernels.tables` says.
     starts, ends : ndarray (m, 3)
     keep : float
+    seconds : float
+        Budget; lines that it does not suffice for end early.
     workspace : ndarray (w,)
         Scratch, see `homotopy_workspace_size`.
     lengths : ndarray (m,)
         Filled with the length, from the start, that keeps the distance.
     which : ndarray (m,) int64
-        Filled with the obstacle that comes nearer then; -1 where the whole line keeps the distance.
+        Filled with the obstacle that comes nearer then; -1 where the whole line keeps the distance, -2
+        where there was no time to know.
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
-    _begin(clock, math.inf)
+    _begin(clock, seconds)
     for i in range(starts.shape[0]):
         lengths[i], which[i] = _ray(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, clock)

@@ -101,15 +101,17 @@ class Curves:
         """Draw a line tight whose points (k, 3) lie at these lengths (k,)."""
         wanted = np.linspace(min(self.mount, along[-1]), along[-1], self._points)
         curve = points_at(points, along, wanted)
-        homotopy.draw_tight(self._group, curve, self.keep, self._seconds(), self._workspace)
+        homotopy.draw_tight(self._group, curve, self.keep, self.seconds(), self._workspace)
         return curve
 
     def alike(self, a: Floats, b: Floats, depth: int = DEPTH) -> bool:
         """Whether a deformation of one curve (N, 3) into the other is found that stays clear."""
-        if homotopy.deforms(self._group, a, b, ALIKE * self.keep, self._seconds(), self._workspace):
+        if homotopy.deforms(self._group, a, b, ALIKE * self.keep, self.seconds(), self._workspace):
             return True
         middle = np.empty_like(a)
-        if depth == 0 or not homotopy.halfway(self._group, a, b, HALFWAY * self.keep, self._workspace, middle):
+        if depth == 0 or not homotopy.halfway(
+            self._group, a, b, HALFWAY * self.keep, self.seconds(), self._workspace, middle
+        ):
             return False
         return self.alike(a, middle, depth - 1) and self.alike(middle, b, depth - 1)
 
@@ -118,10 +120,13 @@ class Curves:
         apart = [float(np.abs(curve - other).max()) for other in others]
         return next((i for i in np.argsort(apart).tolist() if self.alike(curve, others[i])), None)
 
-    def see(self, starts: Floats, ends: Floats, keep: float) -> Seen:
-        """Look from points (m, 3) to points (m, 3), along lines that keep a distance from the obstacles."""
+    def see(self, starts: Floats, ends: Floats, keep: float, seconds: float = math.inf) -> Seen:
+        """Look from points (m, 3) to points (m, 3), along lines that keep a distance from the obstacles.
+
+        Lines for which the seconds do not suffice end early.
+        """
         lengths, which = np.empty(len(starts)), np.empty(len(starts), np.int64)
-        homotopy.see(self._group, starts.copy(), ends.copy(), keep, self._workspace, lengths, which)
+        homotopy.see(self._group, starts.copy(), ends.copy(), keep, seconds, self._workspace, lengths, which)
         return Seen(lengths, which)
 
     def between(self, a: Floats, b: Floats) -> NDArray[np.int64]:
@@ -133,7 +138,7 @@ class Curves:
         line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), self._points)
         homotopy.draw_tight(self._group, line, self.keep, 0.0, self._workspace)
         homotopy.deforms(self._group, line, line, self.keep, 0.0, self._workspace)
-        homotopy.halfway(self._group, line, line, self.keep, self._workspace, line.copy())
+        homotopy.halfway(self._group, line, line, self.keep, 0.0, self._workspace, line.copy())
         self.see(line[:1], line[:1], self.keep)
         self.scene.beside([Mesh(np.eye(3), [[0, 1, 2]])]).distance(np.zeros(3))
 
@@ -141,7 +146,8 @@ class Curves:
     def _group(self) -> Floats:
         return self.scene._kernel_group
 
-    def _seconds(self) -> float:
+    def seconds(self) -> float:
+        """Return how many seconds are left."""
         return max(0.0, self._deadline())
 
 

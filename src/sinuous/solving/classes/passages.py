@@ -75,7 +75,7 @@ class Passages:
         problem, plans = self._question.problem, self._searches.single_plans
         scene = self._curves.scene.beside([self._screens[i][1] for i in sorted(closed)])
         shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)
-        found = self._searches.find(shut, self._query, plan, self._question.deadline())
+        found = self._searches.find(shut, self._query, plan, self._curves.seconds())
         finest = plan.cell == plans[-1].cell and plan.cells == plans[-1].cells
         least = -np.inf if finest else WIDE * self._query[QUERY_RADIUS]
         return [route for route in found.routes if self._keeps(problem.scene, route) >= least], found.cells
@@ -104,10 +104,16 @@ class Passages:
         return len(self._known) > classes
 
     def closing(self, closed: frozenset[int], route: Floats) -> Iterator[frozenset[int]]:
-        """Yield what is closed together with each passage of a route (k, 3), unless that was closed before."""
+        """Yield what is closed together with each passage of a route (k, 3), unless that was closed before.
+
+        Ends where the time does: a screen takes as long as some searches.
+        """
         line = refined(route, FINE * self._query[QUERY_RADIUS])
         for passage in passages(line, self._curves.scene.distance(line), self._bounds):
-            more = closed | {self._number(passage)}
+            number = self._number(passage)
+            if self._curves.seconds() <= 0.0:
+                return
+            more = closed | {number}
             if more not in self._seen:
                 self._seen.add(more)
                 yield more

@@ -176,7 +176,8 @@ def _stars(curves: Curves, places: Floats, normals: Floats, count: int, bounds: 
     angles = 2.0 * np.pi / count * np.arange(count)
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1) @ across(normals)
     starts = np.repeat(places[:, None], count, axis=1)
-    seen = curves.see(starts.reshape(-1, 3), (starts + bounds.reach * rays).reshape(-1, 3), bounds.keep)
+    ends = starts + bounds.reach * rays
+    seen = curves.see(starts.reshape(-1, 3), ends.reshape(-1, 3), bounds.keep, curves.seconds())
     lengths = seen.lengths.reshape(-1, count)
     for end in bounds.ends:
         lengths = np.minimum(lengths, _up_to(end - places, rays, bounds.off_ends))

@@ -276,8 +276,7 @@ class Calibration(ShortRepr):
     def _off(self, residuals: Floats) -> Floats:
         """Error of each row (N,): of its worst point."""
         own = self.measurements.levers > 0.0
-        result: Floats = np.sqrt((np.nan_to_num(residuals[:, own]) ** 2).sum(axis=2)).max(axis=1)
-        return result
+        return np.sqrt((np.nan_to_num(residuals[:, own]) ** 2).sum(axis=2)).max(axis=1)
 
     def __repr__(self) -> str:
         own = self.expected

@@ -87,8 +87,7 @@ class Fit(NamedTuple):
 def predict(drawn: Robot, state: State, rows: Measurements) -> Floats:
     """Points (N, k, 3) in the frame of the device."""
     points = predicted(_model(drawn, state, rows), rows.actuators)
-    result: Floats = points @ state.pose[:3, :3].T + state.pose[:3, 3]
-    return result
+    return points @ state.pose[:3, :3].T + state.pose[:3, 3]
 
 
 def _model(drawn: Robot, state: State, rows: Measurements) -> Model:
@@ -99,8 +98,7 @@ def _model(drawn: Robot, state: State, rows: Measurements) -> Model:
 
 def errors(residuals: Floats) -> Floats:
     """How far a row is off altogether (N,)."""
-    result: Floats = np.sqrt(np.einsum("nkc,nkc->n", residuals, residuals))
-    return result
+    return np.sqrt(np.einsum("nkc,nkc->n", residuals, residuals))
 
 
 def fitted(drawn: Robot, start: State, rows: Measurements, steps: int = STEPS) -> Fit:
@@ -184,8 +182,7 @@ def _slopes(drawn: Robot, state: State, rows: Measurements) -> Floats:
 
 def _crossing(vectors: Floats) -> Floats:
     """Matrices (..., 3, 3) that make cross products `vectors x ...`."""
-    result: Floats = -np.cross(vectors[..., None, :], np.eye(3))
-    return result
+    return -np.cross(vectors[..., None, :], np.eye(3))
 
 
 def _loss(state: State, residuals: Floats, scale: float) -> float:

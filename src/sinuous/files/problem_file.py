@@ -159,12 +159,6 @@ class ProblemFile(Frozen):
         yield f"{len(self.waypoints)} waypoints" if self.is_path else self._asks()
         yield f"{len(self.scene)} obstacles"
 
-    def preferring(self, prefer: Preferences) -> Self:
-        """Return the same with other preferences; the scene is shared."""
-        other = object.__new__(type(self))
-        other._set(**{**vars(self), "prefer": prefer})
-        return other
-
     def demanding(self, clearance: OneEach | None, self_clearance: OneEach | None) -> Self:
         """Return the same with other clearances that the body has to keep, where they are given."""
         other = object.__new__(type(self))

@@ -60,8 +60,7 @@ class BlendedPath:
         """Places (..., n, 3) on pieces (...), or their first or second derivative by s."""
         c0, c1, c2 = np.moveaxis(self.pieces[piece], -3, 0)
         along = np.asarray(s)[..., None, None]
-        result: Floats = (c0 + along * (c1 + along * c2), c1 + 2.0 * along * c2, 2.0 * c2)[order]
-        return result
+        return (c0 + along * (c1 + along * c2), c1 + 2.0 * along * c2, 2.0 * c2)[order]
 
 
 @dataclass(frozen=True)
@@ -145,8 +144,7 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
         turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)
         never = not robot.avoids_itself or (np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi) & (not robot.hangs)
         own = np.where(never, np.inf, 0.0)
-    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
-    return margins
+    return KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
 
 
 def stop_at_corners(legs: Legs) -> BlendedPath:
@@ -247,8 +245,7 @@ def _led(robot: Robot, begin: Rest, drives: Floats) -> list[Rest]:
 def levers_of(robot: Robot, q: Floats) -> Floats:
     """Length (n,) of the body from the beginning of every segment to the tip, and to the tool, at most."""
     longest = q[..., 2].max(axis=0)
-    tool: Floats = np.cumsum(longest[::-1])[::-1] + float(np.linalg.norm(robot.tool[:3, 3]))
-    return tool
+    return np.cumsum(longest[::-1])[::-1] + float(np.linalg.norm(robot.tool[:3, 3]))
 
 
 def reach_of(moves: Floats, levers: Floats) -> Floats:
@@ -256,5 +253,4 @@ def reach_of(moves: Floats, levers: Floats) -> Floats:
 
     A bend turns what lies beyond it by at most as much as it changes.
     """
-    far: Floats = np.hypot(moves[..., 0], moves[..., 1]) @ levers + np.abs(moves[..., 2]).sum(axis=-1)
-    return far
+    return np.hypot(moves[..., 0], moves[..., 1]) @ levers + np.abs(moves[..., 2]).sum(axis=-1)

@@ -183,5 +183,4 @@ def _across(off: Floats, tangents: Floats) -> Floats:
     """Part of vectors (..., places, 3) across the tangents, flat (..., 3 places); the tip's weighs more."""
     rest = off - (off * tangents).sum(axis=-1, keepdims=True) * tangents
     rest[..., -1, :] *= TIP
-    flat: Floats = rest.reshape(*rest.shape[:-2], -1)
-    return flat
+    return rest.reshape(*rest.shape[:-2], -1)

@@ -196,8 +196,7 @@ def _backbone(solution: Solution) -> Floats:
     body, arcs = bodies_at(robot, solution.q[None])
     points = body.backbone(arcs[0])
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9 * robot.mean_length
-    kept: Floats = points[np.append(True, apart)]
-    return kept
+    return points[np.append(True, apart)]
 
 
 class _Leader:
@@ -282,8 +281,7 @@ class _Leader:
         """Shapes (t, n, 3) to begin from at other depths: laid, and as far aside of that as knots have been led."""
         led = (self.q - self.shapes(self.depths)).reshape(len(self.q), -1)
         aside = np.stack([np.interp(depths, self.depths, column) for column in led.T], axis=-1)
-        near: Floats = self.shapes(depths) + aside.reshape(-1, *self.q.shape[1:])
-        return near
+        return self.shapes(depths) + aside.reshape(-1, *self.q.shape[1:])
 
     def _proved(self, prover: Prover) -> Steps:
         """Prove all steps; what was found of one before is kept."""

@@ -47,8 +47,7 @@ def largest(robot: Robot, spread: Spread, slopes: Floats) -> Floats:
         ],
         axis=-1,
     ).max(axis=-1)
-    most: Floats = np.divide(1.0, sizes, out=np.full(len(sizes), np.inf), where=sizes > 0.0)
-    return most
+    return np.divide(1.0, sizes, out=np.full(len(sizes), np.inf), where=sizes > 0.0)
 
 
 def scale_with_stops(robot: Robot, path: BlendedPath, rates: Spread, accelerations: Spread | None) -> Scaling:

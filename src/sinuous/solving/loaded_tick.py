@@ -224,8 +224,7 @@ class LoadedTick:
 
     def _moved(self, change: Floats) -> Floats:
         """A change of the drive (n, 3) in units of the scale (3 n,)."""
-        result: Floats = change.ravel() / np.where(self._scale > 0.0, self._scale, 1.0)
-        return result
+        return change.ravel() / np.where(self._scale > 0.0, self._scale, 1.0)
 
     def _errors(self, rest: Rest, goals: tuple[Target, ...]) -> tuple[Floats, float, float]:
         return errors_of(rest, goals, self._robot.mean_length) if goals else (np.zeros(0), 0.0, 0.0)

@@ -256,8 +256,7 @@ def _pull(ends: Ends, weights: Weights, offsets: Floats, share: Floats, long: Fl
 
 def _angles(ends: Ends) -> Floats:
     """Sum of the angles by which the body changes, up to the end of every arc (N,)."""
-    result: Floats = np.cumsum(ends.bend_change + ends.twist_change)
-    return result
+    return np.cumsum(ends.bend_change + ends.twist_change)
 
 
 def _aside(ends: Ends, bows: Bows, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
@@ -343,5 +342,4 @@ def _half(ends: Ends) -> Ends:
 def _unrolled(ends: Ends) -> Floats:
     """By how much bends (N,), turned so that no arc is twisted, leave the straight way between both ends."""
     rolled = np.cumsum(ends.twist_change) - ends.twist_change
-    result: Floats = 0.125 * (ends.bend * rolled**2 + 2.0 * ends.bend_change * rolled)
-    return result
+    return 0.125 * (ends.bend * rolled**2 + 2.0 * ends.bend_change * rolled)

@@ -119,14 +119,12 @@ class Equilibrium(Frozen):
         ends = body_of(self.robot).ends
         frames = self.body.forward(self.arcs)[ends]
         rolls = np.cumsum(self.states[:, t.TWIST])[ends]
-        result: Floats = frames @ np.stack([_roll(float(angle)) for angle in rolls])
-        return result
+        return frames @ np.stack([_roll(float(angle)) for angle in rolls])
 
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        result: Floats = self.poses[-1] @ self.robot.tool
-        return result
+        return self.poses[-1] @ self.robot.tool
 
     def forces(self) -> Iterator[tuple[Floats, Floats]]:
         """Yield where each force and payload pulls, and the force (3,), in world axes; weights of the body are not."""

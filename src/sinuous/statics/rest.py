@@ -134,8 +134,7 @@ class Rest:
     def rolls(self) -> Floats:
         """By how much the ends of all arcs have rolled (N,), rad."""
         assert self.states is not None
-        result: Floats = np.cumsum(self.states[:, t.TWIST])
-        return result
+        return np.cumsum(self.states[:, t.TWIST])
 
     @cached_property
     def arcs(self) -> Floats:

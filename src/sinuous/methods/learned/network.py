@@ -161,8 +161,7 @@ def evaluate(layers: Layers, values: Floats) -> Floats:
     """What a network makes of its inputs (m, i): outputs (m, o)."""
     for each in layers[:-1]:
         values = np.tanh(values @ each[:-1] + each[-1])
-    found: Floats = values @ layers[-1][:-1] + layers[-1][-1]
-    return found
+    return values @ layers[-1][:-1] + layers[-1][-1]
 
 
 def _packed(layers: Layers) -> Floats:

@@ -182,5 +182,4 @@ def _with_one(values: Floats) -> Floats:
 def _spread(values: Floats) -> Floats:
     """Standard deviations (k,); 1 where nothing varies."""
     own = values.std(axis=0)
-    found: Floats = np.where(own > 1e-12 * np.abs(values).max(initial=1.0), own, 1.0)
-    return found
+    return np.where(own > 1e-12 * np.abs(values).max(initial=1.0), own, 1.0)

@@ -6,7 +6,6 @@ import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -56,22 +55,6 @@ WORTH_KEEPING = 0.1
 
 VERSION = 2
 """Raised when the samples of the same obstacle come out differently."""
-
-
-@dataclass(frozen=True)
-class Samples:
-    """Distances at the points `low + spacing * (i, j, k)`.
-
-    Attributes
-    ----------
-    values : ndarray (nx, ny, nz)
-    low : ndarray (3,)
-    spacing : float
-    """
-
-    values: Floats
-    low: Floats
-    spacing: float
 
 
 def sampling_grid(low: Floats, high: Floats, most: int) -> tuple[Floats, float, tuple[int, int, int]]:

@@ -138,5 +138,4 @@ def _asked(query: Floats, path: _Path) -> Floats:
 
 
 def _unit(vector: Floats) -> Floats:
-    unit: Floats = vector / max(np.linalg.norm(vector), np.finfo(float).tiny)
-    return unit
+    return vector / max(np.linalg.norm(vector), np.finfo(float).tiny)

@@ -94,8 +94,7 @@ def end_of(groups: Groups, chain: Floats) -> Floats:
     """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
     base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, t.POSE_WIDTH))
     frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
-    end: Floats = frames[0, -1]
-    return end
+    return frames[0, -1]
 
 
 def searched(groups: Groups, chains: Floats, own: tuple[int, int], deadline: Deadline) -> Outcome:
@@ -142,8 +141,7 @@ def backbone_of(groups: Groups, chain: Floats) -> Floats:
     frames, points = np.empty((1, n + 1, t.POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
     frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     points_of(chain[None].copy(), frames, SAMPLES, points)
-    line: Floats = points[0]
-    return line
+    return points[0]
 
 
 def segments_in(robot: Floats) -> Floats:

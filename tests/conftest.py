@@ -96,7 +96,7 @@ FIRST = (
     "methods/test_slinki.py",
     "methods/fabrik/test_reaching.py",
     "methods/test_monte_carlo.py",
-    "methods/fabrik/test_avoiding.py",
+    "methods/fabrik/test_reaching_avoiding.py",
     "solving/test_options.py",  # preferences
     "solving/test_live.py",
     "viewer/test_page.py",  # waits for a browser

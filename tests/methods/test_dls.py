@@ -10,8 +10,8 @@ from sinuous.methods.dls import Dls
 from sinuous.packing import pose_row
 from tests.helpers import columns_of, frames_of, make_rows, random_pose, refused, vec
 from tests.methods import laws
-from tests.methods.fabrik.test_conversion import within
 from tests.methods.fabrik.test_links import MIXED
+from tests.methods.fabrik.test_links_conversion import within
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -42,7 +42,7 @@ from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
-from tests.methods.test_judge import checker
+from tests.methods.test_search_judge import checker
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.1)
 RIGHT = np.array([[0.5, 0.2, 1.0]] * 2)

@@ -11,7 +11,7 @@ from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Path
 from tests.helpers import Floats
 from tests.kernels.workspace import make_clock
-from tests.methods.opti_path.test_costs import WEIGHTS, aim, arc_costs, c_of, field, setting
+from tests.methods.opti_path.test_gradient_costs import WEIGHTS, aim, arc_costs, c_of, field, setting
 from tests.methods.opti_path.test_path import N, make_path, wavy
 
 

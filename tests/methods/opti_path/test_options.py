@@ -10,7 +10,7 @@ from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_conf
 from sinuous import methods
 from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
-from sinuous.methods.opti_path import search as path_steps
+from sinuous.methods.opti_path import search
 from sinuous.methods.opti_path import starts as path_starts
 from sinuous.methods.opti_path.gradient import Exponent, PotentialKind, Setting, Weights
 from sinuous.methods.opti_path.path import Aim
@@ -84,7 +84,7 @@ def lengths_after(target: sn.Target, iterations: int, exponent: Exponent) -> Flo
         seen.append(path.arcs[:, 14].max())
         weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
         path_gradient.gradient_backwards(nothing, setting, weights, aim, path, False, make_clock())
-        path_steps.move(setting, path, 57.5)
+        search.move(setting, path, 57.5)
     return np.array(seen)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import gradient as path_costs
+from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path.gradient import OrientationCost, Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Aim, get_arc
@@ -82,6 +82,6 @@ def test_an_arc_costs_what_the_paper_says(seed: int, orientation: OrientationCos
     shapes, bodies = arc_costs(points, chosen)
     for k in range(N):
         arc = get_arc(path.arcs, k)
-        assert path_costs.shape_cost(own, WEIGHTS, aim(), path, k, arc) == pytest.approx(shapes[k], abs=1e-9)
-        body = path_costs.body_cost(field(), own, WEIGHTS, path, k, vec(points[k]), arc)
+        assert path_gradient.shape_cost(own, WEIGHTS, aim(), path, k, arc) == pytest.approx(shapes[k], abs=1e-9)
+        body = path_gradient.body_cost(field(), own, WEIGHTS, path, k, vec(points[k]), arc)
         assert body == pytest.approx(bodies[k], abs=1e-9)

@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import path as bezier
+from sinuous.methods.opti_path import path as paths
 from tests.helpers import Floats, as_matrix, expm_chain, frames_of, random_pose, random_unit, twist_matrix, vec
 
 HALVES = (0.0, 1e-9, 1e-4, 0.0199, 0.0201, 0.3, 1.2, math.pi / 2 - 1e-9, math.pi / 2, 2.0, 3.0)
@@ -26,7 +26,7 @@ def arcs(seed: int, count: int) -> list[tuple[Floats, Floats, Floats, float]]:
 
 
 def make(a: Floats, b: Floats, t: Floats) -> Any:
-    return bezier.arc_between(vec(a), vec(b), vec(t))
+    return paths.arc_between(vec(a), vec(b), vec(t))
 
 
 def chain(rng: np.random.Generator, n: int, most: float) -> Floats:
@@ -48,15 +48,15 @@ def test_an_arc_is_the_exponential_of_its_twist() -> None:
         frame[:3, :3], frame[:3, 3] = np.stack([side, np.cross(t, side), t], axis=-1), a
         end = frame @ expm(twist_matrix(np.array([2.0 * half, 0.0, arc.length])))
         np.testing.assert_allclose(end[:3, 3], b, atol=1e-8)
-        np.testing.assert_allclose(bezier.end_tangent(arc), end[:3, 2], atol=1e-8)
+        np.testing.assert_allclose(paths.end_tangent(arc), end[:3, 2], atol=1e-8)
 
 
 def test_the_next_tangent_is_a_reflection() -> None:
     for a, b, t, _ in arcs(1, 100):
         e = (b - a) / np.linalg.norm(b - a)
-        turned = np.array(bezier.end_tangent(make(a, b, t)))
+        turned = np.array(paths.end_tangent(make(a, b, t)))
         np.testing.assert_allclose(turned, (2.0 * np.outer(e, e) - np.eye(3)) @ t, atol=1e-12)
-        back = bezier.end_tangent(make(b, a, -turned))
+        back = paths.end_tangent(make(b, a, -turned))
         np.testing.assert_allclose(back, -t, atol=1e-12)
 
 
@@ -64,7 +64,7 @@ def test_the_length_is_that_of_the_bezier_curve() -> None:
     for a, b, t, half in arcs(2, 60):
         arc = make(a, b, t)
         if half < 2.6:
-            points = np.array([bezier.offset(arc, u) for u in np.linspace(0.0, 1.0, 4001)])
+            points = np.array([paths.offset(arc, u) for u in np.linspace(0.0, 1.0, 4001)])
             chords = np.linalg.norm(np.diff(points, axis=0), axis=-1).sum()
             assert chords == pytest.approx(arc.length, rel=1e-5)
         curvature = 2.0 * math.sin(arc.x) / arc.chord
@@ -77,12 +77,12 @@ def test_bezier_points_lie_on_the_arc() -> None:
     for a, b, t, half in arcs(3, 60):
         arc = make(a, b, t)
         for u in (0.0, 0.13, 0.5, 0.9, 1.0):
-            r = np.array(bezier.offset(arc, u))
+            r = np.array(paths.offset(arc, u))
             part = math.atan2(float(np.linalg.norm(np.cross(t, r))), float(t @ r)) if np.any(r) else 0.0
             wanted = arc.chord * (math.sin(part) / math.sin(half) if half > 1e-3 else u)
             assert np.linalg.norm(r) == pytest.approx(wanted, rel=1e-6, abs=1e-9)
             assert part <= half + 1e-9
-        np.testing.assert_allclose(bezier.offset(arc, 1.0), b - a, atol=1e-9)
+        np.testing.assert_allclose(paths.offset(arc, 1.0), b - a, atol=1e-9)
 
 
 def test_the_form_with_a_control_point_is_the_same() -> None:
@@ -100,7 +100,7 @@ def test_the_form_with_a_control_point_is_the_same() -> None:
         for u in (0.2, 0.5, 0.7):
             middle = sign * 2.0 * u * (1.0 - u) * omega
             y = ((1.0 - u) ** 2 * a + middle * c + u**2 * b) / ((1.0 - u) ** 2 + middle + u**2)
-            np.testing.assert_allclose(a + bezier.offset(arc, u), y, rtol=1e-7, atol=1e-7)
+            np.testing.assert_allclose(a + paths.offset(arc, u), y, rtol=1e-7, atol=1e-7)
 
 
 def slope(function: Any, x: Floats, force: Floats) -> Floats:
@@ -134,25 +134,25 @@ def test_derivatives_are_those_of_differences() -> None:
             (
                 lambda d, a=a, t=t: make(a, a + d, t).length,
                 lambda s, a=a, b=b: make(a, b, turned(s)).length,
-                bezier.pull_length(arc, 1.0),
+                paths.pull_length(arc, 1.0),
                 np.ones(1),
             ),
             (
                 lambda d, a=a, t=t: make(a, a + d, t).w,
                 lambda s, a=a, b=b: make(a, b, turned(s)).w,
-                bezier.pull_weight(arc, 1.0),
+                paths.pull_weight(arc, 1.0),
                 np.ones(1),
             ),
             (
-                lambda d, a=a, t=t: np.array(bezier.end_tangent(make(a, a + d, t))),
-                lambda s, a=a, b=b: np.array(bezier.end_tangent(make(a, b, turned(s)))),
-                bezier.pull_tangent(arc, vec(force)),
+                lambda d, a=a, t=t: np.array(paths.end_tangent(make(a, a + d, t))),
+                lambda s, a=a, b=b: np.array(paths.end_tangent(make(a, b, turned(s)))),
+                paths.pull_tangent(arc, vec(force)),
                 force,
             ),
             (
-                lambda d, a=a, t=t: np.array(bezier.offset(make(a, a + d, t), 0.3)),
-                lambda s, a=a, b=b: np.array(bezier.offset(make(a, b, turned(s)), 0.3)),
-                bezier.pull_point(arc, 0.3, bezier.offset(arc, 0.3), vec(force)),
+                lambda d, a=a, t=t: np.array(paths.offset(make(a, a + d, t), 0.3)),
+                lambda s, a=a, b=b: np.array(paths.offset(make(a, b, turned(s)), 0.3)),
+                paths.pull_point(arc, 0.3, paths.offset(arc, 0.3), vec(force)),
                 force,
             ),
         ]
@@ -171,7 +171,7 @@ def test_a_moved_point_turns_all_later_tangents_alternately() -> None:
         p, t, out = points.copy(), np.array([0.0, 0.0, 1.0]), []
         p[3, 0] += moved
         for k in range(n):
-            t = np.array(bezier.end_tangent(make(p[k], p[k + 1], t)))
+            t = np.array(paths.end_tangent(make(p[k], p[k + 1], t)))
             out.append(t)
         return np.array(out)
 
@@ -187,9 +187,9 @@ def test_points_give_the_configuration_that_they_came_from() -> None:
             base, q = random_pose(rng), chain(rng, n, 1.98 * math.pi)
             frames = frames_of(q, base)
             points, found = np.empty((n + 1, 3)), np.empty((n, 3))
-            bezier.put_points(frames, points)
+            paths.put_points(frames, points)
             np.testing.assert_allclose(points, [pose[:3, 3] for pose in expm_chain(q, base)], atol=1e-9)
-            bezier.configuration_of(points, frames.copy(), found)
+            paths.configuration_of(points, frames.copy(), found)
             np.testing.assert_allclose(found, q, atol=1e-7)
 
 
@@ -200,7 +200,7 @@ def test_a_configuration_goes_through_its_points() -> None:
         points = np.concatenate([[base[:3, 3]], base[:3, 3] + rng.normal(size=(6, 3))])
         frames, q = np.zeros((7, 12)), np.empty((6, 3))
         frames[0] = [*base[:3, :3].ravel(), *base[:3, 3]]
-        bezier.configuration_of(points, frames, q)
+        paths.configuration_of(points, frames, q)
         poses = expm_chain(q, base)
         np.testing.assert_allclose([pose[:3, 3] for pose in poses], points, atol=1e-7)
         t = base[:3, 2]
@@ -208,7 +208,7 @@ def test_a_configuration_goes_through_its_points() -> None:
             arc = make(points[k], points[k + 1], t)
             assert q[k, 2] == pytest.approx(arc.length, rel=1e-9)
             assert math.hypot(q[k, 0], q[k, 1]) == pytest.approx(2.0 * arc.x, rel=1e-9)
-            t = np.array(bezier.end_tangent(arc))
+            t = np.array(paths.end_tangent(arc))
             np.testing.assert_allclose(t, poses[k + 1][:3, 2], atol=1e-7)
 
 
@@ -221,14 +221,14 @@ def test_nothing_is_divided_by_zero() -> None:
     assert closed.length > 1e5
     for arc in (nothing, closed):
         pulled = (
-            bezier.pull_length(arc, 0.0),
-            bezier.pull_tangent(arc, (0.0, 0.0, 0.0)),
-            bezier.pull_point(arc, 0.5, bezier.offset(arc, 0.5), (0.0, 0.0, 0.0)),
+            paths.pull_length(arc, 0.0),
+            paths.pull_tangent(arc, (0.0, 0.0, 0.0)),
+            paths.pull_point(arc, 0.5, paths.offset(arc, 0.5), (0.0, 0.0, 0.0)),
         )
         assert np.isfinite(np.array(pulled)).all()
     frames, q = np.zeros((2, 12)), np.empty((1, 3))
     frames[0] = [*np.eye(3).ravel(), 0.0, 0.0, 0.0]
-    bezier.configuration_of(np.zeros((2, 3)), frames, q)
+    paths.configuration_of(np.zeros((2, 3)), frames, q)
     np.testing.assert_array_equal(q, 0.0)
 
 
@@ -238,5 +238,5 @@ def test_along_arc_is_the_exponential() -> None:
     for bend in (0.0, 1e-10, 0.4, 3.0, 6.0):
         for s in (0.0, 0.3, 1.0):
             pose = expm(s * twist_matrix(np.array([bend, 0.0, 2.0])))
-            p = bezier.along_arc((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), bend, 2.0, s)
+            p = paths.along_arc((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), bend, 2.0, s)
             np.testing.assert_allclose(as_matrix(np.eye(3), p)[:3, 3], pose[:3, 3], atol=1e-9)

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm
 
 from sinuous.kernels.problem import Problem
-from sinuous.methods.fabrik import links as conversion
+from sinuous.methods.fabrik import links as fabrik
 from sinuous.methods.fabrik.links import STEEPEST
 from sinuous.packing import pose_row
 from sinuous.problem.target import Target
@@ -31,7 +31,7 @@ def test_a_configuration_within_the_limits_is_taken_over_as_it_is(seed: int) -> 
     base = random_pose(np.random.default_rng(seed))
     q = within(MIXED, seed)
     chain, frames, found = make_chain(5), frames_of(np.zeros((5, 3)), base), q.copy()
-    conversion.fold(MIXED.limits, chain, frames, seed % 2 == 0, found)
+    fabrik.fold(MIXED.limits, chain, frames, seed % 2 == 0, found)
     np.testing.assert_allclose(found, q, atol=1e-15)
     poses = expm_chain(q, base)
     np.testing.assert_allclose(chain.points, [pose[:3, 3] for pose in poses], atol=1e-12)
@@ -50,9 +50,9 @@ def test_unfolding_undoes_folding(pieces: int) -> None:
         base = random_pose(rng)
         chain, frames = make_chain(5, pieces, 0.4), frames_of(np.zeros((5, 3)), base)
         folded = within(MIXED, seed) * [0.4, 0.4, 1.0]
-        conversion.fold(MIXED.limits, chain, frames, False, folded)
+        fabrik.fold(MIXED.limits, chain, frames, False, folded)
         found = np.full((5, 3), np.nan)
-        conversion.unfold(chain, frames, found)
+        fabrik.unfold(chain, frames, found)
         np.testing.assert_allclose(found, folded, atol=1e-12)
         np.testing.assert_allclose(frames[-1], frames_of(folded, base)[-1], atol=1e-12)
         np.testing.assert_allclose(chain.points[-1], frames[-1, 9:], atol=1e-9)
@@ -62,7 +62,7 @@ def test_what_the_limits_forbid_is_not_taken_over() -> None:
     for scale in (3.0, 50.0):
         chain, frames = make_chain(5), frames_of(np.zeros((5, 3)))
         q = within(MIXED, 3) * scale
-        conversion.fold(MIXED.limits, chain, frames, True, q)
+        fabrik.fold(MIXED.limits, chain, frames, True, q)
         assert MIXED.excess(q) <= 1e-12
 
 
@@ -71,7 +71,7 @@ def test_a_rotation_vector_is_the_exponential_of_its_matrix() -> None:
     for size in (0.0, 1e-9, 0.3, 2.0, math.pi, 5.0):
         w = rng.normal(size=3)
         w *= size / np.linalg.norm(w)
-        np.testing.assert_allclose(np.array(conversion.rotation_of(vec(w))), expm(skew(w)), atol=1e-13)
+        np.testing.assert_allclose(np.array(fabrik.rotation_of(vec(w))), expm(skew(w)), atol=1e-13)
 
 
 def problem_of(target: Target, tool: Floats) -> Any:
@@ -89,7 +89,7 @@ def test_a_tool_at_its_target_asks_for_the_end_where_it_is(seed: int) -> None:
     for tool in (np.eye(4), as_matrix(np.eye(3), [0, 0, 0.7]), random_pose(rng)):
         at = end @ tool
         for direction in (None, at[:3, 2]):
-            goal, aim, aimed = conversion.end_goal(problem_of(Target(at[:3, 3], direction=direction), tool), frames)
+            goal, aim, aimed = fabrik.end_goal(problem_of(Target(at[:3, 3], direction=direction), tool), frames)
             assert aimed == (direction is not None)
             np.testing.assert_allclose(goal, end[:3, 3], atol=1e-12)
             np.testing.assert_allclose(aim, end[:3, 2], atol=1e-12)
@@ -102,7 +102,7 @@ def test_the_end_that_is_asked_for_has_the_tool_at_the_target(seed: int) -> None
     tool = as_matrix(np.eye(3), [0, 0, 0.7]) if seed % 2 else random_pose(rng)
     place, direction = rng.normal(size=(2, 3))
     direction /= np.linalg.norm(direction)
-    goal, aim, aimed = conversion.end_goal(problem_of(Target(place, direction=direction), tool), frames)
+    goal, aim, aimed = fabrik.end_goal(problem_of(Target(place, direction=direction), tool), frames)
     assert aimed
     # Whatever the roll, the tool's axis and its offset are as far apart as tool and tip are.
     shift = place - np.array(goal)

@@ -208,7 +208,7 @@ class Calibration(ShortRepr):
         count = len(rows.rows)
         if share * (count + 1) > count:
             needed = f"at least {math.ceil(share / (1.0 - share))} rows" if share < 1.0 else "a level below 1"
-            raise InputError("measured", f"{count} rows for a bound at {share:.4g}", None, needed)
+            raise InputError("measured", f"rows for a bound at {share:.4g}", count, needed)
         points = rows.points @ self.device[:3, :3].T + self.device[:3, 3]
         off = predicted(model(self.robot, Values((), np.zeros(0)), rows.places), rows.actuators) - points
         usual, length = float(np.nanmedian(np.linalg.norm(off, axis=-1))), self.robot.mean_length

@@ -37,8 +37,8 @@ def read_table(file: Path, names: list[str]) -> Measured:
     InputError
         When a column is missing, or a cell holds no number.
     """
-    text = read_text(file, "")
     with checks.in_file(file):
+        text = read_text(file)
         rows = [row for row in csv.reader(line for line in io.StringIO(text) if not line.startswith("#")) if row]
         if len(rows) < 2:
             raise InputError("", "no rows", None, "a header and one row a measurement")

@@ -10,10 +10,9 @@ from sinuous import checks
 from sinuous.calibration.calibrate import Frame, calibrate
 from sinuous.calibration.table import read_table
 from sinuous.cli.options import SOLVED, check_outputs
+from sinuous.files.documents import read_part, read_values
 from sinuous.files.nouns import read_robot
 from sinuous.files.results import json_line
-from sinuous.files.text import read_text
-from sinuous.files.yaml_syntax import parse_yaml
 from sinuous.pictures.charts import plot_calibration
 from sinuous.robot.robot import Robot
 
@@ -65,12 +64,8 @@ def calibrate_file(
 
 def _robot_of(file: Path) -> Robot:
     """The robot of a problem file, or of a file that holds a robot alone."""
-    own = parse_yaml(read_text(file, ""))
     with checks.in_file(file):
+        own = read_values(file)
         if isinstance(own, dict) and "robot" in own:
-            inner = own["robot"]
-            if isinstance(inner, str):
-                return _robot_of(file.parent / inner)
-            with checks.inside("robot"):
-                return read_robot(inner)
+            return read_part("robot", own["robot"], file.parent, lambda values, _: read_robot(values))
         return read_robot(own)

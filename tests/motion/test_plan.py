@@ -180,3 +180,17 @@ def test_a_motion_to_a_configuration_is_read_again() -> None:
     motion = sn.plan(ROBOT, start, goal, scene)
     again = report.read(sn.Motion, motion.to_dict(), (), (ROBOT, motion.scene))
     assert again.to_dict() == motion.to_dict()
+
+
+def test_another_unit_of_length_changes_nothing() -> None:
+    """A unit that is a power of two: no product or sum is rounded otherwise."""
+    unit = 1024.0
+    robot = sn.Robot([sn.Segment((0.8, 1.2), 2.8, radius=0.1)] * 4)
+    other = sn.Robot([sn.Segment((0.8 * unit, 1.2 * unit), 2.8, radius=0.1 * unit)] * 4)
+    for seed in range(4):
+        scene, ends = pair(seed, robot)
+        far = sn.Scene([sn.Sphere(unit * np.asarray(ball.center), unit * ball.radius) for ball in scene.obstacles])
+        motion, scaled = sn.plan(robot, *ends, scene), sn.plan(other, *(ends * [1.0, 1.0, unit]), far)
+        np.testing.assert_array_equal(scaled.q, motion.q * [1.0, 1.0, unit])
+        assert scaled.clearance == unit * motion.clearance
+        assert scaled.self_clearance == unit * motion.self_clearance

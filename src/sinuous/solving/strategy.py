@@ -88,6 +88,9 @@ double as long as there is time."""
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
 
+DETOURS = 64
+"""Most detours of a route (cells, two doors)."""
+
 GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
 """By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
 
@@ -385,9 +388,10 @@ class RouteAttempts:
         stowed = self._candidates.to_be_stowed(routes[0])
         noted = [self._candidates.note(route, finest) for route in routes]
         if noted[0] is not None:
-            self._add_grown(noted[0])
             if not self._question.several:
+                self._add_detour(noted[0], first=0 if stowed else 1)
                 self._add_gates(noted[0])
+            self._add_grown(noted[0])
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
@@ -404,6 +408,21 @@ class RouteAttempts:
         while width <= LAST_WIDTH:
             self._add_along("grown", candidate, GROWN_COST * width, partial(self._candidates.grown, candidate, width))
             width *= 2
+
+    def _add_detour(self, candidate: Candidate, first: int, number: int = 0) -> None:
+        """Add chains along a route that is led aside, as dear as the least beams; each is dearer than the one before.
+
+        The first is as dear as number `first`.
+        """
+        if number < DETOURS:
+            cost = GROWN_COST * FIRST_WIDTH
+            make = partial(self._detour, candidate, first, number)
+            self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
+
+    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[Batch]:
+        """Make chains along a route that is led aside, and add the next ones."""
+        yield from self._candidates.detour(candidate, number)
+        self._add_detour(candidate, first, number + 1)
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""

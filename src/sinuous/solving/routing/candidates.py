@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.kernels.tables import FULL, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
 from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.chains import Chains
-from sinuous.solving.routing.growth import LEG_POINTS, divided, leg_queries
+from sinuous.solving.routing.detours import led_aside
+from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, divided, leg_queries
 from sinuous.solving.routing.halves import Halves
 from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
@@ -178,6 +179,18 @@ class Candidates:
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
+    def detour(self, candidate: Candidate, number: int) -> Iterator[Batch]:
+        """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""
+        legs = self._legs_of(candidate)
+        longer = None if legs is None else led_aside(self._groups, legs, number, self._deadline)
+        if longer is None or self._deadline() <= 0.0:
+            return
+        yield self._nothing()
+        route = np.concatenate([longer[0], *longer[1:, 1:]])
+        for chain in Chains(self._groups, longer, self._deadline).past_all(FIRST_WIDTH):
+            if self._is_new(chain):
+                yield along(chain[None], (route,))
+
     def halves(self, candidate: Candidate, starts: int) -> Iterator[Batch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self._legs_of(candidate)
@@ -195,11 +208,14 @@ class Candidates:
 
     def clear(self, candidate: Candidate) -> bool:
         """Whether a route is known not to lead through walls."""
-        if candidate.finest:
-            return True
-        distances = self.searches.distances(self._problem, candidate.route)
+        return candidate.finest or self._clear(candidate.route, self.query)
+
+    def _clear(self, route: Floats, query: Floats) -> bool:
+        """Whether a route (K, 3) keeps away from walls, and near its ends, where it may be narrow, out of them."""
+        distances = self.searches.distances(self._problem, route)
         skipped = max(1, round(ENDS * len(distances)))
-        return bool(distances[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
+        concerned = distances[lengths_along(route) >= query[QUERY_FREE_LENGTH]]
+        return bool(distances[skipped:-skipped].min() > CUT * query[QUERY_RADIUS] and concerned.min(initial=1.0) > 0.0)
 
     def _nothing(self) -> Batch:
         """A batch without any start."""
@@ -236,13 +252,17 @@ class Candidates:
         return np.stack(legs)
 
     def _leg(self, query: Floats, finest: bool) -> Floats | None:
-        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found."""
+        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found.
+
+        Over cells the first that is clear; where none is, the last.
+        """
         leg = self.around_edges(query)
         leg = self.through_side_tubes(query) if leg is None else leg
         for plan in self.searches.leg_plans(finest) if leg is None else ():
             found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
-            if found.routes:
-                return found.routes[0]
+            leg = found.routes[0] if found.routes else leg
+            if leg is not None and self._clear(leg, query):
+                break
         return leg
 
 

@@ -188,9 +188,13 @@ def test_another_unit_of_length_changes_nothing() -> None:
     robot = sn.Robot([sn.Segment((0.8, 1.2), 2.8, radius=0.1)] * 4)
     other = sn.Robot([sn.Segment((0.8 * unit, 1.2 * unit), 2.8, radius=0.1 * unit)] * 4)
     for seed in range(4):
-        scene, ends = pair(seed, robot)
-        far = sn.Scene([sn.Sphere(unit * np.asarray(ball.center), unit * ball.radius) for ball in scene.obstacles])
-        motion, scaled = sn.plan(robot, *ends, scene), sn.plan(other, *(ends * [1.0, 1.0, unit]), far)
-        np.testing.assert_array_equal(scaled.q, motion.q * [1.0, 1.0, unit])
+        scene, (start, goal) = pair(seed, robot)
+        balls = [ball for ball in scene.obstacles if isinstance(ball, sn.Sphere)]
+        far = sn.Scene([sn.Sphere(unit * np.asarray(ball.center), unit * ball.radius) for ball in balls])
+        to = np.array([1.0, 1.0, unit])
+        motion, scaled = sn.plan(robot, start, goal, scene), sn.plan(other, start * to, goal * to, far)
+        np.testing.assert_array_equal(scaled.q, motion.q * to)
+        assert motion.clearance is not None
+        assert motion.self_clearance is not None
         assert scaled.clearance == unit * motion.clearance
         assert scaled.self_clearance == unit * motion.self_clearance

@@ -66,7 +66,8 @@ AFTER_EDGES = 14
 doors, cells)."""
 
 PRICE_FINE = 8
-"""Price of the first search over fine cells."""
+"""Price of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
+branches, box duct)."""
 
 PRICE_ALTERNATIVES = 20
 """Price of the search for routes that differ (helix)."""
@@ -377,6 +378,8 @@ class RouteAttempts:
         found = candidates.over_cells_once(plan)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
+        if candidates.any_clear:
+            others = [(price, other) for price, other in others if other != self._searches.middle]
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
         yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
@@ -389,9 +392,10 @@ class RouteAttempts:
         noted = [self._candidates.note(route, finest) for route in routes]
         if noted[0] is not None:
             if not self._question.several:
-                self._add_detour(noted[0], first=0 if stowed else 1)
                 self._add_gates(noted[0])
             self._add_grown(noted[0])
+            if not self._question.several:
+                self._add_detour(noted[0], first=0 if stowed else 3)
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
@@ -433,6 +437,7 @@ class RouteAttempts:
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
-    first = [(AT_ONCE, coarse), (PRICE_FINE, fine)] if coarse.cell > fine.cell else [(AT_ONCE, fine)]
+    first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]
+    first = first if coarse.cell > fine.cell else [(AT_ONCE, fine)]
     others = (PRICE_ALTERNATIVES, coarse), (PRICE_LAST, fine._replace(cells=CELLS[1]))
     return [*first, *((price, plan._replace(routes=ALTERNATIVES)) for price, plan in others)]

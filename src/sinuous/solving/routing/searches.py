@@ -141,13 +141,11 @@ class Searches:
         plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
 
-    def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
-        """Searches for the route from one target to the next, the first of which that finds one."""
-        few, many, _ = CELLS
-        coarse, middle, fine = self.coarse, self.middle, self.fine
-        last = (fine, few), (fine, many)
-        among = (*last, (coarse, few)) if finest else ((coarse, few), (middle, few), *last)
-        plans = [plan._replace(cells=cells) for plan, cells in among]
+    @property
+    def leg_plans(self) -> tuple[Plan, ...]:
+        """Searches for the route from one target to the next, from the quickest to the most thorough."""
+        many = CELLS[1]
+        plans = self.coarse, self.middle, self.fine, self.fine._replace(cells=many)
         return tuple(dict.fromkeys(plans))
 
     def query(self, problem: Problem) -> Floats | None:
@@ -240,8 +238,8 @@ class Searches:
 
         def last(asked: Floats) -> Floats | None:
             route = leg(asked)
-            for plan in self.leg_plans(finest=True)[:1] if route is None else ():
-                found = self.find(problem, asked, plan, max(0.0, deadline()))
+            if route is None:
+                found = self.find(problem, asked, self.fine, max(0.0, deadline()))
                 route = found.routes[0] if found.routes else None
             return route
 
@@ -313,9 +311,9 @@ def _plans_of(radius: float, length: float) -> tuple[Plan, Plan, Plan]:
     """
     fine = 0.5 * radius
     coarse = max(fine, length / COARSE)
-    least = radius - HALF_DIAGONAL * fine
-    plans = (
-        Plan(cell, _wide_enough(radius, cell) if cell > fine else least, CELLS[0], 1, False)
-        for cell in (coarse, math.sqrt(coarse * fine), fine)
-    )
-    return tuple(plans)
+
+    def plan(cell: float) -> Plan:
+        clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
+        return Plan(cell, clearance, CELLS[0], 1, False)
+
+    return plan(coarse), plan(math.sqrt(coarse * fine)), plan(fine)

@@ -151,7 +151,7 @@ def header(kind: str, points: int = 50) -> bytes:
     return (
         "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z normal rgb _\nSIZE 4 4 4 8 4 2\n"
         f"TYPE F F F F U I\nCOUNT 1 1 1 3 1 1\nWIDTH {points}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
-        f"IN_FILES {points}\nDATA {kind}\n"
+        f"POINTS {points}\nDATA {kind}\n"
     ).encode()
 
 
@@ -239,8 +239,8 @@ def test_damage_is_refused() -> None:
         r"a\.pcd: FIELDS: expected .* x y z, got .*no z\)",
     )
     refuse(header("zip"), r"a\.pcd: DATA: expected one of ascii, binary, binary_compressed, got 'zip'")
-    refuse(header("ascii").replace(b"IN_FILES 50", b"IN_FILES many"), r"IN_FILES: expected a whole number, got ")
-    refuse(header("ascii").replace(b"IN_FILES 50\n", b""), r"IN_FILES: expected a whole number, got ")
+    refuse(header("ascii").replace(b"POINTS 50", b"POINTS many"), r"POINTS: expected a whole number, got ")
+    refuse(header("ascii").replace(b"POINTS 50\n", b""), r"POINTS: expected a whole number, got ")
     refuse(header("ascii").replace(b"COUNT 1 1 1 3 1 1", b"COUNT 1 1"), r"DATA: expected .* \(cannot be read\)")
     refuse(header("ascii").replace(b"SIZE 4 4 4", b"SIZE 4 4 5"), r"DATA: expected .* \(cannot be read\)")
     refuse(header("ascii").replace(b"TYPE F", b"TYPE C"), r"DATA: expected .* \(cannot be read\)")

@@ -12,7 +12,7 @@ from sinuous.files.problem_file import read_problem
 from sinuous.problem.problem import Problem
 from sinuous.solution.verification import verify
 
-TEMPLATES = Path(new.__file__).parent / "templates"
+TEMPLATES = Path(app.__file__).parent / "templates"
 
 
 def test_there_is_one_template_of_each_kind() -> None:

@@ -202,10 +202,17 @@ class View:
     demanded: Demands
 
 
+KINDS = {
+    "tendon": "three sections with spacers, three tendons each, through a gap between obstacles",
+    "pneumatic": "three soft sections that stretch, driven by three chambers each",
+    "insertion": "an arm on an insertion stage, through a hole in a wall",
+    "inspection": "a long slim arm that follows a path of views within a tank",
+}
+"""What each problem is about; `templates` holds the files."""
+
+
 def _kinds_like(begun: str) -> list[str]:
     """Return kinds of new problem files, for the shell to complete one."""
-    from sinuous.cli.new import KINDS  # noqa: PLC0415
-
     return [kind for kind in KINDS if kind.startswith(begun)]
 
 

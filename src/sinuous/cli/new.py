@@ -5,17 +5,9 @@ from importlib.resources import files
 
 import typer
 
-from sinuous.cli.app import New
+from sinuous.cli.app import KINDS, New
 from sinuous.cli.options import SOLVED, check_writable
 from sinuous.errors import InputError
-
-KINDS = {
-    "tendon": "three sections with spacers, three tendons each, through a gap between obstacles",
-    "pneumatic": "three soft sections that stretch, driven by three chambers each",
-    "insertion": "an arm on an insertion stage, through a hole in a wall",
-    "inspection": "a long slim arm that follows a path of views within a tank",
-}
-"""What each problem is about; `templates` holds the files."""
 
 
 def write_new(asked: New) -> int:

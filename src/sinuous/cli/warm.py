@@ -12,7 +12,7 @@ from typing import Any
 import typer
 
 from sinuous.cli.options import INTERRUPTED, SOLVED
-from sinuous.cli.warm_steps import Step, steps
+from sinuous.cli.warm_steps import FIRST_COMMAND, Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
@@ -71,15 +71,19 @@ def clear_store() -> int:
 
 
 def profile(methods: Sequence[str]) -> int:
-    """Compile what is missing, one after the other, and print how long each entry took; return the exit code."""
+    """Compile what is missing, one after the other, and print the CPU time of each entry; return the exit code."""
     _check(methods)
-    with _shown(len(steps(methods or METHODS))) as shown:
-        _use_here(steps(methods or METHODS), shown)
+    listed = steps(methods or METHODS)
+    first = [step for step in listed if step.what in FIRST_COMMAND]
+    with _shown(len(listed)) as shown:
+        _use_here(first, shown)
+        taken = sum(seconds for _, seconds in TOOK)
+        _use_here([step for step in listed if step not in first], shown)
     for name, seconds in sorted(TOOK, key=lambda one: -one[1]):
         typer.echo(f"{seconds:7.2f} s  {name}")
-    typer.echo(
-        f"{sum(seconds for _, seconds in TOOK):7.2f} s  {len(TOOK)} entries; kernels count where they came first"
-    )
+    whole = sum(seconds for _, seconds in TOOK)
+    typer.echo(f"{whole:7.2f} s of CPU for {len(TOOK)} entries; kernels count where they came first")
+    typer.echo(f"{taken:7.2f} s of CPU for those of the first command of the README")
     return SOLVED
 
 

@@ -89,7 +89,7 @@ def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatc
 def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)] * 99)
     with pytest.raises(IndexError):
-        warm._use_in_processes(1, ("dls",), warm._Lines(99))
+        warm._use_in_processes(1, ("dls",), warm._Shown(99))
 
 
 def test_the_store_is_shown_and_emptied(

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 from sinuous.checks import Floats
+from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
 from sinuous.errors import InputError
@@ -20,7 +21,7 @@ MOST = 12
 """Most obstacles of which sizes are printed."""
 
 
-def check_files(files: list[str], *, json: bool) -> int:
+def check_files(asked: Check) -> int:
     """Say of each file what it contains, or what is wrong with it.
 
     Returns
@@ -29,7 +30,7 @@ def check_files(files: list[str], *, json: bool) -> int:
         2 when a file is wrong, else 1 when a start does not meet its target, else 0.
     """
     code = SOLVED
-    for file in files:
+    for file in asked.files:
         try:
             (read,) = read_all([file])
         except InputError as error:  # the others may be good; what one needs may merely be missing here
@@ -40,7 +41,7 @@ def check_files(files: list[str], *, json: bool) -> int:
         start = _verified(problem)
         if start is not None and not start.ok:
             code = max(code, UNSOLVED)
-        typer.echo(json_line(_contents(problem, start)) if json else _description(problem, start))
+        typer.echo(json_line(_contents(problem, start)) if asked.json else _description(problem, start))
     return code
 
 

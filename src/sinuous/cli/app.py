@@ -5,7 +5,6 @@ Nothing heavy is imported before a command runs, so that `sinuous --help` answer
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
@@ -292,7 +291,8 @@ def execute(commands: typer.Typer, name: str, arguments: Sequence[str] | None) -
         Default: those of the process.
     """
     try:
-        code = _made(commands).main(arguments, prog_name=name, standalone_mode=False)
+        command = typer.main.get_command(commands)
+        code = command.main(arguments, prog_name=name, standalone_mode=False)
         return int(code or 0)
     except InputError as error:
         _say(str(error))
@@ -303,10 +303,6 @@ def execute(commands: typer.Typer, name: str, arguments: Sequence[str] | None) -
     except (OSError, UnfinishedError) as error:
         _say(f"{name}: {error}")
         return UNSOLVED
-
-
-_made = cache(typer.main.get_command)
-"""Commands with their options, which take longer to make than to read."""
 
 
 def _say(message: str) -> None:

@@ -119,9 +119,7 @@ def _gaps(x: Any, y: Any, z: Any) -> list[Any]:
 
 def _determinant(x: Any, y: Any, z: Any) -> Any:
     """Determinant of rows of numbers, or of arrays (m,) of them."""
-    return (
-        z[0] * (x[1] * y[2] - x[2] * y[1]) + z[1] * (x[2] * y[0] - x[0] * y[2]) + z[2] * (x[0] * y[1] - x[1] * y[0])
-    )
+    return z[0] * (x[1] * y[2] - x[2] * y[1]) + z[1] * (x[2] * y[0] - x[0] * y[2]) + z[2] * (x[0] * y[1] - x[1] * y[0])
 
 
 def _exact(matrices: Floats, off: Floats) -> Floats:

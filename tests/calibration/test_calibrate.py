@@ -15,8 +15,8 @@ from sinuous.calibration.measurements import Place, read
 from sinuous.calibration.model import derivatives, model, predicted
 from sinuous.calibration.parameters import GROUPS, Values, can_stretch, changed, elastic, group
 from sinuous.calibration.table import read_table
+from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
-from sinuous.files.yaml_syntax import parse_yaml
 from tests.helpers import Floats, refused, refused_each
 
 DRAWN = sn.Robot([sn.Segment(length, tendons=sn.Tendons(3, 4.0, 0.5 * k)) for k, length in enumerate((50.0, 60.0))])

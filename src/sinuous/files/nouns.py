@@ -12,9 +12,8 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import each, keys_of, known_entries, make
-from sinuous.files.documents import parse_json, read_part
+from sinuous.files.documents import parse_json, read_part, read_text
 from sinuous.files.path_csv import parse_path
-from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons

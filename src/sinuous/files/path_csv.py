@@ -13,7 +13,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.files.text import NUMBER
+from sinuous.files.documents import NUMBER
 from sinuous.problem.target import Target
 
 TIME = "t"

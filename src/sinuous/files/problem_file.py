@@ -11,10 +11,9 @@ from sinuous.arguments import OneEach, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import each, known_entries, make
-from sinuous.files.documents import read_values
+from sinuous.files.documents import read_text, read_values
 from sinuous.files.nouns import read_configuration, read_place, read_robot, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
-from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
 from sinuous.gc_pause import gc_paused
 from sinuous.problem.problem import Preferences, Problem, check_sizes

@@ -59,7 +59,7 @@ class Uncertainty(Frozen):
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
-    from sinuous.export.drives import DrivenChain
+    from sinuous.export.mjcf import DrivenChain
     from sinuous.statics.equilibrium import Equilibrium
 
 
@@ -395,8 +395,7 @@ class Robot(NotebookMixin, Frozen):
             When an argument is not what it should be, nothing can move, or the file cannot be written.
         """
         from sinuous.export.chain import JointChain  # noqa: PLC0415
-        from sinuous.export.drives import DrivenChain  # noqa: PLC0415
-        from sinuous.export.mjcf import write_mjcf  # noqa: PLC0415
+        from sinuous.export.mjcf import DrivenChain, write_mjcf  # noqa: PLC0415
 
         chain = JointChain(self, joints_per_segment)
         driven = DrivenChain(self, chain, self._inverse.undetermined, checks.number("mass", mass, above=0.0))

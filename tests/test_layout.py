@@ -50,7 +50,6 @@ FLOORS = {
     "gc_pause": 0,
     "guesses": 0,
     "signatures": 0,
-    "notebook": 0,
     "writing": 0,
 }
 

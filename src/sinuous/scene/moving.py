@@ -90,7 +90,7 @@ def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
     if isinstance(obstacle, Grid):
         return obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
     if isinstance(obstacle, Field):
-        corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
+        corners = {key: _there(pose, getattr(obstacle, key)) for key in ("low", "high", "origin")}
         function = Elsewhere(obstacle.function, pose)
         return obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
     return obstacle.placed(pose)

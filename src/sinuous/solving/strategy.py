@@ -66,7 +66,8 @@ AFTER_EDGES = 14
 doors, cells)."""
 
 PRICE_FINE = 8
-"""Price of the first search over fine cells."""
+"""Price of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
+branches, box duct)."""
 
 PRICE_ALTERNATIVES = 20
 """Price of the search for routes that differ (helix)."""
@@ -87,6 +88,9 @@ double as long as there is time."""
 
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
+
+DETOURS = 64
+"""Most detours of a route (cells, two doors)."""
 
 GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
 """By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
@@ -374,6 +378,8 @@ class RouteAttempts:
         found = candidates.over_cells_once(plan)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
+        if candidates.any_clear:
+            others = [(price, other) for price, other in others if other != self._searches.middle]
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
         yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
@@ -385,9 +391,11 @@ class RouteAttempts:
         stowed = self._candidates.to_be_stowed(routes[0])
         noted = [self._candidates.note(route, finest) for route in routes]
         if noted[0] is not None:
-            self._add_grown(noted[0])
             if not self._question.several:
                 self._add_gates(noted[0])
+            self._add_grown(noted[0])
+            if not self._question.several:
+                self._add_detour(noted[0], first=0 if stowed else 3)
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
@@ -405,6 +413,21 @@ class RouteAttempts:
             self._add_along("grown", candidate, GROWN_COST * width, partial(self._candidates.grown, candidate, width))
             width *= 2
 
+    def _add_detour(self, candidate: Candidate, first: int, number: int = 0) -> None:
+        """Add chains along a route that is led aside, as dear as the least beams; each is dearer than the one before.
+
+        The first is as dear as number `first`.
+        """
+        if number < DETOURS:
+            cost = GROWN_COST * FIRST_WIDTH
+            make = partial(self._detour, candidate, first, number)
+            self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
+
+    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[Batch]:
+        """Make chains along a route that is led aside, and add the next ones."""
+        yield from self._candidates.detour(candidate, number)
+        self._add_detour(candidate, first, number + 1)
+
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
         for starts, cost in GATES_COSTS.items():
@@ -414,6 +437,7 @@ class RouteAttempts:
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
-    first = [(AT_ONCE, coarse), (PRICE_FINE, fine)] if coarse.cell > fine.cell else [(AT_ONCE, fine)]
+    first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]
+    first = first if coarse.cell > fine.cell else [(AT_ONCE, fine)]
     others = (PRICE_ALTERNATIVES, coarse), (PRICE_LAST, fine._replace(cells=CELLS[1]))
     return [*first, *((price, plan._replace(routes=ALTERNATIVES)) for price, plan in others)]

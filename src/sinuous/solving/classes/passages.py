@@ -122,7 +122,7 @@ class Passages:
         """Yield configurations along one route (K, 3): laid, and grown."""
         candidates = Candidates(self._searches, self._question, self._query)
         yield from candidates.laid([route])
-        yield from candidates.grown(Candidate(route, finest=True, rank=1, weight=1), FIRST_WIDTH)
+        yield from candidates.grown(Candidate(route, clear=True, rank=1, weight=1), FIRST_WIDTH)
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
         """Least distance of a route from the obstacles that concern it."""

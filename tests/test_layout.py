@@ -50,6 +50,7 @@ FLOORS = {
     "gc_pause": 0,
     "guesses": 0,
     "signatures": 0,
+    "notebook": 0,
     "writing": 0,
 }
 

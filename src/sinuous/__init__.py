@@ -10,7 +10,7 @@ import re
 from importlib import import_module
 from typing import Any
 
-from sinuous.reprs import NotebookMixin
+from sinuous.notebook import NotebookMixin
 
 __version__ = "0.2.0.dev0"
 

@@ -1,4 +1,4 @@
-"""What an object is, in one line: what `repr` shows; and what a notebook shows of it."""
+"""What an object is, in one line: what `repr` shows."""
 
 import inspect
 import math
@@ -104,17 +104,3 @@ def _quaternion(rotation: NDArray[Any]) -> NDArray[np.float64]:
     matrix += [[c - g, b + d, e - a - i, f + h], [d - b, c + g, f + h, i - a - e]]
     vector: NDArray[np.float64] = np.linalg.eigh(np.array(matrix))[1][:, -1]
     return -vector if vector[np.flatnonzero(np.abs(vector) > 1e-9)[0]] < 0.0 else vector
-
-
-class NotebookMixin:
-    """Lets a notebook show an object as HTML: a picture and a small table."""
-
-    __slots__ = ()
-
-    _html_renderer: ClassVar[Callable[[Any], str] | None] = None
-    """Makes the HTML. It needs `sinuous.pictures`, which no noun may import, so `sinuous/__init__.py` sets it."""
-
-    def _repr_html_(self) -> str | None:
-        """HTML for a notebook; `None`: the notebook shows the text."""
-        render = NotebookMixin._html_renderer
-        return None if render is None else render(self)

@@ -21,8 +21,8 @@ from sinuous.motion.configurations import check_limits
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import lines_between, warn_of_corners
 from sinuous.motion.times import even_times
+from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
-from sinuous.reprs import NotebookMixin
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot

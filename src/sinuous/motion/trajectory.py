@@ -16,7 +16,8 @@ from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import splines_between, warn_of_corners
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
-from sinuous.reprs import NotebookMixin, call
+from sinuous.notebook import NotebookMixin
+from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 

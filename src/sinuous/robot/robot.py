@@ -15,8 +15,9 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.guesses import answers_attributes
+from sinuous.notebook import NotebookMixin
 from sinuous.poses import as_pose
-from sinuous.reprs import NotebookMixin, call, text
+from sinuous.reprs import call, text
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, some_of

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from sinuous.arguments import Number, Orientation, Rows, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.notebook import NotebookMixin
 from sinuous.poses import pose
-from sinuous.reprs import NotebookMixin
 from sinuous.scene.moving import Moving, moved
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from sinuous.errors import InputError
+from sinuous.notebook import NotebookMixin
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
-from sinuous.reprs import NotebookMixin, call
+from sinuous.reprs import call
 from sinuous.solution.binding import Binding, in_words, nearest_limits
 from sinuous.solution.reasons import Reason
 from sinuous.solution.remedies import Remedy, find_remedies

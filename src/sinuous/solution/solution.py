@@ -15,10 +15,11 @@ from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.guesses import answers_attributes
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
+from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
-from sinuous.reprs import NotebookMixin, call
+from sinuous.reprs import call
 from sinuous.robot.rates import Changes
 from sinuous.robot.robot import Robot
 from sinuous.solution.binding import Binding, find_binding, in_words, rate_binding

@@ -14,8 +14,8 @@ from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
 from sinuous.kernels import tables as t
 from sinuous.kernels.tables import Outcome
+from sinuous.notebook import NotebookMixin
 from sinuous.problem.target_sets import ManyProblems
-from sinuous.reprs import NotebookMixin
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of

@@ -16,7 +16,7 @@ from sinuous.arguments import Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.reprs import NotebookMixin
+from sinuous.notebook import NotebookMixin
 from sinuous.robot.robot import Robot
 from sinuous.solution.solutions import Solutions
 from sinuous.solution.status import Status

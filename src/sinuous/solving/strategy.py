@@ -121,10 +121,6 @@ PASSAGES_CELLS_A_START = 1000
 """Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
 classes than scattered starts do."""
 
-PASSAGES_RESERVE = 0.03
-"""Seconds before the end of a solve at which searches through other passages end: what NumPy does of one of them looks
-at no clock, and took up to 26 ms among 600 balls (`benchmarks speed --piece budgets`)."""
-
 MakePassages = Callable[[Question, Floats], Passages]
 """From a question and what routes have to keep (27,) to the passages of its routes."""
 
@@ -304,13 +300,9 @@ class RouteAttempts:
         """The passages that routes lead through, once they are asked for."""
         if self._make_passages is not None:
             return self._make_passages(self._question, self._candidates.query)
-        question = self._question._replace(deadline=self._passages_left)
+        question = self._question
         curves = Curves(self._searches.robot, question.problem.scene, question.deadline)
         return Passages(self._searches, curves, question, self._candidates.query, solved=lambda curve: False)
-
-    def _passages_left(self) -> float:
-        """Return the seconds that are left for searches through other passages, less than 0 where none are."""
-        return self._question.deadline() - PASSAGES_RESERVE
 
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
@@ -337,7 +329,7 @@ class RouteAttempts:
 
         `again`: a route was found so already, but no solution along it, so several that differ are searched for.
         """
-        if self._passes >= PASSAGES_SEARCHES or (self._passages_left() <= 0.0 and not self._question.several):
+        if self._passes >= PASSAGES_SEARCHES:
             return
         self._passes += 1
         plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages

@@ -507,10 +507,6 @@ def _limits(value: Any, count: int) -> tuple[tuple[float, float], ...]:
     if len(entries) != count:
         raise InputError("limits", "", value, f"[low, high], or a list of {count} of these")
     return tuple(
-        UNLIMITED if e is None or _is_unlimited(e) else checks.interval(f"limits[{i}]", e)
+        UNLIMITED if e is None or (isinstance(e, tuple) and e == UNLIMITED) else checks.interval(f"limits[{i}]", e)
         for i, e in enumerate(entries)
     )
-
-
-def _is_unlimited(value: Any) -> bool:
-    return isinstance(value, tuple) and value == UNLIMITED

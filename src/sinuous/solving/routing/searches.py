@@ -273,7 +273,7 @@ class Searches:
             groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
             Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
-            led_aside(groups, np.linspace(*line, LEG_POINTS)[None], 0, lambda: 0.0)
+            led_aside(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
             next(settled(groups, still[None], lambda: 1.0))
             turned_back(groups, groups, still)
             if query is not None:

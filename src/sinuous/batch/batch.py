@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from sinuous.arguments import Parameter, Rows, Stack
 from sinuous.batch.checkpoint import Checkpoint, Memory, check_same, draft_of, read_record, write_record
-from sinuous.batch.tables.kinds import joined, open_source, write_results
+from sinuous.batch.tables.kinds import NpzRows, joined, open_source, write_results
 from sinuous.batch.tables.layout import CODES, INVALID, SKIPPED, STATUSES, Block, Layout
-from sinuous.batch.tables.npz_files import NpzRows
 from sinuous.batch.work import Work
 from sinuous.checks import Floats
 from sinuous.errors import InputError

@@ -15,7 +15,7 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
 from sinuous.scene.extents import box_of
 from sinuous.solution.verification import Verification, verified, verify
-from sinuous.words import number, span
+from sinuous.words import counted, number, span
 
 MOST = 12
 """Most obstacles of which sizes are printed."""
@@ -77,8 +77,8 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
 def _description(problem: ProblemFile, start: Verification | None) -> str:
     contents = _contents(problem, start)
     low, high = contents["length"]
-    counted = [_counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
-    line = f"{problem.file}: {counted[0]}, length {low:g} to {high:g}; {counted[1]}; {counted[2]}"
+    counts = [counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
+    line = f"{problem.file}: {counts[0]}, length {low:g} to {high:g}; {counts[1]}; {counts[2]}"
     radii = contents["radius"]
     sizes = [f"robot: radius {span(radii)}", *map(_size_in_words, contents["sizes"][:MOST])]
     if len(contents["sizes"]) > MOST:
@@ -121,10 +121,6 @@ def _from_base(problem: ProblemFile) -> list[float] | None:
     places = [target.position for targets in problem.waypoints for target in targets if target.position is not None]
     away = [float(np.linalg.norm(place - problem.robot.base[:3, 3])) for place in places]
     return [min(away), max(away)] if away else None
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _verdict(problem: ProblemFile, start: Verification) -> str:

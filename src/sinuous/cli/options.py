@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import typer
 
 from sinuous.errors import InputError
-from sinuous.writing.documents import written
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
@@ -383,6 +382,8 @@ def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()
+    from sinuous.writing.documents import written  # noqa: PLC0415  # with NumPy, which help does without
+
     with written(file, option):
         with file.open("ab"):
             pass

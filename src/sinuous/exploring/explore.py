@@ -279,7 +279,8 @@ class _Run:
         assert known is not None
         graph = self._memory._shapes.everything
         tasks = _Draws(self._robot, graph, self._reach, self._spacing, [known.seed, known.rounds]).tasks()
-        chunks = [_slice(tasks, at) for at in range(0, len(tasks["kind"]), TOGETHER)]
+        parts = [slice(at, at + TOGETHER) for at in range(0, len(tasks["kind"]), TOGETHER)]
+        chunks = [{name: values[part] for name, values in tasks.items()} for part in parts]
         blocks = self._done(chunks)
         tests = [*known.tests, *self._tests(graph, tasks, blocks)][-TESTS:]
         for block in blocks:
@@ -315,10 +316,6 @@ class _Run:
         return all_done(self._engine, chunks, "a part of the place could not be explored")
 
 
-def _slice(tasks: Block, at: int) -> Block:
-    return {name: values[at : at + TOGETHER] for name, values in tasks.items()}
-
-
 class _Draws:
     """Draws the tasks of one round."""
 
@@ -338,7 +335,7 @@ class _Draws:
         begins = self._where_few(len(kinds)) if count else np.full(len(kinds), -1)
         joining = np.flatnonzero(kinds == Kind.JOIN)
         begins[joining] = self._of_others(len(joining))
-        targets = self._anywhere(len(kinds))
+        targets = self._robot.base[:3, 3] + self._reach * _in_ball(rng, len(kinds))  # anywhere within reach
         beside = np.flatnonzero(kinds == Kind.BESIDE)
         far = self._spacing * np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST), (len(beside), 1)))
         targets[beside] = self._graph.tips[begins[beside]] + far * _in_ball(rng, len(beside))
@@ -352,10 +349,6 @@ class _Draws:
             "numbers": near,
             "near": self._graph.q[near] if count else np.zeros((len(kinds), 0, n, 3)),
         }
-
-    def _anywhere(self, count: int) -> Floats:
-        """Positions (count, 3) drawn evenly in the ball of the reach."""
-        return self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
 
     def _where_few(self, count: int) -> Numbers:
         """Numbers (count,) of shapes: every cell with a tip is as likely."""

@@ -112,7 +112,10 @@ class DrivenChain(Frozen):
         moving = np.flatnonzero(rows[:, columns].any(axis=1))
         own, wanted = robot.drive.motors, len(open_ones)
         gain, offset = np.append(own.gain, np.ones(wanted)), np.append(own.offset, np.zeros(wanted))
-        names = [*(a.name for a in robot.actuators), *(_coordinate(robot, int(c)) for c in open_ones)]
+        names = [
+            *(a.name for a in robot.actuators),
+            *(f"{robot.segment_names[c // 3]}.{COORDINATES[c % 3]}" for c in open_ones.tolist()),
+        ]
         limits = [*(a.limits for a in robot.actuators), *(_limits(robot, int(c)) for c in open_ones)]
         inertia = np.tile([robot.mean_length**2] * 2 + [1.0], len(robot)) * mass
         squares = (chain.matrix**2).sum(axis=0)
@@ -158,10 +161,6 @@ def _servos(rows: Floats, inertia: Floats) -> tuple[Floats, float, float]:
     fastest = STIFFEST / STEP
     slowest = fastest * float(modes[modes > np.sqrt(SLOWEST) * modes[0]][-1] / modes[0])
     return stiffness * (fastest / modes[0]) ** 2, 2.0 / fastest, 2.0 * slowest
-
-
-def _coordinate(robot: "Robot", column: int) -> str:
-    return f"{robot.segment_names[column // 3]}.{COORDINATES[column % 3]}"
 
 
 def _limits(robot: "Robot", column: int) -> tuple[float, float]:

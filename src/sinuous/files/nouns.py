@@ -77,15 +77,10 @@ def read_robot(value: Any) -> Robot:
         "base": read_pose,
         "tool": read_pose,
         "actuators": partial(make, Actuators),
-        "payload": _read_payload,
+        "payload": lambda own: each(partial(make, Payload), own if isinstance(own, list) else [own]),
         "uncertainty": partial(make, Uncertainty),
     }
     return make(Robot, entries, parts)
-
-
-def _read_payload(value: Any) -> list[Payload]:
-    read = partial(make, Payload)
-    return each(read, value) if isinstance(value, list) else [read(value)]
 
 
 def _read_segments(value: Any, shared: dict[str, Any]) -> list[Segment]:

@@ -155,7 +155,8 @@ class ProblemFile(Frozen):
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
         yield f"{len(self.robot)} segments"
-        yield f"{len(self.waypoints)} waypoints" if self.is_path else self._asks()
+        targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
+        yield "a goal" if self.goal is not None else targets
         yield f"{len(self.scene)} obstacles"
 
     def demanding(self, clearance: OneEach | None, self_clearance: OneEach | None) -> Self:
@@ -168,9 +169,6 @@ class ProblemFile(Frozen):
     def ends(self) -> tuple[Target, ...] | Floats:
         """Where a plan ends: at the targets, or at the goal (n, 3)."""
         return self.waypoints[0] if self.goal is None else self.goal
-
-    def _asks(self) -> str:
-        return "a goal" if self.goal is not None else f"{len(self.waypoints[0])} targets"
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""

@@ -13,6 +13,7 @@ of `Actuators` the row times the configuration. A gain below 0 turns the sign.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from inspect import cleandoc
 from itertools import islice
 from typing import Any, ClassVar, Self
@@ -227,7 +228,7 @@ class Lines(Frozen):
         common = cleandoc(Lines.__doc__ or "").partition(HEAD)[2]
         cls.__doc__ = cleandoc(cls.__doc__ or "").replace(HEAD, HEAD + common + "\n", 1)
 
-    @property
+    @cached_property
     def motors(self) -> Motors:
         """The motors of the lines."""
         return Motors.of(len(self.angles), self.gain, self.offset, self.unit)
@@ -237,24 +238,24 @@ class Lines(Frozen):
         """Which parameter says how far the lines may go: `limits`, or `own_limits`."""
         return self.own_limits if self.limits == UNLIMITED else "limits"
 
-    @property
+    @cached_property
     def displacements(self) -> Floats:
         """Least and largest displacement (m, 2) of each line."""
         own = np.tile(getattr(self, self.limited_by), (len(self.angles), 1))
         own.flags.writeable = False
         return self.motors.limits_of_displacements(own) if self.limited_by == "limits" else own
 
-    @property
+    @cached_property
     def unstretched(self) -> Floats:
         """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
         if self.stiffness is None:
             return self.displacements
         return checks.closed(self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None])
 
-    @property
+    @cached_property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
-        return self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
+        return checks.closed(self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1))
 
     def changed(self, **values: Any) -> Self:
         """Return the same lines with other values of some parameters."""
@@ -506,10 +507,6 @@ def _limits(value: Any, count: int) -> tuple[tuple[float, float], ...]:
     if len(entries) != count:
         raise InputError("limits", "", value, f"[low, high], or a list of {count} of these")
     return tuple(
-        UNLIMITED if e is None or _is_unlimited(e) else checks.interval(f"limits[{i}]", e)
+        UNLIMITED if e is None or (isinstance(e, tuple) and e == UNLIMITED) else checks.interval(f"limits[{i}]", e)
         for i, e in enumerate(entries)
     )
-
-
-def _is_unlimited(value: Any) -> bool:
-    return isinstance(value, tuple) and value == UNLIMITED

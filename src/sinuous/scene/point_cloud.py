@@ -282,10 +282,6 @@ def _npy(file: Path) -> NDArray[Any]:
         raise InputError("file", f"cannot be read: {reason}", str(file), "an NPY file of numbers") from None
 
 
-def _pcd(file: Path) -> NDArray[Any]:
-    return parse_pcd(file.read_bytes(), str(file))
-
-
 def _text(file: Path) -> NDArray[Any]:
     lines = file.read_bytes().decode("utf-8-sig", "replace").replace(",", " ").replace(";", " ").splitlines()
     first = next((i for i, line in enumerate(lines) if line.split("#")[0].strip()), 0)
@@ -314,7 +310,7 @@ def _is_number(word: str) -> bool:
 
 READERS: dict[str, Callable[[Path], NDArray[Any]]] = {
     ".ply": _ply,
-    ".pcd": _pcd,
+    ".pcd": lambda file: parse_pcd(file.read_bytes(), str(file)),
     ".npy": _npy,
     ".xyz": _text,
     ".txt": _text,

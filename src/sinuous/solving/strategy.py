@@ -69,6 +69,10 @@ PRICE_FINE = 8
 """Price of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
 branches, box duct)."""
 
+ROOTS, ROOTS_PRICE = 3, 6
+"""Most searches for a route to where the backbone may end, where a tool leaves that open, and the price of the first;
+each is dearer by as much (two tubes)."""
+
 PRICE_ALTERNATIVES = 20
 """Price of the search for routes that differ (helix)."""
 
@@ -376,10 +380,27 @@ class RouteAttempts:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
         yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
 
+    def _add_root(self, number: int) -> None:
+        """Add a search for a route to where the backbone may end, where a tool leaves that open."""
+        alone = len(self._question.problem.targets) == 1 and not self._question.several
+        if number < ROOTS and alone and self._candidates.has_tool:
+            make = partial(self._search_to_root, number)
+            self._attempts.add("cells", ROOTS_PRICE * (1 + number), make, cost=0)
+
+    def _search_to_root(self, number: int) -> Iterator[Batch]:
+        """Search for a route to where the backbone may end, and add the next search."""
+        route = self._candidates.to_root(number)
+        if route is not None:
+            self._add_routes([route], finest=False)
+        self._add_root(number + 1)
+        return iter(())
+
     def _add_routes(self, routes: list[Floats], finest: bool) -> None:
         """Add all that is tried along the routes (K, 3) of one search: chains are grown along the first one alone."""
         if not routes:
             return
+        if not self._candidates.known:
+            self._add_root(0)
         stowed = self._candidates.to_be_stowed(routes[0])
         noted = [self._candidates.note(route, finest) for route in routes]
         if noted[0] is not None:

@@ -1,11 +1,14 @@
 """The routes of one question: which are alike, larger tables, and legs."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from sinuous import Robot, Scene, Sphere, Target, Tolerance
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FOUND, FULL
+from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.routing.candidates import ALIKE, Candidates
@@ -117,3 +120,24 @@ def test_middle_cells_are_looked_at_where_no_clear_route_is_known(clear: bool, m
     only_cells(searches, question)
     assert searches.coarse.cell > searches.middle.cell > searches.fine.cell
     assert (searches.middle in plans) == (not clear)
+
+
+def test_with_a_tool_routes_also_lead_to_where_the_backbone_may_end() -> None:
+    reach = 0.3
+    _, _, candidates = asked(ROBOT.changed(tool=pose((0.0, 0.0, reach))))
+    assert candidates.has_tool
+    assert not asked()[2].has_tool
+    candidates.note(np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 30), True)
+    routes = [candidates.to_root(number) for number in range(3)]
+    ends = np.array([route[-1] for route in routes if route is not None])
+    assert len(ends) == 3
+    np.testing.assert_allclose(np.linalg.norm(ends - TIP.position, axis=1), reach)
+    assert min(np.linalg.norm(a - b) for a, b in combinations(ends, 2)) > 0.1 * reach
+    assert candidates.to_root(1000) is None
+
+
+def test_what_is_nearer_to_the_target_than_the_tool_may_lie_beyond_a_wall() -> None:
+    reach, route = 0.8, np.linspace((2.0, 0.0, 2.2), IN_WALL, 60)
+    for robot, clear in ((ROBOT.changed(tool=pose((0.0, 0.0, reach))), True), (ROBOT, False)):
+        _, _, candidates = asked(robot, (Target(IN_WALL),))
+        assert candidates._clear(route, candidates.query) == clear

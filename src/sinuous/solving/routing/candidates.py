@@ -10,13 +10,24 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FULL, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.kernels.tables import (
+    FULL,
+    POSE_POSITION,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_GOAL_RADIUS,
+    QUERY_RADIUS,
+    QUERY_SHORTEST,
+    ROUTE,
+    SOURCES,
+)
 from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
-from sinuous.solving.routing.chains import Chains
+from sinuous.solving.routing.chains import TANGENT, Chains
 from sinuous.solving.routing.detours import led_aside
-from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, divided, leg_queries
+from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, arriving, divided, leg_queries
 from sinuous.solving.routing.halves import Halves
+from sinuous.solving.routing.roots import roots
 from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Batch, Question
@@ -93,6 +104,7 @@ class Candidates:
         self._halves: dict[int, Halves] = {}
         self._chains: dict[int, Chains] = {}
         self._legs: dict[int, Floats | None] = {}
+        self._roots: Floats | None = None
         self._found_legs: list[Floats | None] | None = None
         self._too_small: dict[float, int] = {}
         self._told: dict[float, int] = {}
@@ -161,6 +173,26 @@ class Candidates:
         self.known.append(Candidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
 
+    @property
+    def has_tool(self) -> bool:
+        """Whether the backbone ends away from the target, and it is not said where."""
+        return bool(self.query[QUERY_GOAL_RADIUS] > 0.0)
+
+    def to_root(self, number: int) -> Floats | None:
+        """Return a route (K, 3) to a pose in which the backbone may end: number `number`, those with most room first.
+
+        Where a tool leaves open where that is, a route to the target ends somewhere about it, also beyond a wall. A
+        first route has to be known.
+        """
+        if self._roots is None:
+            self._roots = roots(self._groups, self.known[0].route)
+        if number >= len(self._roots):
+            return None
+        query, root = self.query.copy(), self._roots[number]
+        query[QUERY_GOAL_RADIUS] = 0.0
+        arriving(query, root[POSE_POSITION:], -root[TANGENT])
+        return self._leg(query)
+
     def to_be_stowed(self, route: Floats) -> bool:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
         return bool(self.query[QUERY_SHORTEST] > STOWED * lengths_along(route)[-1])
@@ -216,11 +248,15 @@ class Candidates:
         return any(candidate.clear for candidate in self.known)
 
     def _clear(self, route: Floats, query: Floats) -> bool:
-        """Whether a route (K, 3) keeps away from walls, and near its ends, where it may be narrow, out of them."""
-        distances = self.searches.distances(self._problem, route)
-        skipped = max(1, round(ENDS * len(distances)))
-        concerned = distances[lengths_along(route) >= query[QUERY_FREE_LENGTH]]
-        return bool(distances[skipped:-skipped].min() > CUT * query[QUERY_RADIUS] and concerned.min(initial=1.0) > 0.0)
+        """Whether a route (K, 3) keeps away from walls, and near its ends, where it may be narrow, out of them.
+
+        Neither what is within the mount nor what is nearer to the target than the tool is long concerns the backbone.
+        """
+        away = np.linalg.norm(route - query[QUERY_GOAL : QUERY_GOAL + 3], axis=1) >= query[QUERY_GOAL_RADIUS]
+        concerned = route[away & (lengths_along(route) >= query[QUERY_FREE_LENGTH])]
+        distances, skipped = self.searches.distances(self._problem, concerned), max(1, round(ENDS * len(concerned)))
+        least = distances[skipped:-skipped].min(initial=np.inf)
+        return bool(least > CUT * query[QUERY_RADIUS] and distances.min(initial=np.inf) > 0.0)
 
     def _nothing(self) -> Batch:
         """A batch without any start."""

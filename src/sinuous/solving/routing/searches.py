@@ -24,8 +24,9 @@ from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.routing.buffers import BufferPool
+from sinuous.solving.routing.detours import led_aside
 from sinuous.solving.routing.edges import Walls, rims_of, walls_of
-from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, query_of, settled
+from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, Grown, query_of, settled
 from sinuous.solving.routing.halves import WIDE
 from sinuous.solving.routing.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, fitted, segments_in
@@ -272,6 +273,7 @@ class Searches:
             groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
             Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
+            led_aside(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
             next(settled(groups, still[None], lambda: 1.0))
             turned_back(groups, groups, still)
             if query is not None:

@@ -8,6 +8,7 @@ Rows are returned as new arrays. Kernels are compiled for writable arrays alone;
 users keeps the array for itself and shows a read-only view of it.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -94,6 +95,8 @@ def primitive_row(
     row[t.AXES : t.AXES + 9] = np.ravel(axes)
     row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
     row[t.ROUNDOFF] = roundoff(np.abs([center]) + np.abs([half_extents]), rounding)
+    endless = inside or kind == t.HALF_SPACE
+    row[t.EXTENT] = math.inf if endless else np.linalg.norm(row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3]) + rounding
     return row
 
 

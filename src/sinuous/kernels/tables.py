@@ -66,6 +66,10 @@ ROUNDOFF = 18
 """Column of every obstacle: what arithmetic may make its distances wrong by, for the size of the coordinates that are
 subtracted (length unit); what comes from those of the robot is not in it."""
 
+EXTENT = 19
+"""Column of a primitive: radius of a ball about its center that holds it, `ROUNDING` included; inf where there is none,
+and where the body must stay inside."""
+
 NODES, LEVELS, ITEMS, COUNT, ITEM_KIND, NORMALS = range(2, 8)
 """Columns of a TREE. Where its nodes begin in the store, and its levels; where its items begin, their number and kind;
 where their normals begin (-1: triangles without an inside)."""

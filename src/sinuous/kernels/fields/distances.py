@@ -13,9 +13,10 @@ from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import Array, Vec, get_mat, get_vec, mat_vec, norm, sub, vec_mat
+from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import (
     CENTER,
+    EXTENT,
     FIRST_CELL,
     FIRST_SAMPLE,
     KIND,
@@ -66,6 +67,10 @@ def _own(scene: Scene, i: int, p: Vec) -> Vec:
 def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     if scene.table[i, KIND] >= TREE:
         return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
+    away, far = sub(p, get_vec(scene.table, i, CENTER)), reach + scene.table[i, EXTENT]
+    if 0.0 < far < math.inf and dot(away, away) >= far * far:
+        to_center = norm(away)
+        return to_center - scene.table[i, EXTENT], to_center
     d, _ = primitive(scene.table, i, p)
     return d, d
 

@@ -6,22 +6,11 @@ each interval is decided: for obstacles see `obstacles`, for those that move `dr
 
 import math
 
+from sinuous.kernels.between import sweep as w
 from sinuous.kernels.between.drift import measure_paces, place_obstacles
 from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
 from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment, narrow_segment
-from sinuous.kernels.between.sweep import (
-    FRACTION,
-    HALFWAY,
-    LEAST,
-    LEVELS,
-    LOW,
-    SEGMENT,
-    WHEN,
-    WHICH,
-    Motion,
-    Sweep,
-    knot,
-)
+from sinuous.kernels.between.sweep import Motion, Sweep, knot
 from sinuous.kernels.body.pieces import Scratch, following
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
 from sinuous.kernels.body.self_pairs import Shape, survey
@@ -45,16 +34,16 @@ LOOKED = 0.1
 def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, which: int) -> None:
     """Keep the clearance of a configuration, or the most that it can be where `gap` is a lower bound, if it is less."""
     most = gap / (1.0 - LOOKED) if verdict == CLEAR else gap
-    if most < seen[LEAST]:
-        seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = most, t, k, s, which
+    if most < seen[w.LEAST]:
+        seen[w.LEAST], seen[w.WHEN], seen[w.SEGMENT], seen[w.FRACTION], seen[w.WHICH] = most, t, k, s, which
 
 
 @kernel
 def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> int:
     """Verdict about the configuration at time t."""
-    knot(motion, t, sweep, HALFWAY)
+    knot(motion, t, sweep, w.HALFWAY)
     place_obstacles(motion, t, sweep)
-    q, frames = sweep.q[HALFWAY], sweep.frames[HALFWAY]
+    q, frames = sweep.q[w.HALFWAY], sweep.frames[w.HALFWAY]
     verdict = CLEAR
     if motion.scene.table.shape[0] > 0:
         among = sweep.looked
@@ -64,7 +53,9 @@ def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> i
         )
         _note(seen[0], verdict, gap, t, k, s, which)
     if motion.avoids_itself and verdict == CLEAR:
-        verdict, gap, place = prove_self(Shape(motion.limits, q, frames, sweep.spans[HALFWAY]), aim.finest, sweep.clock)
+        verdict, gap, place = prove_self(
+            Shape(motion.limits, q, frames, sweep.spans[w.HALFWAY]), aim.finest, sweep.clock
+        )
         _note(seen[1], verdict, gap, t, place[0], place[1], place[2])
     return verdict
 
@@ -95,8 +86,8 @@ def list_obstacles(sweep: Sweep) -> None:
 def forget(seen: Array) -> None:
     """Know nothing of clearances."""
     for row in range(2):
-        seen[row, LOW] = seen[row, LEAST] = math.inf
-        seen[row, WHEN], seen[row, SEGMENT], seen[row, FRACTION], seen[row, WHICH] = 0.0, -1.0, 0.0, -1.0
+        seen[row, w.LOW] = seen[row, w.LEAST] = math.inf
+        seen[row, w.WHEN], seen[row, w.SEGMENT], seen[row, w.FRACTION], seen[row, w.WHICH] = 0.0, -1.0, 0.0, -1.0
 
 
 @kernel
@@ -160,7 +151,7 @@ def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, s
         if not undecided:
             level, piece = following(level, piece)
             a, b = b, a
-        elif h * travel < aim.finest or level == LEVELS:
+        elif h * travel < aim.finest or level == w.LEVELS:
             return UNDECIDED, interval.begin
         else:
             level, piece = level + 1, 2 * piece
@@ -181,8 +172,8 @@ def _clear_of_itself(
     motion: Motion, travel: float, end: float, sweep: Sweep, aim: Aim, seen: Array
 ) -> tuple[int, float]:
     """Verdict about the body and itself until the time `end`, and until when everything is clear."""
-    seen[LOW] = passed_over(motion.limits, motion.q0, motion.q1) - aim.rounding
-    if not seen[LOW] > 0.0:
+    seen[w.LOW] = passed_over(motion.limits, motion.q0, motion.q1) - aim.rounding
+    if not seen[w.LOW] > 0.0:
         return UNDECIDED, 0.0
     if cannot_meet(motion.limits, motion.q0, motion.q1):
         return CLEAR, 1.0
@@ -202,7 +193,7 @@ def _clear_of_itself(
         if verdict == CLEAR:
             level, piece = following(level, piece)
             first, a, b = last, b, a
-        elif (verdict == TOUCHING and not aim.prefix) or h * travel < aim.finest or level == LEVELS:
+        elif (verdict == TOUCHING and not aim.prefix) or h * travel < aim.finest or level == w.LEVELS:
             return verdict, begin
         else:
             level, piece = level + 1, 2 * piece
@@ -237,7 +228,7 @@ def bound_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, row: int) -
     The other row is left as it is. The motion is proved clear; returns whether that could be bounded again in time.
     """
     own, travel = _measure(motion, sweep, aim)
-    seen[row, LOW] = math.inf
+    seen[row, w.LOW] = math.inf
     if row == 0:
         return bool(_clear_of_obstacles(motion, travel, sweep, own, seen[0])[0] == CLEAR)
     return bool(_clear_of_itself(motion, travel, 1.0, sweep, own, seen[1])[0] == CLEAR)
@@ -263,7 +254,7 @@ def prove_from(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, clear: float
     Then no configuration has to be looked at to know what bounds are worth having: that is most of a short motion.
     """
     forget(seen)
-    seen[0, LEAST], seen[1, LEAST] = clear, apart
+    seen[0, w.LEAST], seen[1, w.LEAST] = clear, apart
     return _prove_all(motion, sweep, aim, seen, False)
 
 
@@ -279,10 +270,12 @@ def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[in
 @shared
 def _prove_all(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, looks: bool) -> tuple[int, float]:
     """The same; `looks`: whether the first configuration is looked at, where tight bounds are wanted."""
-    seen[0, LOW] = seen[1, LOW] = math.inf
+    seen[0, w.LOW] = seen[1, w.LOW] = math.inf
     own, travel = _measure(motion, sweep, aim)
     solid = motion.avoids_itself and _thickest(motion.limits) > 0.0
-    unknown = (motion.scene.table.shape[0] > 0 and seen[0, LEAST] == math.inf) or (solid and seen[1, LEAST] == math.inf)
+    unknown = (motion.scene.table.shape[0] > 0 and seen[0, w.LEAST] == math.inf) or (
+        solid and seen[1, w.LEAST] == math.inf
+    )
     if looks and own.slack < 1.0 and unknown:  # then a bound has to be known from the beginning that is worth having
         verdict = _look_at(motion, 0.0, sweep, own, seen)
         if verdict != CLEAR:

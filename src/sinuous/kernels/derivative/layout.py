@@ -51,25 +51,7 @@ were more active rows than there is room for; preferences have chosen the answer
 MOST_ACTIVE = 256
 """Most rows of limits and contacts."""
 
-Desk = namedtuple(
-    "Desk",
-    [
-        "q",
-        "frames",
-        "columns",
-        "near",
-        "spans",
-        "pairs",
-        "rows",
-        "about",
-        "sides",
-        "forces",
-        "system",
-        "moved",
-        "way",
-        "values",
-    ],
-)
+Desk = namedtuple("Desk", "q frames columns near spans pairs rows about sides forces system moved way values")
 """A configuration (n, 3), frames (n + 1, 12), columns (n, 18); numbers of obstacles (m,) int64; spans and self-contacts
 as `body.self_contacts` has them; rows (r, 3 n), what is known about them (r, 12), and their right sides (r, p); what
 becomes of these while the system is solved (r, p); the triangular factor of the system (r, r); what a unit of each

@@ -9,19 +9,8 @@ from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS, pull_along, pull_
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.derivative.layout import (
-    FACTOR,
-    FULL,
-    KIND,
-    KINK,
-    OTHER,
-    SEGMENT,
-    SIDE,
-    SLACK,
-    TARGET_ROW,
-    WRENCH,
-    Desk,
-)
+from sinuous.kernels.derivative import layout as v
+from sinuous.kernels.derivative.layout import Desk
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.solids import BOUND
 from sinuous.kernels.maths.vectors import (
@@ -77,10 +66,10 @@ SAME = 1e-6
 def _begin(desk: Desk, at: int, kind: int, segment: int, other: int, side: int, slack: float) -> None:
     """Begin row `at` with no weights and no wrench."""
     about, rows = desk.about, desk.rows
-    about[at, KIND], about[at, SEGMENT], about[at, OTHER] = kind, segment, other
-    about[at, SIDE], about[at, SLACK] = side, slack
-    put_vec(about, at, WRENCH, ZERO)
-    put_vec(about, at, WRENCH + 3, ZERO)
+    about[at, v.KIND], about[at, v.SEGMENT], about[at, v.OTHER] = kind, segment, other
+    about[at, v.SIDE], about[at, v.SLACK] = side, slack
+    put_vec(about, at, v.WRENCH, ZERO)
+    put_vec(about, at, v.WRENCH + 3, ZERO)
     for i in range(rows.shape[1]):
         rows[at, i] = 0.0
 
@@ -88,15 +77,15 @@ def _begin(desk: Desk, at: int, kind: int, segment: int, other: int, side: int, 
 @kernel
 def _put_end(desk: Desk, at: int, k: int, torque: Vec, force: Vec) -> None:
     """Put in what a wrench about the base does at the end of segment `k`."""
-    put_vec(desk.about, at, WRENCH, torque)
-    put_vec(desk.about, at, WRENCH + 3, force)
+    put_vec(desk.about, at, v.WRENCH, torque)
+    put_vec(desk.about, at, v.WRENCH + 3, force)
     for j in range(k + 1):
         put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
 
 
 @kernel
 def _target_row(desk: Desk, at: int, i: int, k: int, torque: Vec, force: Vec, value: float) -> int:
-    _begin(desk, at, TARGET_ROW, k, i, 0, value)
+    _begin(desk, at, v.TARGET_ROW, k, i, 0, value)
     _put_end(desk, at, k, torque, force)
     return at + 1
 
@@ -153,7 +142,7 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
     limits, q, at, room, told = problem.limits, desk.q, first, desk.rows.shape[0], 0
     for k in range(q.shape[0]):
         if at + 4 > room:
-            return at, FULL
+            return at, v.FULL
         turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
         low, high = q[k, 2] - limits[k, t.MIN_LENGTH], limits[k, t.MAX_LENGTH] - q[k, 2]
         if _is_active(low, stretching, near_by):
@@ -169,7 +158,7 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
         if turning == 0.0:
             continue
         if cap <= near_by:
-            told |= KINK
+            told |= v.KINK
             continue
         inverse, most = -1.0 / max(bend, 1e-300), limits[k, t.MAX_CURVATURE]
         nx, ny = inverse * q[k, 0], inverse * q[k, 1]
@@ -202,7 +191,7 @@ def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> 
             slack = table[j, t.MAX_VALUE] - value if side == 1 else value - table[j, t.MIN_VALUE]
             if _is_active(slack, math.sqrt(square), near_by):
                 if at == desk.rows.shape[0]:
-                    return at, FULL
+                    return at, v.FULL
                 _begin(desk, at, ACTUATOR, last, j, side, slack)
                 for k in range(begin, last + 1):
                     put_vec(desk.rows, at, 3 * k, scale(1.0 - 2.0 * side, weights))
@@ -244,7 +233,7 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
                     if ended and d <= least:
                         at -= 1
                 if at == desk.rows.shape[0]:
-                    return at, FULL
+                    return at, v.FULL
                 before, ended, least = piece, b - s < SAME, d
                 _begin(desk, at, CLEARANCE, k, i, 0, d - radius - keep)
                 _put_contact(problem, desk, at, k, s, p, g)
@@ -257,8 +246,8 @@ def _put_contact(problem: Problem, desk: Desk, at: int, k: int, s: float, p: Vec
     """Put in how the place `p`, at the fraction `s` of segment `k`, moves along the unit vector `force`."""
     origin = frame(desk.frames, 0)[1]
     torque = cross(sub(p, origin), force)
-    put_vec(desk.about, at, WRENCH, torque)
-    put_vec(desk.about, at, WRENCH + 3, force)
+    put_vec(desk.about, at, v.WRENCH, torque)
+    put_vec(desk.about, at, v.WRENCH + 3, force)
     for j in range(k):
         put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
     shape = Shape(problem.limits, desk.q, desk.frames, desk.spans)
@@ -276,7 +265,7 @@ def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> 
     at = first
     for a in range(found):
         if at == desk.rows.shape[0]:
-            return at, FULL
+            return at, v.FULL
         gap, begin, end = ahead - desk.pairs[a, VALUE] * problem.unit, -1, -1
         for k in range(desk.q.shape[0]):
             weights = get_vec(desk.pairs, a, WEIGHTS + 3 * k)
@@ -302,6 +291,6 @@ def normalise(limits: Array, desk: Desk, count: int) -> None:
             x, y, z = turning * desk.rows[at, 3 * k], turning * desk.rows[at, 3 * k + 1], desk.rows[at, 3 * k + 2]
             square += x * x + y * y + (stretching * z) ** 2
         factor = 1.0 / math.sqrt(square) if square > 0.0 else 1.0
-        desk.about[at, FACTOR] = factor
+        desk.about[at, v.FACTOR] = factor
         for i in range(desk.rows.shape[1]):
             desk.rows[at, i] *= factor

@@ -11,23 +11,12 @@ order and saves most of the roots.
 import math
 from collections import namedtuple
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.compile import entry, inline, kernel
 from sinuous.kernels.fields import triangles
 from sinuous.kernels.fields.primitives import FLAT, Patch, box, lean, patch_size
 from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, scale, sub
-from sinuous.kernels.tables import (
-    COUNT,
-    CUBE_HALF,
-    CUBES,
-    ITEM_KIND,
-    ITEMS,
-    LEVELS,
-    NODE_SIZE,
-    NODES,
-    TRIANGLE_SIZE,
-    TRIANGLES,
-)
 
 Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 """Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
@@ -37,12 +26,12 @@ Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 def tree_of(table: Array, i: int) -> Tree:
     """Tree of obstacle `i`."""
     return Tree(
-        int(table[i, NODES]),
-        int(table[i, LEVELS]),
-        int(table[i, ITEMS]),
-        int(table[i, COUNT]),
-        int(table[i, ITEM_KIND]),
-        table[i, CUBE_HALF],
+        int(table[i, t.NODES]),
+        int(table[i, t.LEVELS]),
+        int(table[i, t.ITEMS]),
+        int(table[i, t.COUNT]),
+        int(table[i, t.ITEM_KIND]),
+        table[i, t.CUBE_HALF],
     )
 
 
@@ -85,9 +74,9 @@ def cube_distance(local: Vec, half: float) -> float:
 @kernel
 def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
     """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
-    if tree.kind == TRIANGLES:
-        return triangles.square_distance(store, tree.items + TRIANGLE_SIZE * i, p, best)
-    if tree.kind == CUBES:
+    if tree.kind == t.TRIANGLES:
+        return triangles.square_distance(store, tree.items + t.TRIANGLE_SIZE * i, p, best)
+    if tree.kind == t.CUBES:
         return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
     at = tree.items + 4 * i
     away, radius = sub(p, read(store, at)), store[at + 3]
@@ -106,7 +95,7 @@ def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) ->
     The root's bit is 1. From a leaf it goes on to the next.
     """
     first_leaf = 1 << tree.levels
-    descend = node == 0 and box_distance(store, tree.nodes + NODE_SIZE, p) < best
+    descend = node == 0 and box_distance(store, tree.nodes + t.NODE_SIZE, p) < best
     if node == 0:
         node = due = 1
     while True:
@@ -118,11 +107,11 @@ def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) ->
                 return 0, due
             due ^= 1
             node ^= 1
-            descend = box_distance(store, tree.nodes + NODE_SIZE * node, p) < best
+            descend = box_distance(store, tree.nodes + t.NODE_SIZE * node, p) < best
         if node >= first_leaf:
             return node, due
-        left = box_distance(store, tree.nodes + 2 * NODE_SIZE * node, p)
-        right = box_distance(store, tree.nodes + 2 * NODE_SIZE * node + NODE_SIZE, p)
+        left = box_distance(store, tree.nodes + 2 * t.NODE_SIZE * node, p)
+        right = box_distance(store, tree.nodes + 2 * t.NODE_SIZE * node + t.NODE_SIZE, p)
         descend = min(left, right) < best
         if descend:
             node = 2 * node + (1 if right < left else 0)
@@ -150,9 +139,9 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
 @kernel
 def item_slope(store: Array, tree: Tree, i: int, p: Vec, normals: int) -> tuple[float, Vec]:
     """Distance of `p` to primitive `i`, and its gradient; of a triangle signed where `normals` begin in the store."""
-    if tree.kind == TRIANGLES:
-        return triangles.signed(store, tree.items + TRIANGLE_SIZE * i, normals, i, p)
-    if tree.kind == CUBES:
+    if tree.kind == t.TRIANGLES:
+        return triangles.signed(store, tree.items + t.TRIANGLE_SIZE * i, normals, i, p)
+    if tree.kind == t.CUBES:
         return box(sub(p, read(store, tree.items + 3 * i)), (tree.half, tree.half, tree.half))
     at = tree.items + 4 * i
     away = sub(p, read(store, at))
@@ -256,5 +245,5 @@ def enclose(lows: Array, highs: Array, order: Array, levels: int, nodes: Array) 
                 for axis in range(3):
                     nodes[node, axis] = min(nodes[node, axis], nodes[child, axis])
                     nodes[node, axis + 3] = max(nodes[node, axis + 3], nodes[child, axis + 3])
-    for axis in range(NODE_SIZE):
+    for axis in range(t.NODE_SIZE):
         nodes[0, axis] = 0.0

@@ -79,25 +79,7 @@ then its least and most; and least and most stretch of lines (t, 2), infinite wh
 Shape = namedtuple("Shape", ["q", "x", "tensions", "kept", "record"])
 """A drive (n, 3), states (N, 4), tensions (t,); scratch (4 N + t,) and record (10,) of the search for the latter."""
 
-Step = namedtuple(
-    "Step",
-    [
-        "ends",
-        "rows",
-        "columns",
-        "pulls",
-        "jacobian",
-        "weights",
-        "values",
-        "side",
-        "listed",
-        "system",
-        "root",
-        "mean",
-        "bound",
-        "change",
-    ],
-)
+Step = namedtuple("Step", "ends rows columns pulls jacobian weights values side listed system root mean bound change")
 """Frames of the base and of ends of segments (n + 1, 12) and rows of targets; derivatives of states (3 n, N, 4) and
 tensions (3 n, t). Of r rows, those of targets, then limits of actuators, then of tensions: derivatives (r, 3 n), the
 same in units of the metric, and least and most motion (r, 2), alike for targets; which side of it is kept, 1 the least,

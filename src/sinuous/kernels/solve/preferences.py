@@ -9,6 +9,7 @@ by the Hessian of the cost meanwhile: in another metric what is taken out would 
 import math
 from collections import namedtuple
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import allow, begin, late, now, over
 from sinuous.kernels.compile import entry, kernel
@@ -17,15 +18,6 @@ from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, self_proof, step
 from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
-from sinuous.kernels.tables import (
-    BENDS_WEIGHT,
-    INITIAL_WEIGHT,
-    LENGTH_SCALE,
-    MAX_ITERATIONS,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    WISHED_CLEARANCE,
-)
 
 Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 """Weights of staying at `reference` (n, 3) and of small bends; clearance wished for."""
@@ -62,7 +54,7 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     total = CLOSE * state.norms[WISH]
     for k in range(state.q.shape[0]):
         ux, uy, length = state.q[k, 0], state.q[k, 1], state.q[k, 2]
-        stretch = problem.limits[k, LENGTH_SCALE]
+        stretch = problem.limits[k, t.LENGTH_SCALE]
         total += wishes.bends * (ux * ux + uy * uy)
         away = (ux - wishes.reference[k, 0]) ** 2 + (uy - wishes.reference[k, 1]) ** 2
         if stretch > 0.0:
@@ -103,8 +95,8 @@ def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds:
     Otherwise corrections lead them away from it again, step after step, and none of these gains what it promises.
     """
     for k in range(q.shape[0]):
-        moves = not holds or problem.limits[k, MIN_LENGTH] < q[k, 2] < problem.limits[k, MAX_LENGTH]
-        measured.limits[k, LENGTH_SCALE] = loose * problem.limits[k, LENGTH_SCALE] if moves else 0.0
+        moves = not holds or problem.limits[k, t.MIN_LENGTH] < q[k, 2] < problem.limits[k, t.MAX_LENGTH]
+        measured.limits[k, t.LENGTH_SCALE] = loose * problem.limits[k, t.LENGTH_SCALE] if moves else 0.0
 
 
 @kernel
@@ -213,14 +205,14 @@ def prefer(
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
-    wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
+    wishes = Wishes(settings[t.INITIAL_WEIGHT], settings[t.BENDS_WEIGHT], settings[t.WISHED_CLEARANCE], reference)
     loosened = workspace[workspace.shape[0] - robot.shape[0] :]
     for i in range(robot.shape[0]):
         loosened[i] = robot[i]
     measured = read_problem(loosened, scene, settings, targets)
     copy(best, work.solved)
     begin(work.clock)
-    began, used, most = now(work.clock), 0, int(settings[MAX_ITERATIONS])
+    began, used, most = now(work.clock), 0, int(settings[t.MAX_ITERATIONS])
     with_self, depth = False, problem.step_depth + 2
     while True:
         left = began + proved[4] - now(work.clock)

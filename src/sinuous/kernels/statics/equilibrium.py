@@ -3,18 +3,8 @@
 from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.newton import (
-    LENGTHS,
-    MOST_ITERATIONS,
-    TAUT,
-    WANTED,
-    Body,
-    Space,
-    answer_lines,
-    carve,
-    descend,
-    look,
-)
+from sinuous.kernels.statics import newton
+from sinuous.kernels.statics.newton import Body, Space, answer_lines, carve, descend, look
 from sinuous.kernels.statics.pulls import solve_taut
 
 SHARE, ITERATIONS, UNSTABLE, LEFT, MOMENT, FORCE = 0, 1, 2, 3, 4, 7
@@ -65,7 +55,7 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, 
     if descends:
         _continue(x, tensions, body, space, rest, record)
     else:
-        found, steps = descend(x, tensions, body, 1.0, False, space, MOST_ITERATIONS)
+        found, steps = descend(x, tensions, body, 1.0, False, space, newton.MOST_ITERATIONS)
         record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
     if record[SHARE] < 1.0:
         return
@@ -90,7 +80,7 @@ def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, recor
 def _start_taut(lines: Array, tensions: Array, space: Space) -> None:
     for i in range(lines.shape[0]):
         taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
-        space.small[TAUT, i] = 1.0 if taut else 0.0
+        space.small[newton.TAUT, i] = 1.0 if taut else 0.0
         if lines[i, t.HELD] == 0.0:
             tensions[i] = lines[i, t.VALUE]
 
@@ -122,7 +112,7 @@ def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, 
     _keep(x, tensions, rest)
     while reached < 1.0 and step >= SMALLEST_SHARE:
         share = min(1.0, reached + step)
-        found, steps = descend(x, tensions, body, share, True, space, MOST_ITERATIONS)
+        found, steps = descend(x, tensions, body, share, True, space, newton.MOST_ITERATIONS)
         record[ITERATIONS] += steps
         if found:
             reached, step = share, 2.0 * step
@@ -146,7 +136,9 @@ def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -
     if negative > 0 and lines.shape[0] > 0:  # tendons that are held may hold what would fall
         answer_lines(lines, x.shape[0], space)
         scratch = space.scratch[: lines.shape[0]]
-        negative -= solve_taut(space.matrix, space.small[LENGTHS], space.small[TAUT], space.small[WANTED], scratch)
+        negative -= solve_taut(
+            space.matrix, space.small[newton.LENGTHS], space.small[newton.TAUT], space.small[newton.WANTED], scratch
+        )
     record[UNSTABLE], record[LEFT] = negative, left
     for i in range(3):
         record[MOMENT + i], record[FORCE + i] = moment[i], force[i]
@@ -167,7 +159,7 @@ def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, tri
         if arcs_give(body.arcs, k, 0):
             x[k, trial] += NUDGE * (1.0 + 0.3 * k / count) / count
             x[k, 1 - trial] += 0.1 * NUDGE / count
-    found, steps = descend(x, tensions, body, 1.0, True, space, 2 * MOST_ITERATIONS)
+    found, steps = descend(x, tensions, body, 1.0, True, space, 2 * newton.MOST_ITERATIONS)
     record[ITERATIONS] += steps
     if not found:
         _restore(x, tensions, rest)

@@ -46,9 +46,7 @@ SHORTEST, LONGEST = 0.2, 3.0
 Body = namedtuple("Body", ["arcs", "loads", "lines"])
 """Tables of a body, its loads and its lines, see `layout`."""
 
-Space = namedtuple(
-    "Space", ["frames", "stages", "slopes", "changes", "step", "trial", "none", "matrix", "scratch", "small"]
-)
+Space = namedtuple("Space", "frames stages slopes changes step trial none matrix scratch small")
 """Frames (N + 1, 12), `stages` (N, 128), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step,
 the state that is tried and no change (N, 4), the system of tensions (t, t), scratch, and six rows of t numbers:
 lengths, right-hand side, tensions that are tried, who is taut, change of length, and tensions before."""

@@ -17,21 +17,10 @@ from sinuous.kernels.fields.distances import Scene, coarseness, number_of
 from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
+from sinuous.kernels.step import states as s
 from sinuous.kernels.step.coupling import couple
 from sinuous.kernels.step.dense import are_few, carve_dense, dense_step, see
-from sinuous.kernels.step.states import (
-    ANGLE,
-    MERIT,
-    PAIRS,
-    POSITION,
-    SEEN,
-    SELF_SEEN,
-    WISH,
-    State,
-    Work,
-    coupling_of,
-    pick,
-)
+from sinuous.kernels.step.states import State, Work, coupling_of, pick
 from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
@@ -91,9 +80,9 @@ def close(state: State, count: int) -> None:
             wished += square
         else:
             merit += square
-    state.norms[MERIT] = merit
-    state.norms[WISH] = wished / (SOFTNESS * SOFTNESS)
-    state.norms[SELF_SEEN], state.norms[PAIRS] = math.inf, 0.0
+    state.norms[s.MERIT] = merit
+    state.norms[s.WISH] = wished / (SOFTNESS * SOFTNESS)
+    state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = math.inf, 0.0
 
 
 @kernel
@@ -103,8 +92,8 @@ def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     shape, pairs = Shape(problem.limits, state.q, state.frames, own.spans), own.pairs
     count, low = self_contacts(shape, state.columns, SELF_MARGIN * problem.margin, problem.unit, pairs)
     for a in range(count):
-        state.norms[MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
-    state.norms[SELF_SEEN], state.norms[PAIRS] = low, count
+        state.norms[s.MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
+    state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = low, count
 
 
 @kernel
@@ -133,7 +122,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
         at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
     close(state, at)
-    state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
+    state.norms[s.POSITION], state.norms[s.ANGLE], state.norms[s.SEEN] = off, turn, seen
     if with_self:
         add_self_contacts(problem, state, work)
 
@@ -150,7 +139,7 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     if coupled:
         actuation.release(state.rows)
     n = state.q.shape[0]
-    few = not coupled and state.norms[PAIRS] == 0.0 and are_few(state.rows, n)
+    few = not coupled and state.norms[s.PAIRS] == 0.0 and are_few(state.rows, n)
     sights, system = carve_dense(work.rest, n)
     if few:
         see(state.columns, state.rows, sights)
@@ -160,7 +149,7 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
         else:
             sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
             sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
-        if state.norms[PAIRS] > 0.0:
+        if state.norms[s.PAIRS] > 0.0:
             couple(state, work, mu, coupled)
         count = limits.bind(problem.limits, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
@@ -215,18 +204,18 @@ def met(problem: Problem, state: State, loose: float) -> bool:
     """
     norms = state.norms
     return bool(
-        norms[MERIT] < math.inf
-        and norms[POSITION] <= problem.position_tolerance
-        and norms[ANGLE] <= problem.angle_tolerance
-        and norms[SEEN] >= -loose
-        and norms[SELF_SEEN] >= 0.0
+        norms[s.MERIT] < math.inf
+        and norms[s.POSITION] <= problem.position_tolerance
+        and norms[s.ANGLE] <= problem.angle_tolerance
+        and norms[s.SEEN] >= -loose
+        and norms[s.SELF_SEEN] >= 0.0
     )
 
 
 @kernel
 def met_by(state: State, loose: float) -> bool:
     """Targets and obstacles within what samples may be wrong by: they may be what keeps the targets from being met."""
-    return bool(state.norms[POSITION] <= loose and state.norms[SEEN] >= -loose)
+    return bool(state.norms[s.POSITION] <= loose and state.norms[s.SEEN] >= -loose)
 
 
 @kernel
@@ -302,10 +291,10 @@ def descend(
         linearise(problem, looked, work, depth, mode, wish, with_self)
         if late(work.clock):
             if merit == math.inf:
-                at, looked.norms[MERIT] = looked_at, math.inf
+                at, looked.norms[s.MERIT] = looked_at, math.inf
             state = pick(states, at)
-            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
-        found = looked.norms[MERIT]
+            return at, MISSED, iteration, state.norms[s.SEEN], state.norms[s.SELF_SEEN], bound
+        found = looked.norms[s.MERIT]
         slow, easing = _progress(found, merit, slow, easing)
         if found < merit:
             at, merit = looked_at, found
@@ -314,7 +303,7 @@ def descend(
             verdict, self_clearance = self_proof(problem, state, work)
             if verdict != CLEAR:
                 if with_self or brief:
-                    return at, verdict, iteration, state.norms[SEEN], self_clearance, bound
+                    return at, verdict, iteration, state.norms[s.SEEN], self_clearance, bound
                 with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
                 continue
             verdict, clearance = proof(problem, state, work)
@@ -336,7 +325,7 @@ def descend(
             or slow >= (1 if brief else PATIENCE)
             or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0])
         ):
-            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
+            return at, MISSED, iteration, state.norms[s.SEEN], state.norms[s.SELF_SEEN], bound
         iteration += 1
         rest(work)
         bound = step(problem, state, work, max(EXACT, 0.01 * easing * merit))

@@ -7,6 +7,7 @@ then six unused) or rotation (9).
 
 import math
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.rows import END, Rows
 from sinuous.kernels.chain.kinematics import compose, frame
 from sinuous.kernels.compile import kernel
@@ -28,16 +29,6 @@ from sinuous.kernels.maths.vectors import (
     transpose,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.tables import (
-    DIRECTION,
-    FREE,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    ROTATION,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-)
 
 NONE = (0.0, 0.0, 0.0)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -46,7 +37,7 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 @kernel
 def end_segment(targets: Array, i: int, segments: int) -> int:
     """The segment, from 0, whose end target `i` concerns."""
-    k = int(targets[i, TARGET_SEGMENT])
+    k = int(targets[i, t.TARGET_SEGMENT])
     return k if k >= 0 else segments - 1
 
 
@@ -56,7 +47,7 @@ def distal_target(targets: Array, segments: int) -> int:
     found = tip = -1
     for i in range(targets.shape[0]):
         k = end_segment(targets, i, segments)
-        if targets[i, HAS_POSITION] != 0.0 and k >= tip:
+        if targets[i, t.HAS_POSITION] != 0.0 and k >= tip:
             found, tip = i, k
     return found
 
@@ -64,26 +55,26 @@ def distal_target(targets: Array, segments: int) -> int:
 @kernel
 def tangent_back(targets: Array, i: int) -> Vec:
     """Where the backbone comes from at the target; zero where it may come from anywhere."""
-    if targets[i, ORIENTATION] == FREE:
+    if targets[i, t.ORIENTATION] == t.FREE:
         return NONE
-    if targets[i, ORIENTATION] == DIRECTION:
-        return scale(-1.0, get_vec(targets, i, GOAL))
-    return (-targets[i, GOAL + 2], -targets[i, GOAL + 5], -targets[i, GOAL + 8])
+    if targets[i, t.ORIENTATION] == t.DIRECTION:
+        return scale(-1.0, get_vec(targets, i, t.GOAL))
+    return (-targets[i, t.GOAL + 2], -targets[i, t.GOAL + 5], -targets[i, t.GOAL + 8])
 
 
 @kernel
 def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
     """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
-    place = get_vec(problem.targets, i, TARGET_POSITION)
+    place = get_vec(problem.targets, i, t.TARGET_POSITION)
     if k < problem.limits.shape[0] - 1:
         return place, 0.0
     offset, shift = frame(problem.tool, 0)
     if norm(shift) == 0.0:
         return place, 0.0
-    if problem.targets[i, ORIENTATION] != ROTATION:
+    if problem.targets[i, t.ORIENTATION] != t.ROTATION:
         return place, norm(shift)
     row = problem.targets
-    goal = (get_vec(row, i, GOAL), get_vec(row, i, GOAL + 3), get_vec(row, i, GOAL + 6))
+    goal = (get_vec(row, i, t.GOAL), get_vec(row, i, t.GOAL + 3), get_vec(row, i, t.GOAL + 6))
     turned = mat_vec(goal, mat_vec(transpose(offset), shift))
     return sub(place, turned), min(2.0, problem.angle_tolerance) * norm(shift)
 
@@ -151,21 +142,21 @@ def add_rows(
     """
     rotation, position = end_pose(frames, tool, end_segment(targets, i, frames.shape[0] - 1))
     miss, turn = NONE, NONE
-    if targets[i, HAS_POSITION] != 0.0:
+    if targets[i, t.HAS_POSITION] != 0.0:
         inverse = 1.0 / unit
-        miss = sub(get_vec(targets, i, TARGET_POSITION), position)
+        miss = sub(get_vec(targets, i, t.TARGET_POSITION), position)
         arm = scale(inverse, sub(position, origin))
         at = put_row(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
         at = put_row(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
         at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
-    if targets[i, ORIENTATION] == ROTATION:
-        turn = rotation_vector(mat_mat(get_mat(targets, i, GOAL), transpose(rotation)))
+    if targets[i, t.ORIENTATION] == t.ROTATION:
+        turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
         at = put_row(rows, at, X, NONE, turn[0])
         at = put_row(rows, at, Y, NONE, turn[1])
         at = put_row(rows, at, Z, NONE, turn[2])
-    elif targets[i, ORIENTATION] == DIRECTION:
+    elif targets[i, t.ORIENTATION] == t.DIRECTION:
         tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
-        turn = direction_vector(tangent, get_vec(targets, i, GOAL))
+        turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
         a, b = across(tangent)
         at = put_row(rows, at, a, NONE, dot(turn, a))
         at = put_row(rows, at, b, NONE, dot(turn, b))

@@ -64,33 +64,13 @@ LENGTH, BEND, CURVATURE, ACTUATOR, CLEARANCE, SELF_CLEARANCE, LENGTH_RATE, BEND_
 )
 """Kinds of constraints."""
 
-WorkingSet = namedtuple(
-    "WorkingSet", ["weights", "replies", "about", "system", "scratch", "active", "listed", "free", "pull"]
-)
+WorkingSet = namedtuple("WorkingSet", "weights replies about system scratch active listed free pull")
 """Constraints that the step was found to violate, up to r of them: weights `c` (r, 3 n); what a multiplier of 1 moves,
 `H^-1 c` (r, 3 n); `about` them (r, 6); how they move each other, `c_a . H^-1 c_b` (r, r), and scratch (r, r + 1);
 which of them are active (r,) int64, and the numbers of those (r,) int64; the step without any of them, and a motion
 (n, 3)."""
 
-Tick = namedtuple(
-    "Tick",
-    [
-        "q",
-        "trial",
-        "frames",
-        "columns",
-        "rows",
-        "root",
-        "none",
-        "step",
-        "bounds",
-        "near",
-        "pairs",
-        "spans",
-        "working",
-        "sweep",
-    ],
-)
+Tick = namedtuple("Tick", "q trial frames columns rows root none step bounds near pairs spans working sweep")
 """Configurations where it is and where it may go next (n, 3), frames (n + 1, 12) and columns (n, 18) where it is; rows
 of what is asked; root of the metric (n, 9), no motion (n, 3) and the step (n, 3); bounds (b, 3 n + 10); numbers of
 obstacles (m,) int64; self-contacts and spans as `body.self_contacts` has them; the working set; and scratch of the

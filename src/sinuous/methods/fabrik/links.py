@@ -49,9 +49,7 @@ from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.step.targets import direction_vector
 from sinuous.kernels.tables import GOAL, MAX_LENGTH, MIN_LENGTH, ORIENTATION, TARGET_POSITION
 
-Chain = namedtuple(
-    "Chain", ["first", "share", "part", "points", "joints", "tangents", "bends", "lengths", "low", "high"]
-)
+Chain = namedtuple("Chain", "first share part points joints tangents bends lengths low high")
 """Sections from the base to the end that has a target, and what they have in common with segments.
 
 `first` (m + 1,): section i is made of the segments `first[i]` to `first[i + 1]`. `share` (n,) and `part` (n,): of its

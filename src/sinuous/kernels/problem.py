@@ -3,7 +3,6 @@
 from collections import namedtuple
 
 from sinuous.kernels import tables as t
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
@@ -21,7 +20,6 @@ Problem = namedtuple(
 the settings by their names (lengths in the length unit, angles in rad)."""
 
 
-@kernel
 def read_robot(robot: Array) -> Robot:
     """Take the group of a robot apart."""
     n, p = int(robot[0]), int(robot[1])
@@ -36,7 +34,6 @@ def read_robot(robot: Array) -> Robot:
     )
 
 
-@kernel
 def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Array) -> Problem:
     """Take the groups of one problem apart; layouts as `tables` says, `targets` (t, 15)."""
     own = read_robot(robot)
@@ -58,7 +55,6 @@ def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Ar
     )
 
 
-@kernel
 def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
     """Configuration (n, 3) and record (11,) of answer `i` in a batch (m, 11 + 3 n)."""
     return shaped(answers[i, t.RECORD_WIDTH :], (n, 3)), answers[i, : t.RECORD_WIDTH]

@@ -19,7 +19,7 @@ from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel, shared
+from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array, norm
 from sinuous.kernels.tables import RADIUS, SELF_RADIUS
 
@@ -30,7 +30,6 @@ LOOKED = 0.1
 """Slack of the proof of a single configuration."""
 
 
-@kernel
 def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, which: int) -> None:
     """Keep the clearance of a configuration, or the most that it can be where `gap` is a lower bound, if it is less."""
     most = gap / (1.0 - LOOKED) if verdict == CLEAR else gap
@@ -38,7 +37,6 @@ def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, whi
         seen[w.LEAST], seen[w.WHEN], seen[w.SEGMENT], seen[w.FRACTION], seen[w.WHICH] = most, t, k, s, which
 
 
-@kernel
 def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> int:
     """Verdict about the configuration at time t."""
     knot(motion, t, sweep, w.HALFWAY)
@@ -60,7 +58,6 @@ def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> i
     return verdict
 
 
-@kernel
 def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """Whether the body is seen to touch something some time after `begin`, up to which it comes ever closer to it."""
     ahead = aim.finest / travel
@@ -73,7 +70,6 @@ def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, ai
     return False
 
 
-@kernel
 def list_obstacles(sweep: Sweep) -> None:
     """Let every segment look at all obstacles that it can reach."""
     for k in range(sweep.reached.shape[0]):
@@ -82,7 +78,6 @@ def list_obstacles(sweep: Sweep) -> None:
             sweep.near[k, e] = sweep.reach[k, e]
 
 
-@kernel
 def forget(seen: Array) -> None:
     """Know nothing of clearances."""
     for row in range(2):
@@ -90,7 +85,6 @@ def forget(seen: Array) -> None:
         seen[row, w.WHEN], seen[row, w.SEGMENT], seen[row, w.FRACTION], seen[row, w.WHICH] = 0.0, -1.0, 0.0, -1.0
 
 
-@kernel
 def narrow_obstacles(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> None:
     """Let every segment look only at the obstacles that it may touch some time in the motion, none of which moves."""
     list_obstacles(sweep)
@@ -101,14 +95,12 @@ def narrow_obstacles(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> Non
         narrow_segment(motion, sweep, Interval(0, 0.0, 1.0, 0, 1), k, aim, seen[0])
 
 
-@kernel
 def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """Whether the body is seen to touch something at time t, among the obstacles that `narrow_obstacles` left."""
     forget(seen)  # what overlaps less than something before would not be seen
     return bool(touches_too(motion, t, sweep, aim, seen))
 
 
-@kernel
 def touches_too(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """The same after looks at which nothing touched: `seen` has the least of all of them."""
     knot(motion, t, sweep, 0)
@@ -123,7 +115,6 @@ def touches_too(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -
     return bool(verdict == TOUCHING)
 
 
-@kernel
 def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """Verdict about obstacles, and until when everything is clear; `travel`: how far anything comes nearer, at most."""
     n = motion.q0.shape[0]
@@ -158,7 +149,6 @@ def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, s
     return CLEAR, 1.0
 
 
-@kernel
 def _shape(motion: Motion, t: float, sweep: Sweep, at: int) -> Shape:
     """The shape at time t, in a place of the sweep."""
     knot(motion, t, sweep, at)
@@ -167,7 +157,6 @@ def _shape(motion: Motion, t: float, sweep: Sweep, at: int) -> Shape:
     return shape
 
 
-@kernel
 def _clear_of_itself(
     motion: Motion, travel: float, end: float, sweep: Sweep, aim: Aim, seen: Array
 ) -> tuple[int, float]:
@@ -200,7 +189,6 @@ def _clear_of_itself(
     return CLEAR, 1.0
 
 
-@kernel
 def _thickest(limits: Array) -> float:
     """Largest radius of a body, whatever it has to be free of."""
     radius = 0.0
@@ -209,7 +197,6 @@ def _thickest(limits: Array) -> float:
     return radius
 
 
-@kernel
 def _measure(motion: Motion, sweep: Sweep, aim: Aim) -> tuple[Aim, float]:
     """The aim with what arithmetic may be wrong by, and how far anything comes nearer in the motion, at most."""
     travel = measure_rates(motion.q0, motion.q1, sweep.rates)
@@ -221,7 +208,6 @@ def _measure(motion: Motion, sweep: Sweep, aim: Aim) -> tuple[Aim, float]:
     return Aim(aim.slack, aim.finest, rounding, aim.mount, aim.prefix), travel + nearing
 
 
-@kernel
 def bound_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, row: int) -> bool:
     """Bound again, by what `seen` (2, 6) has, how clear a motion is of obstacles (row 0) or of the body itself (row 1).
 
@@ -234,7 +220,6 @@ def bound_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, row: int) -
     return bool(_clear_of_itself(motion, travel, 1.0, sweep, own, seen[1])[0] == CLEAR)
 
 
-@kernel
 def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """Prove a motion clear, or find where it is not.
 
@@ -247,7 +232,6 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
     return prove_again(motion, sweep, aim, seen)
 
 
-@kernel
 def prove_from(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, clear: float, apart: float) -> tuple[int, float]:
     """The same where both ends are proved to be so far from obstacles and from the body itself.
 
@@ -258,7 +242,6 @@ def prove_from(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, clear: float
     return _prove_all(motion, sweep, aim, seen, False)
 
 
-@kernel
 def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """The same where `seen` has the least that was seen of this motion before: bounds are as tight as that wants it.
 

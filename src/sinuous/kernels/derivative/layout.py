@@ -11,7 +11,6 @@ from collections import namedtuple
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array
 
@@ -75,7 +74,6 @@ def desk_size(segments: int, obstacles: int, targets: int, columns: int) -> int:
     return 36 * n + 12 + obstacles + SPAN_WIDTH * (n + 1) + MOST_PAIRS * (1 + 3 * n) + r * (r + 1 + columns)
 
 
-@kernel
 def carve_desk(buffer: Array, answer: Array, base: Array, obstacles: int, sizes: tuple[int, int, int]) -> Desk:
     """Lay out a workspace in `buffer`, and the answer behind its header; `base` (1, 12).
 

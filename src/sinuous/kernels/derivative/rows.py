@@ -8,7 +8,6 @@ from sinuous.kernels.body.pieces import free_part, look_here, near
 from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS, pull_along, pull_at, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.derivative import layout as v
 from sinuous.kernels.derivative.layout import Desk
 from sinuous.kernels.fields.distances import Scene
@@ -62,7 +61,6 @@ SAME = 1e-6
 """Difference of fractions of a segment up to which two places are one."""
 
 
-@kernel
 def _begin(desk: Desk, at: int, kind: int, segment: int, other: int, side: int, slack: float) -> None:
     """Begin row `at` with no weights and no wrench."""
     about, rows = desk.about, desk.rows
@@ -74,7 +72,6 @@ def _begin(desk: Desk, at: int, kind: int, segment: int, other: int, side: int, 
         rows[at, i] = 0.0
 
 
-@kernel
 def _put_end(desk: Desk, at: int, k: int, torque: Vec, force: Vec) -> None:
     """Put in what a wrench about the base does at the end of segment `k`."""
     put_vec(desk.about, at, v.WRENCH, torque)
@@ -83,14 +80,12 @@ def _put_end(desk: Desk, at: int, k: int, torque: Vec, force: Vec) -> None:
         put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
 
 
-@kernel
 def _target_row(desk: Desk, at: int, i: int, k: int, torque: Vec, force: Vec, value: float) -> int:
     _begin(desk, at, v.TARGET_ROW, k, i, 0, value)
     _put_end(desk, at, k, torque, force)
     return at + 1
 
 
-@kernel
 def add_targets(problem: Problem, desk: Desk) -> tuple[int, float]:
     """Write the rows of all targets; returns their number, and the largest residual (robot lengths, rad).
 
@@ -125,13 +120,11 @@ def add_targets(problem: Problem, desk: Desk) -> tuple[int, float]:
     return at, worst
 
 
-@kernel
 def _is_active(slack: float, size: float, near_by: float) -> bool:
     """Whether nothing is left of a limit whose gradient has this size in the metric."""
     return size > 0.0 and slack <= near_by * size
 
 
-@kernel
 def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
     """Write a row for every limit of a segment or an actuator of which at most `near_by` is left, from row `first` on.
 
@@ -174,7 +167,6 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
     return at, told | full
 
 
-@kernel
 def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
     limits, table, at = problem.limits, problem.actuation, first
     for j in range(table.shape[0]):
@@ -199,7 +191,6 @@ def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> 
     return at, 0
 
 
-@kernel
 def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, keep: float) -> tuple[int, int]:
     """Write a row for every place of the body whose gap to an obstacle is about `keep` or less, from row `first` on.
 
@@ -241,7 +232,6 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
     return at, 0
 
 
-@kernel
 def _put_contact(problem: Problem, desk: Desk, at: int, k: int, s: float, p: Vec, force: Vec) -> None:
     """Put in how the place `p`, at the fraction `s` of segment `k`, moves along the unit vector `force`."""
     origin = frame(desk.frames, 0)[1]
@@ -254,7 +244,6 @@ def _put_contact(problem: Problem, desk: Desk, at: int, k: int, s: float, p: Vec
     put_vec(desk.rows, at, 3 * k, pull_at(shape, origin, k, s, torque, force))
 
 
-@kernel
 def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> tuple[int, int]:
     """The same for the body and itself."""
     if not problem.avoids_itself:
@@ -278,7 +267,6 @@ def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> 
     return at, 0
 
 
-@kernel
 def normalise(limits: Array, desk: Desk, count: int) -> None:
     """Bring the first `count` rows to length 1 in the metric: rad, and mean lengths of the segment.
 

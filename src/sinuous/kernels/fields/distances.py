@@ -9,7 +9,7 @@ from typing import Any
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import TREE_LOOKS
-from sinuous.kernels.compile import apart, entry, kernel
+from sinuous.kernels.compile import apart, entry
 from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
@@ -26,7 +26,6 @@ Where there is nothing, `None` may stand for it: that is another type, for which
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
 
 
-@kernel
 def read_scene(scene: Array | None) -> Any:
     """Take the group of a scene apart: a `Scene`, or `None` for `None`."""
     if scene is None:
@@ -35,7 +34,6 @@ def read_scene(scene: Array | None) -> Any:
     return Scene(shaped(scene[t.SCENE_HEADER : end], (int(scene[0]), t.OBSTACLE_WIDTH)), scene[end:])
 
 
-@kernel
 def _own(scene: Scene, i: int, p: Vec) -> Vec:
     """The point `p` in the frame in which obstacle `i`, which is in the store, is described."""
     if scene.table[i, t.PLACED] == 0.0:
@@ -52,7 +50,6 @@ def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tup
     return d, d
 
 
-@kernel
 def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
 
@@ -65,13 +62,11 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
     return d, d
 
 
-@kernel
 def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
     return slope_known(scene, i, p, reach, mode, math.inf)
 
 
-@kernel
 def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
     """The same, where the distance in this mode is `known` already, which saves a search; infinite where it is not."""
     if scene.table[i, t.KIND] >= t.TREE:
@@ -82,7 +77,6 @@ def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: fl
     return primitive(scene.table, i, p)
 
 
-@kernel
 def tangents_pay(scene: Scene, i: int, d: float, size: float, room: float) -> bool:
     """Whether tangents may prove a patch, and sooner than its halves would: its center is at the distance `d`.
 
@@ -97,7 +91,6 @@ def tangents_pay(scene: Scene, i: int, d: float, size: float, room: float) -> bo
     return bool(size > MANY_HALVES * room and size * size < 2.0 * d * room)
 
 
-@kernel
 def beside(scene: Scene, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
 
@@ -115,7 +108,6 @@ def beside(scene: Scene, i: int, patch: Patch, aside: float, reach: float) -> tu
     return low, mat_vec(turn, g)
 
 
-@kernel
 def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples.
 
@@ -124,7 +116,6 @@ def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
     return slope_known(scene, i, p, math.inf, STEP, known)
 
 
-@kernel
 def number_of(scene: Scene | None) -> int:
     """How many obstacles there are."""
     if scene is None:
@@ -132,7 +123,6 @@ def number_of(scene: Scene | None) -> int:
     return int(scene.table.shape[0])
 
 
-@kernel
 def coarseness(scene: Scene | None) -> float:
     """Largest spacing of samples that stand in for something exact; 0 without any."""
     if scene is None:
@@ -144,13 +134,11 @@ def coarseness(scene: Scene | None) -> float:
     return spacing
 
 
-@kernel
 def price_of(scene: Scene, i: int) -> int:
     """Looks that the distance to obstacle `i` costs, see `kernels.clock`."""
     return TREE_LOOKS if scene.table[i, t.KIND] >= t.TREE else 1
 
 
-@kernel
 def price(scene: Scene) -> int:
     """Looks that the distance to the scene costs."""
     looks = 0
@@ -159,7 +147,6 @@ def price(scene: Scene) -> int:
     return looks
 
 
-@kernel
 def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none).
 
@@ -173,13 +160,11 @@ def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
     return least, which
 
 
-@kernel
 def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none)."""
     return closest(scene, p, math.inf, EXACT)
 
 
-@kernel
 def at_most(scene: Scene, p: Vec, reach: float) -> float:
     """Upper bound of the distance of the point `p` to the scene, whatever arithmetic does to that.
 
@@ -192,7 +177,6 @@ def at_most(scene: Scene, p: Vec, reach: float) -> float:
     return least
 
 
-@kernel
 def most_roundoff(scene: Scene) -> float:
     """What arithmetic may make any distance to the scene wrong by; see `tables.ROUNDOFF`."""
     most = 0.0

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels import tables
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import blocks, candidates, discs, grids, trees
 from sinuous.kernels.fields.grids import Grid, grid_of
 from sinuous.kernels.fields.primitives import Patch
@@ -27,7 +27,6 @@ KNOWN = 1e-9
 """What a distance that is known may be wrong by, as a share of it."""
 
 
-@kernel
 def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
     d, g = item_slope(store, tree_of(table, i), item, p, int(table[i, tables.NORMALS]))
@@ -35,7 +34,6 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
     return sign * (d - table[i, tables.ROUNDING]), scale(sign, g)
 
 
-@kernel
 def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float) -> tuple[int, float, bool]:
     """Find the primitive closest to `p`, if it is closer than `reach`; its signed distance may be `known` (else inf).
 
@@ -75,7 +73,6 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float
     return item, d, free
 
 
-@kernel
 def _find_in_cell(
     table: Array, store: Array, i: int, p: Vec, reach: float, known: float, where: tuple[Grid, int, float]
 ) -> tuple[int, float, bool]:
@@ -96,13 +93,11 @@ def _find_in_cell(
     return item, d, free
 
 
-@kernel
 def _most_surface(v: grids.Corners, t: Vec, spacing: float) -> float:
     """Upper bound of the distance to the surface, whichever side it is on."""
     return max(grids.at_most(v, t, spacing), -grids.at_least(v, t, spacing))
 
 
-@kernel
 def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> float:
     """Lower bound by the samples, also out of their grid, which holds the whole obstacle.
 
@@ -115,7 +110,6 @@ def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: f
     return math.hypot(max(low, 0.0), gap) if sign > 0.0 else low - gap
 
 
-@kernel
 def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> tuple[float, Vec]:
     """Distance and gradient by the samples, also out of their grid (see `_lowest`)."""
     d, g = grids.value(corners, t), grids.slope(corners, t, spacing)
@@ -134,7 +128,6 @@ def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spaci
     return far, scale(1.0 / far, add(beyond, scale(d, along)))
 
 
-@kernel
 def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Distance of `p` to obstacle `i`, asked in this mode, and an upper bound of it: the same where it is exact.
 
@@ -159,7 +152,6 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) ->
     return low, grids.at_most(corners, t, grid.spacing) + norm(beyond)
 
 
-@kernel
 def _look_at_samples(
     corners: grids.Corners, t: Vec, gap: float, spacing: float, mode: int, exact_below: float
 ) -> float:
@@ -170,7 +162,6 @@ def _look_at_samples(
     return grids.at_least(corners, t, spacing) - gap
 
 
-@kernel
 def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
     """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`.
 
@@ -188,7 +179,6 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
     return d, g
 
 
-@kernel
 def beside(table: Array, store: Array, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
 
@@ -238,12 +228,10 @@ def sample(table: Array, store: Array, own: Array, work: Array, first: int, last
                             out[a, b, c], _ = at_item(table, store, 0, item, _point(grid, a, b, c))
 
 
-@kernel
 def _point(grid: Grid, i: int, j: int, k: int) -> Vec:
     return (grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing)
 
 
-@kernel
 def _sample_by_point(table: Array, store: Array, tree: Tree, grid: Grid, first: int, last: int, out: Array) -> None:
     """The same, point by point.
 

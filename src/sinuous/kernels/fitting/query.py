@@ -4,7 +4,7 @@ import math
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.targets import backbone_end, distal_target, end_segment, tangent_back
@@ -29,11 +29,6 @@ def ball_radius(limits: Array) -> float:
     return radius if radius < math.inf else ASSUMED * limits[:, t.MAX_LENGTH].sum()
 
 
-_ball_radius = kernel(ball_radius)
-"""The same for kernels: what is compiled for these cannot be called from Python."""
-
-
-@kernel
 def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
     """Of the segments up to `last`: radius of the ball, least and greatest length, and radius of the tightest turn."""
     shortest, longest, turn = 0.0, 0.0, math.inf
@@ -47,10 +42,9 @@ def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
         longest += high
         if bend > 0.0 and high > 0.0:
             turn = min(turn, (low if low > 0.0 else high) / bend)
-    return _ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
+    return ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
 
 
-@kernel
 def _straight(problem: Problem, last: int) -> tuple[float, float, float]:
     """Of the first segments that cannot bend: least and greatest length; and the mean length of all others."""
     low = high = others = 0.0
@@ -65,7 +59,6 @@ def _straight(problem: Problem, last: int) -> tuple[float, float, float]:
     return low, high, others
 
 
-@kernel
 def _put(query: Array, at: int, vector: Vec) -> None:
     query[at], query[at + 1], query[at + 2] = vector
 

@@ -12,7 +12,7 @@ from collections import namedtuple
 from sinuous.kernels import tables as t
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import allow, begin, late, now, over
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
@@ -48,7 +48,6 @@ CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
 
 
-@kernel
 def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     """What is disliked about a state."""
     total = CLOSE * state.norms[WISH]
@@ -63,7 +62,6 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     return total
 
 
-@kernel
 def _loose(wishes: Wishes) -> float:
     """How many times farther than in the metric of other steps lengths move beside bends in that of the cost."""
     weight = wishes.initial + wishes.bends
@@ -74,7 +72,6 @@ def _loose(wishes: Wishes) -> float:
     return math.sqrt(weight / wishes.initial)
 
 
-@kernel
 def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
     """Wish for `share` of the motion to where the cost of start and bends is least."""
     weight, loose = wishes.initial + wishes.bends, _loose(wishes)
@@ -88,7 +85,6 @@ def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
         put_vec(work.mean, k, 0, (share * x, share * y, share * z))
 
 
-@kernel
 def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds: bool) -> None:
     """Measure motion by the cost. What `holds` lets lengths that a step has led to a limit stay there.
 
@@ -99,7 +95,6 @@ def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds:
         measured.limits[k, t.LENGTH_SCALE] = loose * problem.limits[k, t.LENGTH_SCALE] if moves else 0.0
 
 
-@kernel
 def _correct(
     problem: Problem,
     measured: Problem,
@@ -125,7 +120,6 @@ def _correct(
     return at
 
 
-@kernel
 def improve(
     problem: Problem,
     measured: Problem,

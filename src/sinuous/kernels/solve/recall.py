@@ -3,14 +3,13 @@
 import math
 
 from sinuous.kernels import tables as t
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 
 ANGLE_WEIGHT = 0.5
 """Share of the robot's mean length that counts as far as 1 rad."""
 
 
-@kernel
 def _misses(pose: Array, targets: Array, length: float) -> float:
     """Square of how far the ends (n, 12) of the segments of a shape are from all targets (t, 15), in mean lengths."""
     total = 0.0
@@ -34,7 +33,6 @@ def _misses(pose: Array, targets: Array, length: float) -> float:
     return total
 
 
-@kernel
 def _insert(found: Array, misses: Array, size: int, number: int, miss: float) -> int:
     """Keep a number among the nearest so far (count,), in their order; returns how many there are."""
     count = found.shape[0]

@@ -7,7 +7,7 @@ import numpy as np
 from sinuous.kernels import tables as t
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import allow, begin, late, now, over
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
@@ -28,7 +28,6 @@ DRAWS = 4
 """Random shapes that are looked at for one start."""
 
 
-@kernel
 def _begin(
     problem: Problem, state: State, trial: State, work: Work, number: int, seed: int, tip: int, goal: Vec
 ) -> int:
@@ -53,7 +52,6 @@ def _begin(
     return t.RANDOM
 
 
-@kernel
 def _solve(
     problem: Problem,
     states: State,

@@ -4,7 +4,6 @@ import math
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, at_most
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, norm, scale, sub
 from sinuous.kernels.problem import Problem
@@ -17,19 +16,16 @@ ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
 
-@kernel
 def sine_area(angle: float) -> float:
     """Integral of sin(min(t, pi / 2)) over t from 0 to `angle`."""
     return 1.0 - math.cos(angle) if angle < 0.5 * math.pi else 1.0 + angle - 0.5 * math.pi
 
 
-@kernel
 def cosine_area(angle: float) -> float:
     """Integral of cos(min(t, pi)) over t from 0 to `angle`."""
     return math.sin(angle) if angle < math.pi else math.pi - angle
 
 
-@kernel
 def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: float, reverse: bool) -> bool:
     """Whether no curve of segments 0 to `k` that leaves `place` along `axis` comes within `loose` of `goal`.
 
@@ -55,7 +51,6 @@ def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: floa
     return beside - loose > most_beside or ahead + loose < least_ahead
 
 
-@kernel
 def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     """Too far for the lengths, too near or aside for lengths and bends together, or a direction that bends cannot give.
 
@@ -96,7 +91,6 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     return False
 
 
-@kernel
 def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bool:
     if scene is None:
         return False
@@ -112,7 +106,6 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
     return bool(at_most(scene, place, math.inf) + loose < problem.limits[k, t.RADIUS] - 1e-9 * problem.unit)
 
 
-@kernel
 def verdict_of(problem: Problem) -> int:
     """POSSIBLE as far as is known, or what proves the contrary."""
     for i in range(problem.targets.shape[0]):

@@ -1,6 +1,6 @@
 """Equilibria of a body of arcs: what Python calls."""
 
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics import newton
@@ -66,7 +66,6 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, 
         _leave(x, tensions, body, space, rest, trial, record)
 
 
-@kernel
 def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, record: Array) -> None:
     """Go from a state that is near an equilibrium to it, in so many steps at most or not at all."""
     _start_taut(body.lines, tensions, space)
@@ -76,7 +75,6 @@ def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, recor
         _judge(x, tensions, body, space, record)
 
 
-@kernel
 def _start_taut(lines: Array, tensions: Array, space: Space) -> None:
     for i in range(lines.shape[0]):
         taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
@@ -85,7 +83,6 @@ def _start_taut(lines: Array, tensions: Array, space: Space) -> None:
             tensions[i] = lines[i, t.VALUE]
 
 
-@kernel
 def _keep(x: Array, tensions: Array, kept: Array) -> None:
     count = x.shape[0]
     for k in range(count):
@@ -95,7 +92,6 @@ def _keep(x: Array, tensions: Array, kept: Array) -> None:
         kept[4 * count + i] = tensions[i]
 
 
-@kernel
 def _restore(x: Array, tensions: Array, kept: Array) -> None:
     count = x.shape[0]
     for k in range(count):
@@ -105,7 +101,6 @@ def _restore(x: Array, tensions: Array, kept: Array) -> None:
         tensions[i] = kept[4 * count + i]
 
 
-@kernel
 def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, record: Array) -> None:
     """Try all of the load; where that does not end, a smaller share first, and more from there."""
     reached, step = 0.0, 1.0
@@ -124,7 +119,6 @@ def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, 
     record[SHARE] = reached
 
 
-@kernel
 def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -> None:
     """Fill what is said of an equilibrium that was just looked at."""
     negative, moment, force = look(x, tensions, body, 1.0, False, space)
@@ -144,13 +138,11 @@ def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -
         record[MOMENT + i], record[FORCE + i] = moment[i], force[i]
 
 
-@kernel
 def arcs_give(arcs: Array, k: int, j: int) -> bool:
     """Whether a coordinate of an arc can change."""
     return bool(arcs[k, max(0, j - 1)] < t.RIGID)
 
 
-@kernel
 def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, trial: int, record: Array) -> None:
     """Leave an unstable equilibrium for a stable one, where there is one near; else stay."""
     _keep(x, tensions, rest)

@@ -11,7 +11,6 @@ from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import Scene, coarseness, number_of
 from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
@@ -51,7 +50,6 @@ ROUNDS = 3
 """Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
 
 
-@kernel
 def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, float, float]:
     """Write the rows of all targets of the end of segment `k`, from row `at` on.
 
@@ -68,7 +66,6 @@ def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, f
     return at, off, turn
 
 
-@kernel
 def close(state: State, count: int) -> None:
     """Finish a linearisation with `count` rows and no self-contact: where rows end, and the norms of their values."""
     rows = state.rows
@@ -85,7 +82,6 @@ def close(state: State, count: int) -> None:
     state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = math.inf, 0.0
 
 
-@kernel
 def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     """Add the self-contacts to a linearisation that `close` has finished."""
     own = coupling_of(state, work)
@@ -96,7 +92,6 @@ def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = low, count
 
 
-@kernel
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float, with_self: bool) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
@@ -127,7 +122,6 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
         add_self_contacts(problem, state, work)
 
 
-@kernel
 def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     """Fill `work.step` with the damped Newton step that keeps the limits; say whether limits bound it.
 
@@ -160,21 +154,18 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     return bound
 
 
-@kernel
 def rest(work: Work) -> None:
     """Wish for no motion."""
     for k in range(work.mean.shape[0]):
         put_vec(work.mean, k, 0, ZERO)
 
 
-@kernel
 def _finite(q: Array, k: int) -> bool:
     """Whether the numbers of segment `k` are finite; of NaN and infinity the difference to itself is NaN."""
     x, y, length = get_vec(q, k, 0)
     return bool((x - x) + (y - y) + (length - length) == 0.0)
 
 
-@kernel
 def move(problem: Problem, state: State, work: Work, trial: State) -> None:
     """Take the step, within all limits; a segment whose step has no number stays where it is."""
     limits.move(problem.limits, state.q, work.step, trial.q)
@@ -184,7 +175,6 @@ def move(problem: Problem, state: State, work: Work, trial: State) -> None:
             put_vec(trial.q, k, 0, get_vec(state.q, k, 0))
 
 
-@kernel
 def project_to_limits(problem: Problem, state: State, work: Work) -> None:
     """Bring the configuration of `state` within all limits; a segment without numbers is straight, of middle length."""
     q = state.q
@@ -196,7 +186,6 @@ def project_to_limits(problem: Problem, state: State, work: Work) -> None:
     actuation.straighten(problem.actuation, q, work.step)
 
 
-@kernel
 def met(problem: Problem, state: State, loose: float) -> bool:
     """Targets within tolerance, and no overlap seen that is more than `loose`, none at all of the body with itself.
 
@@ -212,19 +201,16 @@ def met(problem: Problem, state: State, loose: float) -> bool:
     )
 
 
-@kernel
 def met_by(state: State, loose: float) -> bool:
     """Targets and obstacles within what samples may be wrong by: they may be what keeps the targets from being met."""
     return bool(state.norms[s.POSITION] <= loose and state.norms[s.SEEN] >= -loose)
 
 
-@kernel
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and clearance of the whole body at `state`; see `proof.prove`."""
     return _proof_among(problem.scene, problem, state, work)
 
 
-@kernel
 def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work) -> tuple[int, float]:
     if scene is None:
         return CLEAR, math.inf
@@ -239,7 +225,6 @@ def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work
     return verdict, clearance
 
 
-@kernel
 def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
     if not problem.avoids_itself:
@@ -249,7 +234,6 @@ def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     return verdict, clearance
 
 
-@kernel
 def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int, float]:
     """Count steps in a row that gain little, and adapt how much the damping is eased; `merit` is the best so far."""
     if found >= merit:
@@ -259,7 +243,6 @@ def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int
     return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * easing)
 
 
-@kernel
 def descend(
     problem: Problem, states: State, at: int, work: Work, most: int, wish: float, brief: bool
 ) -> tuple[int, int, int, float, float, bool]:

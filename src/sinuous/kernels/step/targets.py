@@ -10,7 +10,6 @@ import math
 from sinuous.kernels import tables as t
 from sinuous.kernels.body.rows import END, Rows
 from sinuous.kernels.chain.kinematics import compose, frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     Array,
     Mat,
@@ -34,14 +33,12 @@ NONE = (0.0, 0.0, 0.0)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-@kernel
 def end_segment(targets: Array, i: int, segments: int) -> int:
     """The segment, from 0, whose end target `i` concerns."""
     k = int(targets[i, t.TARGET_SEGMENT])
     return k if k >= 0 else segments - 1
 
 
-@kernel
 def distal_target(targets: Array, segments: int) -> int:
     """Number of the most distal target that has a position; of several, the last; -1: none has."""
     found = tip = -1
@@ -52,7 +49,6 @@ def distal_target(targets: Array, segments: int) -> int:
     return found
 
 
-@kernel
 def tangent_back(targets: Array, i: int) -> Vec:
     """Where the backbone comes from at the target; zero where it may come from anywhere."""
     if targets[i, t.ORIENTATION] == t.FREE:
@@ -62,7 +58,6 @@ def tangent_back(targets: Array, i: int) -> Vec:
     return (-targets[i, t.GOAL + 2], -targets[i, t.GOAL + 5], -targets[i, t.GOAL + 8])
 
 
-@kernel
 def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
     """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
     place = get_vec(problem.targets, i, t.TARGET_POSITION)
@@ -79,7 +74,6 @@ def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
     return sub(place, turned), min(2.0, problem.angle_tolerance) * norm(shift)
 
 
-@kernel
 def end_pose(frames: Array, tool: Array, k: int) -> tuple[Mat, Vec]:
     """Pose of the end of segment `k`; at the tip, of the tool."""
     rotation, position = frame(frames, k + 1)
@@ -89,7 +83,6 @@ def end_pose(frames: Array, tool: Array, k: int) -> tuple[Mat, Vec]:
     return rotation, position
 
 
-@kernel
 def rotation_vector(m: Mat) -> Vec:
     """Logarithm of a rotation matrix, angle in [0, pi]."""
     w = (0.5 * (m[2][1] - m[1][2]), 0.5 * (m[0][2] - m[2][0]), 0.5 * (m[1][0] - m[0][1]))
@@ -112,7 +105,6 @@ def rotation_vector(m: Mat) -> Vec:
     return scale(sign * angle / norm(axis), axis)
 
 
-@kernel
 def direction_vector(tangent: Vec, goal: Vec) -> Vec:
     """The shortest rotation that takes one unit vector to the other, as a rotation vector."""
     w = cross(tangent, goal)
@@ -122,7 +114,6 @@ def direction_vector(tangent: Vec, goal: Vec) -> Vec:
     return w if cosine > 0.0 else scale(math.pi, across(tangent)[0])
 
 
-@kernel
 def put_row(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
     """Write row `at`, `turn . omega + move . v = value` at the end of a segment; returns the next free row."""
     put_vec(rows.twist, at, 0, turn)
@@ -132,7 +123,6 @@ def put_row(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
     return at + 1
 
 
-@kernel
 def add_rows(
     targets: Array, i: int, frames: Array, tool: Array, origin: Vec, unit: float, rows: Rows, at: int
 ) -> tuple[int, float, float]:

@@ -15,7 +15,6 @@ from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
@@ -96,7 +95,6 @@ def tick_size(segments: int, obstacles: int, targets: int, actuators: int) -> in
     return own + MOST_PAIRS * (1 + 3 * n) + SPAN_WIDTH * (n + 1) + working + sweep_size(n, obstacles)
 
 
-@kernel
 def read_asked(asked: Array, n: int) -> Asked:
     """Take the group apart, for n segments."""
     p, actuators = int(asked[ACTUATORS]), HEADER + RATES_WIDTH * n
@@ -112,7 +110,6 @@ def read_asked(asked: Array, n: int) -> Asked:
     )
 
 
-@kernel
 def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Tick:
     """Lay out the workspace in `buffer`; `base` (1, 12).
 

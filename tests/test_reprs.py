@@ -17,7 +17,7 @@ from sinuous.solution.reasons import Reason
 from sinuous.solution.remedies import Remedy
 from sinuous.solution.step import Active
 from sinuous.solution.worst import Worst
-from sinuous.workspace.verdicts import Verdict
+from sinuous.workspace.reach import Verdict
 from tests.helpers import refused
 from tests.scene.shapes import cube
 

@@ -13,8 +13,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solution.status import Status
 from sinuous.solving.solver import Solver
 from sinuous.workspace.find import reach
-from sinuous.workspace.reach import Reach
-from sinuous.workspace.verdicts import Verdict
+from sinuous.workspace.reach import Reach, Verdict
 
 SECTION = "map of the workspace, 5 segments among 40 spheres, 26 directions a voxel, 2 threads"
 PROOFS = {Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED}

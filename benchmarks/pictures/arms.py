@@ -8,9 +8,8 @@ import numpy as np
 from benchmarks.pictures.style import INK, style
 from benchmarks.problems import ProblemSet
 from sinuous.checks import Floats
-from sinuous.display.arms import Arm, MovingArm
 from sinuous.display.bounds import Bounds, best_view
-from sinuous.display.contents import Contents
+from sinuous.display.contents import Arm, Contents, MovingArm
 from sinuous.display.style import TARGET, View
 from sinuous.pictures.plot import draw_contents
 from sinuous.pictures.space import axes_box, set_bounds

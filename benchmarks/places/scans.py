@@ -9,8 +9,7 @@ from benchmarks.judges.clearances import least_clearance
 from benchmarks.places.parts.surfaces import Faces
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.checks import Floats
-from sinuous.display.obstacles import obstacle_surface
-from sinuous.display.surface import arc
+from sinuous.display.obstacles import arc, obstacle_surface
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Capsule, Cylinder, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud

@@ -14,8 +14,8 @@ from benchmarks.harness.plan import Plan
 from benchmarks.judges.kinematics import tip_poses
 from sinuous.calibration.table import Measured, read_table
 from sinuous.checks import Floats
+from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
-from sinuous.files.yaml_syntax import parse_yaml
 
 DATA = Path(__file__).parent.parent / "data"
 

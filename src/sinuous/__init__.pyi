@@ -1,8 +1,8 @@
 """What `import sinuous` offers: `__init__.py` reads here which module has a name, and type checkers which type."""
 
 from sinuous import methods as methods
+from sinuous.assessing.assess import Assessment as Assessment
 from sinuous.assessing.assess import assess as assess
-from sinuous.assessing.assessment import Assessment as Assessment
 from sinuous.assessing.sweep import sweep as sweep
 from sinuous.assessing.tasks import Cover as Cover
 from sinuous.assessing.tasks import Follow as Follow
@@ -17,7 +17,7 @@ from sinuous.errors import InputError as InputError
 from sinuous.errors import NotSolvedError as NotSolvedError
 from sinuous.errors import SuspiciousInput as SuspiciousInput
 from sinuous.errors import UnfinishedError as UnfinishedError
-from sinuous.exploring.exploration import Exploration as Exploration
+from sinuous.exploring.explore import Exploration as Exploration
 from sinuous.exploring.explore import explore as explore
 from sinuous.methods.learned.network import Network as Network
 from sinuous.methods.learned.training import train as train

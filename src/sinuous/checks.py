@@ -4,6 +4,7 @@ import math
 import numbers
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from itertools import islice
 from typing import Any, TypeVar
@@ -104,17 +105,23 @@ def one_each(key: str, value: Any, count: int | None, what: str) -> float | tupl
 
 def array(key: str, value: Any, shape: Sequence[int | None], expected: str | None = None) -> Floats:
     """Check an array of finite numbers; `None` in `shape` stands for any extent. Returns a new read-only array."""
-    wanted = expected or _described(shape)
+    wanted = expected or _described(tuple(shape))
     result = _numbers(key, value, wanted)
-    if result.ndim != len(shape) or any(s is not None and s != d for s, d in zip(shape, result.shape, strict=True)):
+    if result.shape != shape and not _fits(result.shape, shape):
         raise InputError(key, "" if result.ndim < 2 else f"shape {result.shape}", value, wanted)
-    result = result.astype(np.float64)
+    if result.dtype != np.float64:
+        result = result.astype(np.float64)
     if not np.isfinite(result).all():
         raise InputError(key, "", value, wanted)
     return closed(result)
 
 
-def _described(shape: Sequence[int | None]) -> str:
+def _fits(extents: Sequence[int], shape: Sequence[int | None]) -> bool:
+    return len(extents) == len(shape) and all(s is None or s == d for s, d in zip(shape, extents, strict=True))
+
+
+@cache
+def _described(shape: tuple[int | None, ...]) -> str:
     """Say what an array of this shape holds: `3 finite numbers`, `rows of 3 finite numbers`."""
     counts = ["" if extent is None else f"{extent} " for extent in shape]
     if len(shape) <= 2:
@@ -142,8 +149,7 @@ def _has_truth_value(value: Any) -> bool:
 
 def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
     """Check an array of finite numbers whose last axes have this shape, with any axes in front of them."""
-    extents = "".join(", any" if s is None else f", {s}" for s in shape)
-    expected = f"finite numbers of shape (...{extents})" if shape else "finite numbers"
+    expected = _stacked(tuple(shape))
     try:
         lead = np.ndim(value) - len(shape)
     except ValueError:  # rows of different lengths; `array` says so
@@ -151,6 +157,12 @@ def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
     if lead < 0:
         raise InputError(key, "too few axes", value, expected)
     return array(key, value, (*([None] * lead), *shape), expected)
+
+
+@cache
+def _stacked(shape: tuple[int | None, ...]) -> str:
+    extents = "".join(", any" if s is None else f", {s}" for s in shape)
+    return f"finite numbers of shape (...{extents})" if shape else "finite numbers"
 
 
 def broadcast(key: str, value: Any, *arrays: Floats) -> list[Floats]:

@@ -1,5 +1,6 @@
 """What goes wrong, in words: wrong or suspicious input, and a solve that did not reach its target."""
 
+import re
 import reprlib
 import sys
 import warnings
@@ -65,6 +66,12 @@ class InputError(ValueError):
         if self.file is not None:
             return self
         return InputError(self.key, self.problem, self.value, self.expected, str(file))
+
+    @property
+    def row(self) -> tuple[str, int] | None:
+        """Of which array a row is refused, and which one, 0 = first, where it is one: the key `positions[3]`."""
+        found = re.fullmatch(r"(\w+)\[(\d+)\]", self.key)
+        return None if found is None else (found[1], int(found[2]))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return InputError, (self.key, self.problem, self.value, self.expected, self.file)

@@ -20,6 +20,10 @@ EXACT = 1e-14
 """A matrix as near to a rotation as this is one up to rounding, and is kept, so that it can be written and read."""
 
 
+LARGE = 2.0
+"""No entry of a rotation is nearly as large."""
+
+
 def rotation_matrix(key: str, value: Any) -> Floats:
     """Read a rotation: 3x3, a quaternion wxyz of any length but zero, or a `Rotation` of SciPy; return exact 3x3."""
     if callable(getattr(value, "as_matrix", None)):  # without importing SciPy to ask
@@ -88,36 +92,34 @@ def _from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Floats:
 
 
 def _nearest_rotation(key: str, matrix: Floats) -> Floats:
-    off = _off(matrix[None])
-    if off[0] > ROTATION_SLACK:
-        raise InputError(key, "", matrix.tolist(), "a rotation: orthonormal rows and determinant 1")
-    return _exact(matrix[None], off)[0]
+    rows = matrix.tolist()
+    small = max(max(map(abs, row)) for row in rows) < LARGE
+    off = max(_gaps(*rows)) if small and _determinant(*rows) >= 0.0 else math.inf
+    if off > ROTATION_SLACK:
+        raise InputError(key, "", rows, "a rotation: orthonormal rows and determinant 1")
+    return _exact(matrix[None], np.array([off]))[0]
 
 
 def _nearest_rotations(key: str, matrices: Floats) -> Floats:
     """Rotations (m, 3, 3), each to the last bit as `_nearest_rotation` makes it."""
-    off = _off(matrices)
+    small = np.abs(matrices).max(axis=(1, 2), initial=0.0) < LARGE
+    rows = np.moveaxis(np.where(small[:, None, None], matrices, 0.0), 0, -1)
+    off = np.where(small & (_determinant(*rows) >= 0.0), np.max(_gaps(*rows), axis=0), np.inf)
     if (off > ROTATION_SLACK).any():
         first = int(np.argmax(off > ROTATION_SLACK))
         _nearest_rotation(f"{key}[{first}]", matrices[first])
     return _exact(matrices, off)
 
 
-def _off(matrices: Floats) -> Floats:
-    """How far matrices (m, 3, 3) are from rotations, in any entry of `R R'` (m,); infinite for reflections."""
-    close = np.abs(matrices).max(axis=(1, 2), initial=0.0) < 2.0
-    safe = np.where(close[:, None, None], matrices, 0.0)
-    x, y, z = safe[:, 0], safe[:, 1], safe[:, 2]
-    off = np.zeros(len(matrices))
-    for a, b, wanted in ((x, x, 1.0), (y, y, 1.0), (z, z, 1.0), (x, y, 0.0), (y, z, 0.0), (z, x, 0.0)):
-        np.maximum(off, np.abs(_dots(a, b) - wanted), out=off)
-    off[_dots(np.cross(x, y), z) < 0.0] = np.inf
-    return off
+def _gaps(x: Any, y: Any, z: Any) -> list[Any]:
+    """How far the products of rows are from those of a rotation; of numbers, or of arrays (m,) of them."""
+    wanted = ((x, x, 1.0), (y, y, 1.0), (z, z, 1.0), (x, y, 0.0), (y, z, 0.0), (z, x, 0.0))
+    return [abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - value) for a, b, value in wanted]
 
 
-def _dots(a: Floats, b: Floats) -> Floats:
-    """Products (m,) of rows (m, 3), summed in one order however many there are."""
-    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+def _determinant(x: Any, y: Any, z: Any) -> Any:
+    """Determinant of rows of numbers, or of arrays (m,) of them."""
+    return z[0] * (x[1] * y[2] - x[2] * y[1]) + z[1] * (x[2] * y[0] - x[0] * y[2]) + z[2] * (x[0] * y[1] - x[1] * y[0])
 
 
 def _exact(matrices: Floats, off: Floats) -> Floats:

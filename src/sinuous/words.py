@@ -42,6 +42,11 @@ def duration(seconds: float) -> str:
     return f"{seconds / 1e-6:.3g} us"
 
 
+def counted(count: int, noun: str) -> str:
+    """`1 edge`, `2 edges`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def span(pair: Sequence[float]) -> str:
     """`1 to 2`, or `1` where both are the same."""
     low, high = map(number, pair)

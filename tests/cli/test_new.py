@@ -6,20 +6,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sinuous.cli import new
+from sinuous.cli import app
 from sinuous.cli.app import main
 from sinuous.files.problem_file import read_problem
 from sinuous.problem.problem import Problem
 from sinuous.solution.verification import verify
 
-TEMPLATES = Path(new.__file__).parent / "templates"
+TEMPLATES = Path(app.__file__).parent / "templates"
 
 
 def test_there_is_one_template_of_each_kind() -> None:
-    assert {file.stem for file in TEMPLATES.iterdir()} == set(new.KINDS)
+    assert {file.stem for file in TEMPLATES.iterdir()} == set(app.KINDS)
 
 
-@pytest.mark.parametrize("kind", new.KINDS)
+@pytest.mark.parametrize("kind", app.KINDS)
 def test_what_is_written_solves_and_is_proved(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
@@ -27,7 +27,7 @@ def test_what_is_written_solves_and_is_proved(
     monkeypatch.chdir(tmp_path)
     assert main(["new", kind, "my arm.yaml"]) == 0
     said = capsys.readouterr().out
-    assert said.startswith(f"my arm.yaml: {new.KINDS[kind]}; next: sinuous ")
+    assert said.startswith(f"my arm.yaml: {app.KINDS[kind]}; next: sinuous ")
     command = "track" if "sinuous track" in said else "solve"
     text = Path("my arm.yaml").read_text(encoding="utf-8")
     assert f"#     sinuous {command} 'my arm.yaml'" in text

@@ -89,7 +89,7 @@ def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatc
 def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)] * 99)
     with pytest.raises(IndexError):
-        warm._use_in_processes(1, ("dls",), warm._Lines(99))
+        warm._use_in_processes(1, ("dls",), warm._Shown(99))
 
 
 def test_the_store_is_shown_and_emptied(
@@ -109,11 +109,15 @@ def test_the_store_is_shown_and_emptied(
 
 def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     took: list[tuple[str, float]] = []
-    steps = [Step("one", lambda: took.extend([("a", 1.0), ("b", 2.5)]))]
+    steps = [
+        Step("one", lambda: took.append(("b", 2.5))),
+        Step("single solves", lambda: took.append(("a", 1.0))),
+    ]
     monkeypatch.setattr(warm, "TOOK", took)
     monkeypatch.setattr(warm, "steps", lambda methods: steps)
     assert main(["warm", "--profile"]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[:2] == ["   2.50 s  b", "   1.00 s  a"]
-    assert said[2].startswith("   3.50 s  2 entries")
+    assert said[2].startswith("   3.50 s of CPU for 2 entries")
+    assert said[3].startswith("   1.00 s of CPU")
     assert main(["warm", "--profile", "--method", "magic"]) == 2

@@ -5,8 +5,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.display.body import BodySurface, Part
-from sinuous.display.surface import as_triangles
-from sinuous.pictures.facets import normals
+from sinuous.display.obstacles import as_triangles
+from sinuous.pictures.paint import normals
 from tests.helpers import random_pose
 
 RNG = np.random.default_rng(1)

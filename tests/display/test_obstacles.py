@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.display.obstacles import obstacle_surface
-from sinuous.pictures.facets import normals
+from sinuous.pictures.paint import normals
 from sinuous.scene.obstacles import Obstacle
 from tests.scene.shapes import cube
 

@@ -9,7 +9,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.checks import Floats
-from sinuous.export.drives import DrivenChain
+from sinuous.export.mjcf import DrivenChain
 from tests.helpers import refused
 
 MIXED = sn.Robot(

@@ -1,5 +1,7 @@
 """Paths as tables."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -15,15 +17,14 @@ def test_quaternions_are_wxyz() -> None:
 
 
 @pytest.mark.parametrize("header", path_csv.HEADERS, ids=",".join)
-def test_rows_read_together_are_those_read_one_by_one(header: tuple[str, ...]) -> None:
+def test_rows_are_targets_of_their_numbers(header: tuple[str, ...]) -> None:
     numbers = np.random.default_rng(1).normal(size=(50, len(header)))
     text = ",".join(header) + "\n" + "\n".join(" , ".join(map(repr, row)) for row in numbers.tolist())
-    rows = list(path_csv._rows(text))[1:]
-    together = path_csv._together(header, [cells for _, cells in rows])
-    assert parse_path(text).targets != ()
-    assert len(together) == 50
-    for target, single in zip(together, path_csv._one_by_one(header, rows), strict=True):
-        np.testing.assert_array_equal(target.table, single.table)
+    targets, name = parse_path(text).targets, path_csv.HEADERS[header]
+    assert len(targets) == 50
+    for target, row in zip(targets, numbers, strict=True):
+        turned: dict[str, Any] = {} if name is None else {name: row[3:]}
+        np.testing.assert_array_equal(target.table, Target(row[:3], **turned).table)
 
 
 def test_the_columns_name_the_order() -> None:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
+from sinuous.files.documents import parse_yaml
 from sinuous.files.problem_file import ProblemFile, read_problem
-from sinuous.files.yaml_syntax import parse_yaml
 from sinuous.writing.documents import yaml_text
 from tests.helpers import random_pose, refused
 from tests.robot.test_actuation import MIXED

@@ -6,8 +6,8 @@ import pytest
 import yaml
 
 from sinuous.errors import InputError
-from sinuous.files import yaml_syntax
-from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.files import documents
+from sinuous.files.documents import parse_yaml
 
 
 @pytest.fixture(params=["CSafeLoader", "SafeLoader"], autouse=True)
@@ -15,7 +15,7 @@ def _both_parsers(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
     """Run every test with PyYAML's parser in C, where it is, and with that in Python."""
     if not hasattr(yaml, request.param):
         pytest.skip("PyYAML without libyaml")
-    monkeypatch.setattr(yaml_syntax, "_LOADER", getattr(yaml, request.param))
+    monkeypatch.setattr(documents, "_LOADER", getattr(yaml, request.param))
 
 
 @pytest.mark.parametrize(

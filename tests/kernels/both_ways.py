@@ -1,7 +1,8 @@
 """Run problems of all kinds, with every call of an entry both compiled and interpreted, and compare what comes of them.
 
 A process of its own: `python -m tests.kernels.both_ways`. It prints the entries that were called, with how many calls
-were compared and the largest difference, then what differs by more.
+were compared and the largest difference, then what differs by more; and which forms of entries were compiled ahead, and
+which only for what users did afterwards.
 """
 
 import inspect
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling.pieces import FREE
+from sinuous.kernels.compiling.pieces import FREE, name_of
 from sinuous.kernels.tables import SECONDS
 
 NEAR = 1e-9
@@ -30,12 +31,10 @@ UNORDERED = ("lists",)
 TIMED = ("search", "search_many", "prefer")
 """Entries whose records have, in their last place, the seconds that it took."""
 
-MOST_LOOKS = 6
-"""Most calls of one entry that are compared: they take a thousand times as long, interpreted."""
-
 compared: Counter[str] = Counter()
 largest: dict[str, float] = {}
 apart: list[str] = []
+made: list["Both"] = []
 
 
 class Both:
@@ -46,9 +45,13 @@ class Both:
     compiled : callable
     """
 
+    most = 6
+    """Most calls of one entry that are compared: they take a thousand times as long, interpreted."""
+
     def __init__(self, compiled: Any) -> None:
         self.compiled, self.name = compiled, f"{compiled.__module__.partition('.')[2]}.{compiled.__name__}"
         self.arguments = list(inspect.signature(compiled.py_func).parameters)
+        made.append(self)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.compiled, name)
@@ -56,7 +59,7 @@ class Both:
     def __call__(self, *given: Any) -> Any:
         free = "scene" in self.arguments and given[self.arguments.index("scene")] is None
         name = self.name + FREE if free else self.name
-        if compared[name] >= MOST_LOOKS:
+        if compared[name] >= self.most:
             return self.compiled(*given)
         again = [_copied(one) for one in given]
         answer = self.compiled(*given)
@@ -127,14 +130,6 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
     """Uses of the library that call all entries, by name."""
     import sinuous as sn
     from benchmarks.places import make
-    from sinuous.cli.warm_steps import steps
-    from sinuous.scene.prepared import sampling
-
-    sampling.THREADS = 1  # threads write into one array, and each call is compared by itself
-    sampling.LEAST = sampling.MOST = 2**12  # more say the same, and take most of the time
-    sampling.CELLS = 500
-    for step in steps():
-        yield f"what is warmed for {step.what}", step.use
 
     robot = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, tendons=sn.Tendons(3, 0.05, displacement=(-1, 1)))
     bare = sn.Robot.uniform(4, (0.5, 1.5), radius=0.04, max_bend=2.0)
@@ -179,16 +174,77 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
         yield family, partial(sn.solve, place.robot, place.targets, place.scene, tolerance=place.tolerance, time=60)
 
 
+def use_all() -> None:
+    """Do what users do."""
+    import pickle
+
+    import sinuous as sn
+    from benchmarks.places import make
+
+    robot = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, tendons=sn.Tendons(3, 0.05, displacement=(-1, 1)))
+    cloud = sn.PointCloud(np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 2.1]]), 0.05)
+    scene = sn.Scene([sn.Sphere((0.5, 0, 1.5), 0.2), cloud])
+    target = sn.Target((1, 0, 2), direction=(1, 0, 0.5))
+    near = sn.Solver(robot, scene, prefer=sn.Preferences(start=1.0))
+    solver = sn.Solver(robot, scene)
+    solution = solver.solve(target)
+    solver.solve([target, sn.Target((0.5, 0.5, 1.0), segment=2)], initial=solution, time=1)
+    solver.solve_many([target, target], initial=[solution, solution.q])
+    apart = [sn.Target((0.5, 0, 1.8), segment=2), sn.Target((0.5, 0, 0.2))]
+    for given in (None, solution, [solution.q] * 2):
+        assert not solver.solve_many([apart, apart], given, time=0.2).solved.any()
+    solver.solve_many(positions=[[1, 0, 2]] * 2, directions=[[1, 0, 0.5]] * 2, initial=[solution] * 2)
+    solver.solve_all(target, count=2)
+    keeping = sn.Solver(robot, scene, memory=sn.Memory(robot))
+    keeping.solve(target), keeping.solve(target), keeping.solve_many([target, target])
+    near.solve(target, initial=solution)
+    near.solve_many([target])
+    scene.update(np.array([[2.0, 2.0, 2.2]]))
+    sn.track(robot, sn.Target.each(np.array([[1, 0, 2], [1, 0.1, 2]])), scene)
+    sn.plan(robot, solution, sn.Target((1, 0.1, 2)), scene), sn.plan(robot, solution, [[0, 0, 1.0]] * 3)
+    sn.solve(robot, sn.Target((9, 0, 0)), [sn.Box((0, 0, 5), (1, 1, 1), inside=True)])
+    again = pickle.loads(pickle.dumps(solver))
+    again.solve(pickle.loads(pickle.dumps(target)))
+    for q in (solution.q, solution.q.tolist(), np.array([solution.q, solution.q]), np.asfortranarray(solution.q)):
+        robot.forward(q), robot.backbone(q), robot.jacobian(q), robot.jacobian(q, 1), robot.tip(q)
+    solution.verify(), solution.worst, solution.binding, solution.explain(0.2)
+    sn.solve(robot, sn.Target((9, 0, 0)), scene, time=0.1).explain(0.2)
+    scene.distance([[0, 0, 0]]), scene.gradient(np.zeros(3))
+    for family, number in (("cells pipe", 49), ("pipe between", 17), ("door in mesh", 0), ("open pipe 1.3", 1)):
+        place = make(family, number)
+        assert sn.solve(place.robot, place.targets, place.scene, tolerance=place.tolerance, time=60).solved
+
+
 def main() -> None:
     """Run all problems and print what was seen, as JSON."""
     install()
-    failed = []
-    for name, use in problems():
+    from sinuous.cli.warm_steps import steps
+    from sinuous.scene.prepared import sampling
+
+    failed, sampled = [], {"LEAST": sampling.LEAST, "MOST": sampling.MOST, "CELLS": sampling.CELLS}
+    sampling.THREADS = 1  # threads write into one array, and each call is compared by itself
+    sampling.LEAST = sampling.MOST = 2**12  # more say the same, and take most of the time
+    sampling.CELLS = 500
+
+    def run(name: str, use: Callable[[], object]) -> None:
         try:
             use()
         except Exception as error:  # what a kernel raises, interpreted
             failed.append(f"{name}: {type(error).__name__}: {error}")
-    print(json.dumps({"compared": compared, "largest": largest, "apart": apart, "failed": failed}))  # noqa: T201
+
+    for step in steps():
+        run(f"what is warmed for {step.what}", step.use)
+    ahead = [name_of(one.compiled, form) for one in made for form in one.signatures]
+    forms = {one.name: len(one.signatures) for one in made}
+    for name, use in problems():
+        run(name, use)
+    Both.most = 0
+    for name, value in sampled.items():
+        setattr(sampling, name, value)
+    run("what users do", use_all)
+    late = {one.name: str(one.signatures) for one in made if len(one.signatures) > forms[one.name]}
+    found = {"compared": compared, "largest": largest, "apart": apart, "failed": failed, "ahead": ahead, "late": late}
+    print(json.dumps(found))  # noqa: T201
 
 
 if __name__ == "__main__":

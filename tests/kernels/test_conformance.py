@@ -36,3 +36,8 @@ def test_every_entry_was_compared(seen: Any) -> None:
 def test_answers_are_the_same(seen: Any) -> None:
     assert not seen["apart"], "\n".join(seen["apart"])
     assert max(seen["largest"].values()) <= NEAR
+
+
+def test_everything_is_compiled_ahead_and_in_one_form(seen: Any) -> None:
+    assert sorted(seen["ahead"]) == sorted(entry for piece in PIECES for entry in piece.entries)
+    assert seen["late"] == {}

@@ -180,3 +180,21 @@ def test_a_motion_to_a_configuration_is_read_again() -> None:
     motion = sn.plan(ROBOT, start, goal, scene)
     again = report.read(sn.Motion, motion.to_dict(), (), (ROBOT, motion.scene))
     assert again.to_dict() == motion.to_dict()
+
+
+def test_another_unit_of_length_changes_nothing() -> None:
+    """A unit that is a power of two: no product or sum is rounded otherwise."""
+    unit = 1024.0
+    robot = sn.Robot([sn.Segment((0.8, 1.2), 2.8, radius=0.1)] * 4)
+    other = sn.Robot([sn.Segment((0.8 * unit, 1.2 * unit), 2.8, radius=0.1 * unit)] * 4)
+    for seed in range(4):
+        scene, (start, goal) = pair(seed, robot)
+        balls = [ball for ball in scene.obstacles if isinstance(ball, sn.Sphere)]
+        far = sn.Scene([sn.Sphere(unit * np.asarray(ball.center), unit * ball.radius) for ball in balls])
+        to = np.array([1.0, 1.0, unit])
+        motion, scaled = sn.plan(robot, start, goal, scene), sn.plan(other, start * to, goal * to, far)
+        np.testing.assert_array_equal(scaled.q, motion.q * to)
+        assert motion.clearance is not None
+        assert motion.self_clearance is not None
+        assert scaled.clearance == unit * motion.clearance
+        assert scaled.self_clearance == unit * motion.self_clearance

@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 import sinuous as sn
+from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
-from sinuous.files.yaml_syntax import parse_yaml
 from tests.helpers import Floats, refused, refused_each
 
 

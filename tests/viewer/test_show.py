@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.display.arms import Arm, MovingArm
+from sinuous.display.contents import Arm, MovingArm
 from sinuous.errors import InputError
 from sinuous.viewer.model import SHORTENED
 from sinuous.viewer.recording import FEWEST_FRAMES, MOST_FRAMES, frames_of

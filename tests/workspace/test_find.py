@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.workspace import find, rounds
-from sinuous.workspace.verdicts import Verdict
+from sinuous.workspace import find
+from sinuous.workspace.reach import Verdict
 from tests.workspace.maps import ROBOT, WALL, made
 
 
@@ -85,7 +85,7 @@ def test_the_obstacle_in_the_way_is_named(found: sn.Reach) -> None:
 def test_neighbours_find_what_the_arc_does_not() -> None:
     robot = sn.Robot.uniform(4, length=(45, 70), max_bend=2.4, radius=4)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rounds, "TRIES", 0)
+        patch.setattr(find, "TRIES", 0)
         without = sn.reach(robot, WALL, 40.0, 6)
     found = sn.reach(robot, WALL, 40.0, 6)
     gained = (found.verdicts == Verdict.SOLVED) & (without.verdicts != Verdict.SOLVED)
@@ -103,7 +103,7 @@ def test_a_base_that_is_blocked_is_said_of_all() -> None:
 def test_wherever_it_ends_the_same_call_goes_on(
     found: sn.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rounds, "TOGETHER", 3000)
+    monkeypatch.setattr(find, "TOGETHER", 3000)
     monkeypatch.setattr(find, "TOGETHER", 3000)
     calls, solve_many = 0, sn.Solver.solve_many
 

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sinuous.errors import InputError
-from sinuous.files.documents import parse
-from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.files.documents import parse, parse_yaml
 from sinuous.writing.documents import write_document, yaml_text
 
 numbers = st.integers(-(10**18), 10**18) | st.floats(allow_nan=False, allow_infinity=False)

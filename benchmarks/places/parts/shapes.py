@@ -62,9 +62,9 @@ def arc(start: Floats, coordinates: Floats, samples: int) -> Floats:
 
 def curve_of(robot: Robot, q: Floats, samples: int) -> Curve:
     """Return the backbone of a configuration (n, 3), with `samples` intervals a segment."""
-    pieces = [robot.base[None]]
-    for coordinates in q:
-        pieces.append(arc(pieces[-1][-1], coordinates, samples)[1:])
+    pieces, parts = [robot.base[None]], q[:, None] * np.linspace(0.0, 1.0, samples + 1)[1:, None]
+    for steps in arc_poses(parts[..., 0], parts[..., 1], parts[..., 2]):
+        pieces.append(pieces[-1][-1] @ steps)
     steps = np.repeat(q[:, 2] / samples, samples)
     return Curve(np.concatenate(pieces), np.concatenate([[0.0], np.cumsum(steps)]))
 

@@ -9,11 +9,10 @@ from typing import Any, Unpack
 
 from sinuous import checks
 from sinuous.arguments import Rows, Truth, Whole
-from sinuous.batch.batch import Answers, Batch, Failed
+from sinuous.batch.batch import Answers, Batch, Failed, Results
 from sinuous.batch.checkpoint import hash_of, problem_record
 from sinuous.batch.dispatch import Dispatcher, begin
 from sinuous.batch.engines import LostError
-from sinuous.batch.results import Results
 from sinuous.batch.tables.kinds import check_results, open_source
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.tables.source import Source

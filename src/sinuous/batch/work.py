@@ -1,6 +1,5 @@
 """What becomes of a chunk: targets are solved, or derived; of other rows it is said that they are none."""
 
-import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -119,10 +118,9 @@ def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
         try:
             return rows, Goals.read({key: part if good.all() else part[rows] for key, part in raw.items()})
         except InputError as error:
-            bad = re.fullmatch(r"\w+\[(\d+)\]", error.key)  # a row that is named: a direction of length 0, say
-            if bad is None:
+            if error.row is None:
                 raise
-            good[rows[int(bad[1])]] = False
+            good[rows[error.row[1]]] = False  # a direction of length 0, say
 
 
 def halves(goals: Goals) -> tuple[Whole, Whole, Whole]:

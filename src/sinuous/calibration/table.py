@@ -11,7 +11,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.files.text import read_text
+from sinuous.files.documents import read_text
 
 POINT = ("x", "y", "z")
 

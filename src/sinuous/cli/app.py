@@ -3,7 +3,9 @@
 Nothing heavy is imported before a command runs, so that `sinuous --help` answers at once.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,26 +14,30 @@ import typer
 from sinuous import __version__
 from sinuous.cli.options import (
     BAD_INPUT,
+    FILES,
+    JSON,
+    PLACE,
+    REMEMBERED,
+    REQUIRED,
     UNSOLVED,
+    WORKERS,
+    Asked,
     BatchSolving,
-    Clearance,
     Crew,
+    Demands,
     DesignSolving,
     ExploreSolving,
-    Files,
-    Json,
     MapSolving,
     MotionOutput,
     Output,
-    Place,
     PlanSolving,
     Remembering,
-    SelfClearance,
     Timed,
-    Workers,
+    argument,
+    flag,
+    for_typer,
     methods_like,
-    read_demands,
-    with_groups,
+    opt,
 )
 from sinuous.errors import InputError, UnfinishedError
 
@@ -44,292 +50,209 @@ app = typer.Typer(
 )
 
 
-@app.command()
-@with_groups
-def solve(
-    files: Files,
-    solving: Remembering,
-    output: Output,
-    why: Annotated[
-        bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")
-    ] = False,
-    all_: Annotated[
-        int | None, typer.Option("--all", metavar="COUNT", help="Find up to so many distinct solutions, best first.")
-    ] = None,
-    by: Annotated[
-        str | None,
-        typer.Option(
-            help="Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."
-        ),
-    ] = None,
-) -> int:
+def command(module: str, answer: str) -> Callable[[type[Asked]], type[Asked]]:
+    """Make a command of a dataclass, whose fields are its options: a function of a module of this room answers it."""
+
+    def declared(asked: type[Asked]) -> type[Asked]:
+        def answered(given: Asked) -> int:
+            code: int = getattr(import_module(f"sinuous.cli.{module}"), answer)(given)
+            return code
+
+        app.command(asked.__name__.lower())(for_typer(asked, answered))
+        return asked
+
+    return declared
+
+
+@command("work", "solve_files")
+@dataclass(frozen=True, kw_only=True)
+class Solve:
     """Meet a target, or several at once."""
-    from sinuous.cli.work import solve_files  # noqa: PLC0415
 
-    return solve_files(files, solving, output, why, all_, by)
+    files: list[str] = argument(FILES)
+    solving: Remembering
+    output: Output
+    why: bool = flag("Say why it ended so, and what would help; all of that is tried.")
+    all: int | None = opt("Find up to so many distinct solutions, best first.", "COUNT")
+    by: str | None = opt(
+        "Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."
+    )
 
 
-@app.command()
-@with_groups
-def track(
-    files: Files,
-    solving: Remembering,
-    output: MotionOutput,
-    timed: Timed,
-    deviation: Annotated[
-        float | None,
-        typer.Option(metavar="LENGTH", help="How far the tip may be from the straight line between waypoints."),
-    ] = None,
-) -> int:
+@command("work", "track_files")
+@dataclass(frozen=True, kw_only=True)
+class Track:
     """Follow a path, each target from the last."""
-    from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    return track_files(files, solving, output, timed, deviation)
+    files: list[str] = argument(FILES)
+    solving: Remembering
+    output: MotionOutput
+    timed: Timed
+    deviation: float | None = opt("How far the tip may be from the straight line between waypoints.", "LENGTH")
 
 
-@app.command()
-@with_groups
-def plan(
-    files: Files,
-    solving: PlanSolving,
-    output: MotionOutput,
-    timed: Timed,
-    shortcuts: Annotated[
-        int,
-        typer.Option(metavar="COUNT", help="How many random places of the motion are tried to be joined directly."),
-    ] = 0,
-    begin: Annotated[float, typer.Option(metavar="TIME", help="When the motion begins, where obstacles move.")] = 0.0,
-) -> int:
+@command("work", "plan_files")
+@dataclass(frozen=True, kw_only=True)
+class Plan:
     """Plan a motion from a start to a target or goal, clear all the way."""
-    from sinuous.cli.work import plan_files  # noqa: PLC0415
 
-    return plan_files(files, solving, output, timed, shortcuts=shortcuts, begin=begin)
+    files: list[str] = argument(FILES)
+    solving: PlanSolving
+    output: MotionOutput
+    timed: Timed
+    shortcuts: int = opt("How many random places of the motion are tried to be joined directly.", "COUNT", 0)
+    begin: float = opt("When the motion begins, where obstacles move.", "TIME", 0.0)
 
 
-@app.command()
-@with_groups
-def batch(
-    file: Place,
-    targets: Annotated[
-        Path, typer.Option(metavar="TABLE", help="Targets, a row each: .csv, .npz or .parquet.", show_default=False)
-    ],
-    out: Annotated[Path, typer.Option(metavar="TABLE", help="Results, of the same kinds.", show_default=False)],
-    solving: BatchSolving,
-    crew: Crew,
-    chunk: Annotated[int, typer.Option(metavar="ROWS", help="What is solved, and written, together.")] = 10_000,
-    shard: Annotated[
-        str | None,
-        typer.Option(metavar="I/N", help="Only this part of the chunks; without it, all parts are joined."),
-    ] = None,
-    warm: Annotated[bool, typer.Option("--warm", help="Begin from solutions of near targets.")] = False,
-    json: Json = False,
-) -> int:
+@command("places", "batch_file")
+@dataclass(frozen=True, kw_only=True)
+class Batch:
     """Solve the targets of a table, any number; interrupted, the same command goes on."""
-    from sinuous.cli.places import batch_file, read_shard  # noqa: PLC0415
 
-    run = {"chunk": chunk, "warm": warm, "shard": read_shard(shard), **crew.arguments()}
-    return batch_file(file, targets, out, solving, run, json=json)
+    file: str = argument(PLACE)
+    targets: Path = opt("Targets, a row each: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
+    out: Path = opt("Results, of the same kinds.", "TABLE", REQUIRED, show_default=False)
+    solving: BatchSolving
+    crew: Crew
+    chunk: int = opt("What is solved, and written, together.", "ROWS", 10_000)
+    shard: str | None = opt("Only this part of the chunks; without it, all parts are joined.", "I/N")
+    warm: bool = flag("Begin from solutions of near targets.")
+    json: bool = flag(JSON)
 
 
-@app.command()
-@with_groups
-def explore(
-    file: Place,
-    solving: ExploreSolving,
-    crew: Crew,
-    memory: Annotated[
-        Path, typer.Option(metavar="FILE", help="What is filled; when it is there, it goes on.", show_default=False)
-    ],
-    rounds: Annotated[
-        int | None, typer.Option(metavar="COUNT", help="Most rounds; by default as many as the time allows.")
-    ] = None,
-    spacing: Annotated[
-        float | None,
-        typer.Option(metavar="LENGTH", help="How near covers a position; by default a 20th of the reach."),
-    ] = None,
-    json: Json = False,
-) -> int:
+@command("places", "explore_file")
+@dataclass(frozen=True, kw_only=True)
+class Explore:
     """Fill a memory ahead with shapes and proved motions of a place that stays."""
-    from sinuous.cli.places import explore_file  # noqa: PLC0415
 
-    return explore_file(file, solving, memory, {"rounds": rounds, "spacing": spacing, **crew.arguments()}, json=json)
+    file: str = argument(PLACE)
+    solving: ExploreSolving
+    crew: Crew
+    memory: Path = opt("What is filled; when it is there, it goes on.", "FILE", REQUIRED, show_default=False)
+    rounds: int | None = opt("Most rounds; by default as many as the time allows.", "COUNT")
+    spacing: float | None = opt("How near covers a position; by default a 20th of the reach.", "LENGTH")
+    json: bool = flag(JSON)
 
 
-@app.command()
-@with_groups
-def reach(
-    file: Place,
-    solving: MapSolving,
-    spacing: Annotated[
-        float | None, typer.Option(help="Edge of a voxel; by default a 35th of the reach.", show_default=False)
-    ] = None,
-    directions: Annotated[int, typer.Option(metavar="COUNT", help="Of the tangent, in each voxel.")] = 26,
-    workers: Workers = None,
-    json: Json = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw the map; .html is a page.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the map as NPZ.")] = None,
-) -> int:
+@command("places", "reach_file")
+@dataclass(frozen=True, kw_only=True)
+class Reach:
     """Map what the robot reaches, with its obstacles and without, and why not more."""
-    from sinuous.cli.places import reach_file  # noqa: PLC0415
 
-    grid = {"spacing": spacing, "directions": directions, "workers": workers}
-    return reach_file(file, solving, grid, out, plot, json=json)
+    file: str = argument(PLACE)
+    solving: MapSolving
+    spacing: float | None = opt("Edge of a voxel; by default a 35th of the reach.", show_default=False)
+    directions: int = opt("Of the tangent, in each voxel.", "COUNT", 26)
+    workers: int | None = opt(WORKERS, "COUNT")
+    json: bool = flag(JSON)
+    plot: Path | None = opt("Draw the map; .html is a page.", "FILE")
+    out: Path | None = opt("Write the map as NPZ.", "FILE")
 
 
-@app.command()
-def train(
-    file: Place,
-    out: Annotated[Path, typer.Option(metavar="NPZ", help="Write the networks.", show_default=False)],
-    samples: Annotated[int, typer.Option(metavar="COUNT", help="Targets of each kind to learn from.")] = 5_000,
-    width: Annotated[int, typer.Option(metavar="COUNT", help="Units of each of the two hidden layers.")] = 64,
-    rounds: Annotated[int, typer.Option(metavar="COUNT", help="How often all targets are gone through.")] = 40,
-    seed: Annotated[int, typer.Option(help="Of the targets; the same seed gives the same networks.")] = 0,
-) -> int:
+@command("places", "train_file")
+@dataclass(frozen=True, kw_only=True)
+class Train:
     """Train networks that give the robot shapes for targets, for the method learned."""
-    from sinuous.cli.places import train_file  # noqa: PLC0415
 
-    return train_file(file, out, samples=samples, width=width, rounds=rounds, seed=seed)
+    file: str = argument(PLACE)
+    out: Path = opt("Write the networks.", "NPZ", REQUIRED, show_default=False)
+    samples: int = opt("Targets of each kind to learn from.", "COUNT", 5_000)
+    width: int = opt("Units of each of the two hidden layers.", "COUNT", 64)
+    rounds: int = opt("How often all targets are gone through.", "COUNT", 40)
+    seed: int = opt("Of the targets; the same seed gives the same networks.", default=0)
 
 
-@app.command()
-@with_groups
-def check(files: Files, json: Json = False) -> int:
+@command("check", "check_files")
+@dataclass(frozen=True, kw_only=True)
+class Check:
     """Say what files contain; verify their starts."""
-    from sinuous.cli.check import check_files  # noqa: PLC0415
 
-    return check_files(files, json=json)
+    files: list[str] = argument(FILES)
+    json: bool = flag(JSON)
 
 
-@app.command()
-def calibrate(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, or a file with a robot.")],
-    measured: Annotated[str, typer.Argument(metavar="MEASURED.csv", help="Columns: actuators, and x,y,z.")],
-    fit: Annotated[str | None, typer.Option(help="What to fit, as base,offsets,stiffness; else it is chosen.")] = None,
-    unit: Annotated[float, typer.Option(help="Length units of the robot in one of the measurements.")] = 1.0,
-    frame: Annotated[
-        str, typer.Option(help="Whose pose is fitted, and where gravity is known: base or device.")
-    ] = "base",
-    motion: Annotated[
-        Path | None, typer.Option(metavar="ROWS.csv", help="Rows of one motion: the robot has the bound of these.")
-    ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="ROBOT.yaml", help="Write the calibrated robot.")] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw errors over rows and patterns.")] = None,
-    json: Json = False,
-) -> int:
+@command("calibrate", "calibrate_file")
+@dataclass(frozen=True, kw_only=True)
+class Calibrate:
     """Fit a robot to measurements."""
-    from sinuous.cli.calibrate import calibrate_file  # noqa: PLC0415
 
-    return calibrate_file(file, measured, fit, unit, frame, motion, out, plot, json=json)
+    file: str = argument("A problem file, or a file with a robot.")
+    measured: str = argument("Columns: actuators, and x,y,z.", "MEASURED.csv")
+    fit: str | None = opt("What to fit, as base,offsets,stiffness; else it is chosen.")
+    unit: float = opt("Length units of the robot in one of the measurements.", default=1.0)
+    frame: str = opt("Whose pose is fitted, and where gravity is known: base or device.", default="base")
+    motion: Path | None = opt("Rows of one motion: the robot has the bound of these.", "ROWS.csv")
+    out: Path | None = opt("Write the calibrated robot.", "ROBOT.yaml")
+    plot: Path | None = opt("Draw errors over rows and patterns.", "FILE.png")
+    json: bool = flag(JSON)
 
 
-@app.command()
-@with_groups
-def view(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, YAML or JSON.", show_default=False)],
-    html: Annotated[
-        Path | None, typer.Option(metavar="OUT", help="Write the page, with the answer, into one file instead.")
-    ] = None,
-    result: Annotated[
-        Path | None,
-        typer.Option(metavar="RESULTS", help="Begin with what solve, track or plan wrote (--out) for it."),
-    ] = None,
-    host: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="Address to listen at; of this machine alone by default.")
-    ] = "127.0.0.1",
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")
-    ] = 8080,
-    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
-    memory: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; what is solved is added."),
-    ] = None,
-    clearance: Clearance = None,
-    self_clearance: SelfClearance = None,
-) -> int:
+@command("view", "view_file")
+@dataclass(frozen=True, kw_only=True)
+class View:
     """Show a problem in the browser, to be solved by dragging."""
-    from sinuous.cli.view import view_file  # noqa: PLC0415
 
-    demands = read_demands(clearance, self_clearance)
-    return view_file(file, html, host, port, result, browser=browser, memory=memory, demands=demands)
+    file: str = argument("A problem file, YAML or JSON.")
+    html: Path | None = opt("Write the page, with the answer, into one file instead.", "OUT")
+    result: Path | None = opt("Begin with what solve, track or plan wrote (--out) for it.", "RESULTS")
+    host: str = opt("Address to listen at; of this machine alone by default.", "ADDRESS", "127.0.0.1")
+    port: int = opt("Port to listen at, or the next one that is free.", default=8080, min=0, max=65535)
+    browser: bool = opt("Open the page in the browser.", default=True)
+    memory: Path | None = opt(REMEMBERED, "FILE")
+    demanded: Demands
+
+
+KINDS = {
+    "tendon": "three sections with spacers, three tendons each, through a gap between obstacles",
+    "pneumatic": "three soft sections that stretch, driven by three chambers each",
+    "insertion": "an arm on an insertion stage, through a hole in a wall",
+    "inspection": "a long slim arm that follows a path of views within a tank",
+}
+"""What each problem is about; `templates` holds the files."""
 
 
 def _kinds_like(begun: str) -> list[str]:
     """Return kinds of new problem files, for the shell to complete one."""
-    from sinuous.cli.new import KINDS  # noqa: PLC0415
-
     return [kind for kind in KINDS if kind.startswith(begun)]
 
 
-@app.command()
-@with_groups
-def new(
-    kind: Annotated[
-        str,
-        typer.Argument(
-            help="tendon, pneumatic, insertion or inspection.", autocompletion=_kinds_like, show_default=False
-        ),
-    ],
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.", show_default=False)],
-    force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
-) -> int:
+@command("new", "write_new")
+@dataclass(frozen=True, kw_only=True)
+class New:
     """Write a commented problem file to start from."""
-    from sinuous.cli.new import write_new  # noqa: PLC0415
 
-    return write_new(kind, file, force=force)
+    kind: str = argument("tendon, pneumatic, insertion or inspection.", None, autocompletion=_kinds_like)
+    file: Path = argument("The file to write.")
+    force: bool = flag("Write over a file that is there.")
 
 
-@app.command()
-@with_groups
-def warm(
-    method: Annotated[
-        list[str] | None,
-        typer.Option(help="Only what this method needs; may be repeated.", autocompletion=methods_like),
-    ] = None,
-    where: Annotated[bool, typer.Option("--where", help="Say where compiled kernels are kept.")] = False,
-    clear: Annotated[bool, typer.Option("--clear", help="Remove what is compiled.")] = False,
-    profile: Annotated[bool, typer.Option("--profile", help="Print the seconds of what is compiled.")] = False,
-) -> int:
+@command("warm", "warm_up")
+@dataclass(frozen=True, kw_only=True)
+class Warm:
     """Compile everything now, once on this machine."""
-    from sinuous.cli import warm as command  # noqa: PLC0415
 
-    if where + clear + profile > 1 or (method and (where or clear)):
-        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
-    if where:
-        return command.show_store()
-    if clear:
-        return command.clear_store()
-    return command.profile(method or ()) if profile else command.warm_up(method or ())
+    method: list[str] | None = opt("Only what this method needs; may be repeated.", autocompletion=methods_like)
+    where: bool = flag("Say where compiled kernels are kept.")
+    clear: bool = flag("Remove what is compiled.")
+    profile: bool = flag("Print the seconds of what is compiled.")
 
 
-@app.command()
-@with_groups
-def design(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="Robot, scene, tasks, and what is varied.")],
-    solving: DesignSolving,
-    minimise: Annotated[
-        str | None,
-        typer.Option(metavar="NAME[,NAME]", help="Instead of what the file says: actuators, length, bend, ..."),
-    ] = None,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(metavar="FIELD=LOW:HIGH", help="Or FIELD=VALUE,VALUE; beside those of the file; may be repeated."),
-    ] = None,
-    robots: Annotated[int | None, typer.Option(metavar="COUNT", help="Robots that are judged.")] = None,
-    budget: Annotated[float | None, typer.Option(metavar="SECONDS", help="Time for all of them.")] = None,
-    workers: Workers = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the best robot, as YAML or JSON; goes on if interrupted.")
-    ] = None,
-    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the front as a table.")] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw the front: .png, .svg, .pdf.")] = None,
-    json: Json = False,
-) -> int:
+@command("design", "design_file")
+@dataclass(frozen=True, kw_only=True)
+class Design:
     """Find the robot that does all tasks of a file and has the least of something."""
-    from sinuous.cli.design import design_file  # noqa: PLC0415
 
-    run = {"robots": robots, "budget": budget, "workers": workers}
-    return design_file(file, solving, minimise, vary or [], run, out, csv, plot, json=json)
+    file: str = argument("Robot, scene, tasks, and what is varied.")
+    solving: DesignSolving
+    minimise: str | None = opt("Instead of what the file says: actuators, length, bend, ...", "NAME[,NAME]")
+    vary: list[str] | None = opt("Or FIELD=VALUE,VALUE; beside those of the file; may be repeated.", "FIELD=LOW:HIGH")
+    robots: int | None = opt("Robots that are judged.", "COUNT")
+    budget: float | None = opt("Time for all of them.", "SECONDS")
+    workers: int | None = opt(WORKERS, "COUNT")
+    out: Path | None = opt("Write the best robot, as YAML or JSON; goes on if interrupted.", "FILE")
+    csv: Path | None = opt("Write the front as a table.", "FILE")
+    plot: Path | None = opt("Draw the front: .png, .svg, .pdf.", "FILE")
+    json: bool = flag(JSON)
 
 
 @app.callback(invoke_without_command=True)

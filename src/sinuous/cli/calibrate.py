@@ -9,6 +9,7 @@ import typer
 from sinuous import checks
 from sinuous.calibration.calibrate import Frame, calibrate
 from sinuous.calibration.table import read_table
+from sinuous.cli.app import Calibrate
 from sinuous.cli.options import SOLVED, check_outputs
 from sinuous.files.documents import read_part, read_values
 from sinuous.files.nouns import read_robot
@@ -17,48 +18,32 @@ from sinuous.pictures.charts import plot_calibration
 from sinuous.robot.robot import Robot
 
 
-def calibrate_file(
-    file: str,
-    measured: str,
-    fit: str | None,
-    unit: float,
-    frame: str,
-    motion: Path | None,
-    out: Path | None,
-    plot: Path | None,
-    *,
-    json: bool,
-) -> int:
-    """Fit the robot of `file` to the rows of `measured`, and say what came of it.
+def calibrate_file(asked: Calibrate) -> int:
+    """Fit the robot of a file to rows that were measured, and say what came of it; return the exit code.
 
-    Rows of a `motion` bound the error of the robot that is written.
-
-    Returns
-    -------
-    int
-        0; what is wrong is raised.
+    Rows of a motion bound the error of the robot that is written.
     """
-    read = [file, measured] if motion is None else [file, measured, str(motion)]
-    check_outputs(read, out=out, plot=plot)
-    robot = _robot_of(Path(file))
+    read = [asked.file, asked.measured, *([] if asked.motion is None else [str(asked.motion)])]
+    check_outputs(read, out=asked.out, plot=asked.plot)
+    robot = _robot_of(Path(asked.file))
     actuators = [actuator.name for actuator in robot.actuators]
-    table = read_table(Path(measured), actuators)
-    own = None if motion is None else read_table(motion, actuators)
-    names = None if fit is None else [name.strip() for name in fit.split(",")]
-    known = checks.choice("--frame", frame, get_args(Frame))
-    with checks.in_file(measured):
+    table = read_table(Path(asked.measured), actuators)
+    own = None if asked.motion is None else read_table(asked.motion, actuators)
+    names = None if asked.fit is None else [name.strip() for name in asked.fit.split(",")]
+    known = checks.choice("--frame", asked.frame, get_args(Frame))
+    with checks.in_file(asked.measured):
         rows = table.actuators, table.measured
-        found = calibrate(robot, *rows, fit=names, groups=table.groups, unit=unit, frame=known)
+        found = calibrate(robot, *rows, fit=names, groups=table.groups, unit=asked.unit, frame=known)
     if own is not None:
-        with checks.in_file(motion):
-            found = replace(found, robot=found.for_motion(own.actuators, own.measured, unit=unit))
-    if out is not None:
-        found.save(out)
-    if plot is not None:
-        plot_calibration(found, plot)
-    typer.echo(json_line(found.to_dict()) if json else found.explain())
-    if found.robot.uncertainty is not None and own is not None and not json:
-        typer.echo(f"bound of the robot, from {motion}: {found.robot.uncertainty.bound:.3g}")
+        with checks.in_file(asked.motion):
+            found = replace(found, robot=found.for_motion(own.actuators, own.measured, unit=asked.unit))
+    if asked.out is not None:
+        found.save(asked.out)
+    if asked.plot is not None:
+        plot_calibration(found, asked.plot)
+    typer.echo(json_line(found.to_dict()) if asked.json else found.explain())
+    if found.robot.uncertainty is not None and own is not None and not asked.json:
+        typer.echo(f"bound of the robot, from {asked.motion}: {found.robot.uncertainty.bound:.3g}")
     return SOLVED
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 from sinuous.checks import Floats
+from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
 from sinuous.errors import InputError
@@ -14,13 +15,13 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
 from sinuous.scene.extents import box_of
 from sinuous.solution.verification import Verification, verified, verify
-from sinuous.words import number, span
+from sinuous.words import counted, number, span
 
 MOST = 12
 """Most obstacles of which sizes are printed."""
 
 
-def check_files(files: list[str], *, json: bool) -> int:
+def check_files(asked: Check) -> int:
     """Say of each file what it contains, or what is wrong with it.
 
     Returns
@@ -29,7 +30,7 @@ def check_files(files: list[str], *, json: bool) -> int:
         2 when a file is wrong, else 1 when a start does not meet its target, else 0.
     """
     code = SOLVED
-    for file in files:
+    for file in asked.files:
         try:
             (read,) = read_all([file])
         except InputError as error:  # the others may be good; what one needs may merely be missing here
@@ -40,7 +41,7 @@ def check_files(files: list[str], *, json: bool) -> int:
         start = _verified(problem)
         if start is not None and not start.ok:
             code = max(code, UNSOLVED)
-        typer.echo(json_line(_contents(problem, start)) if json else _description(problem, start))
+        typer.echo(json_line(_contents(problem, start)) if asked.json else _description(problem, start))
     return code
 
 
@@ -76,8 +77,8 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
 def _description(problem: ProblemFile, start: Verification | None) -> str:
     contents = _contents(problem, start)
     low, high = contents["length"]
-    counted = [_counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
-    line = f"{problem.file}: {counted[0]}, length {low:g} to {high:g}; {counted[1]}; {counted[2]}"
+    counts = [counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
+    line = f"{problem.file}: {counts[0]}, length {low:g} to {high:g}; {counts[1]}; {counts[2]}"
     radii = contents["radius"]
     sizes = [f"robot: radius {span(radii)}", *map(_size_in_words, contents["sizes"][:MOST])]
     if len(contents["sizes"]) > MOST:
@@ -120,10 +121,6 @@ def _from_base(problem: ProblemFile) -> list[float] | None:
     places = [target.position for targets in problem.waypoints for target in targets if target.position is not None]
     away = [float(np.linalg.norm(place - problem.robot.base[:3, 3])) for place in places]
     return [min(away), max(away)] if away else None
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _verdict(problem: ProblemFile, start: Verification) -> str:

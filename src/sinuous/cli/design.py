@@ -4,7 +4,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from sinuous.cli.options import SOLVED, UNSOLVED, Solving, as_typed, check_outputs
+from sinuous.cli.app import Design
+from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
 from sinuous.cli.reading import interruptible, say, say_notes
 from sinuous.designing.find import design
 from sinuous.designing.reading import read_design
@@ -12,58 +13,43 @@ from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.documents import parse
 
 
-def design_file(
-    file: str,
-    solving: Solving,
-    minimise: str | None,
-    vary: list[str],
-    run: dict[str, Any],
-    out: Path | None,
-    csv: Path | None,
-    plot: Path | None,
-    *,
-    json: bool,
-) -> int:
-    """Find a robot for the tasks of a file; return the exit code.
-
-    `minimise` are names with commas between them, instead of those of the file; `vary` are fields beside its own, see
-    `read_field`; `run` are arguments of `design` about the run, None where they have their defaults.
-    """
-    check_outputs([file], out=out, csv=csv, plot=plot)
-    if plot is not None:
+def design_file(asked: Design) -> int:
+    """Find a robot for the tasks of a file; return the exit code."""
+    check_outputs([asked.file], out=asked.out, csv=asked.csv, plot=asked.plot)
+    if asked.plot is not None:
         from sinuous.pictures.files import check_picture  # noqa: PLC0415
 
-        check_picture("--plot", plot)
-    asked = read_design(file)
-    setting = asked.setting
-    say_notes({file: setting.notes})
-    wanted = asked.minimise if minimise is None else minimise.split(",")
-    kept = None if out is None else out.with_name(out.name + ".csv")
-    keeps = (
-        "nothing is written" if kept is None and csv is None else "what was judged is kept, the same command goes on"
-    )
+        check_picture("--plot", asked.plot)
+    task, solving = read_design(asked.file), asked.solving
+    setting = task.setting
+    say_notes({asked.file: setting.notes})
+    wanted = task.minimise if asked.minimise is None else asked.minimise.split(",")
+    own = None if asked.out is None else asked.out.with_name(asked.out.name + ".csv")
+    kept = asked.csv or own
+    run: dict[str, Any] = {"robots": asked.robots, "budget": asked.budget, "workers": asked.workers}
+    keeps = "nothing is written" if kept is None else "what was judged is kept, the same command goes on"
     with interruptible(keeps), warnings.catch_warnings(), as_typed(*run, *solving.demands):
         warnings.simplefilter("ignore", SuspiciousInput)
         found = design(
             setting.robot,
-            asked.tasks,
+            task.tasks,
             setting.scene,
-            vary={**asked.vary, **dict(map(read_field, vary))},
+            vary={**task.vary, **dict(map(read_field, asked.vary or []))},
             minimise=wanted or (),
-            out=kept if csv is None else csv,
+            out=kept,
             progress=True,
             **{key: value for key, value in run.items() if value is not None},
             **solving.arguments(setting.tolerance, setting.prefer),
         )
-    if csv is None and kept is not None:
-        kept.unlink(missing_ok=True)
-    if out is not None and found.solved:
-        found.robot.save(out)
-    if plot is not None and found.solved:
+    if asked.csv is None and own is not None:
+        own.unlink(missing_ok=True)
+    if asked.out is not None and found.solved:
+        found.robot.save(asked.out)
+    if asked.plot is not None and found.solved:
         from sinuous.pictures.charts import plot_design  # noqa: PLC0415
 
-        plot_design(found, plot)
-    say(file, found, json=json)
+        plot_design(found, asked.plot)
+    say(asked.file, found, json=asked.json)
     return SOLVED if found.solved else UNSOLVED
 
 

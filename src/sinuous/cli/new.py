@@ -2,23 +2,15 @@
 
 import shlex
 from importlib.resources import files
-from pathlib import Path
 
 import typer
 
+from sinuous.cli.app import KINDS, New
 from sinuous.cli.options import SOLVED, check_writable
 from sinuous.errors import InputError
 
-KINDS = {
-    "tendon": "three sections with spacers, three tendons each, through a gap between obstacles",
-    "pneumatic": "three soft sections that stretch, driven by three chambers each",
-    "insertion": "an arm on an insertion stage, through a hole in a wall",
-    "inspection": "a long slim arm that follows a path of views within a tank",
-}
-"""What each problem is about; `templates` holds the files."""
 
-
-def write_new(kind: str, file: Path, *, force: bool) -> int:
+def write_new(asked: New) -> int:
     """Write the problem file of a kind, and say what to do with it.
 
     Raises
@@ -26,11 +18,12 @@ def write_new(kind: str, file: Path, *, force: bool) -> int:
     InputError
         When there is no such kind, or the file cannot be written, or is there already and `force` is not said.
     """
+    kind, file = asked.kind, asked.file
     if kind not in KINDS:
         raise InputError("KIND", "", kind, "one of " + ", ".join(KINDS))
     if file.suffix.lower() == ".json":
         raise InputError("FILE", "has comments, which JSON has not", str(file), "a name that ends in .yaml")
-    if file.exists() and not (force and file.is_file()):
+    if file.exists() and not (asked.force and file.is_file()):
         raise InputError("FILE", "is there already", str(file), "a new file, or --force")
     check_writable("FILE", file)
     text = (files("sinuous.cli") / "templates" / f"{kind}.yaml").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Options of the command line: each is declared once, in a group that commands take whole.
+"""Options of the command line: each is declared once, as a field of a command or of a group that commands have.
 
 Nothing heavy is imported here, so that `sinuous --help` answers at once.
 """
@@ -7,14 +7,13 @@ import inspect
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
 from sinuous.errors import InputError
-from sinuous.writing.documents import written
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
@@ -36,6 +35,11 @@ INTERRUPTED = 130
 ENGINES = ("threads", "processes")
 """What `--engine` may name."""
 
+REQUIRED: Any = MISSING
+"""In the place of a default: it has to be typed."""
+
+Asked = TypeVar("Asked")
+
 
 def methods_like(begun: str) -> list[str]:
     """Return names of methods, for the shell to complete one."""
@@ -44,41 +48,61 @@ def methods_like(begun: str) -> list[str]:
     return [name for name in METHODS if name.startswith(begun)]
 
 
-Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
-Place = Annotated[
-    str, typer.Argument(metavar="FILE", help="A problem file, whose targets are left alone.", show_default=False)
-]
-MostStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
-Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
-Clearance = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LENGTH", help="Distance from obstacles that the body keeps; or one a segment: 1,1,2; wrist=2."
-    ),
-]
-SelfClearance = Annotated[str | None, typer.Option(metavar="LENGTH", help="The same of the body from itself.")]
-Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
+def opt(help: str, metavar: str | None = None, default: Any = None, **look: Any) -> Any:
+    """Return a field of a command, or of a group of one, that is typed as an option of its name."""
+    return field(default=default, metadata={"of": typer.Option, "help": help, "metavar": metavar, **look})
 
 
-@dataclass(frozen=True)
+def flag(help: str) -> Any:
+    """Return a field that is true where its name is typed; nothing is typed to deny it."""
+    return opt(help, default=False, flag=True)
+
+
+def argument(help: str, metavar: str | None = "FILE", **look: Any) -> Any:
+    """Return a field that is typed without its name, in the order of the fields."""
+    return opt(help, metavar, REQUIRED, **{"of": typer.Argument, "show_default": False, **look})
+
+
+FILES, PLACE = "Problem files, YAML or JSON.", "A problem file, whose targets are left alone."
+JSON = "Print one JSON object a line, and nothing else."
+STARTS, WORKERS = "Most starts of one solve.", "Threads or processes; by default one a core."
+ROUTES = "Search for routes through free space where the first starts fail."
+REMEMBERED = "Shapes to begin from, of earlier commands; what is solved is added."
+"""What is said of options that several commands have."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demands:
+    """Clearances that are demanded."""
+
+    clearance: str | None = opt(
+        "Distance from obstacles that the body keeps; or one a segment: 1,1,2; wrist=2.", "LENGTH"
+    )
+    self_clearance: str | None = opt("The same of the body from itself.", "LENGTH")
+
+    def read(self) -> dict[str, Any]:
+        """Return them as arguments: a number, or one for each segment, or some by names.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        said = {"clearance": self.clearance, "self_clearance": self.self_clearance}
+        return {key: None if own is None else _one_or_some(_typed(key), own) for key, own in said.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Solving:
     """How solves are done."""
 
-    method: Annotated[
-        str, typer.Option(help="Algorithm; docs/methods.md has them all.", autocompletion=methods_like)
-    ] = "newton"
-    option: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
-    ] = None
-    time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")] = 1.0
-    max_starts: Annotated[
-        int | None, typer.Option(metavar="COUNT", help="Most starts of one solve; else as many as the time allows.")
-    ] = None
-    routes: Routes = True
-    seed: Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")] = 0
-    clearance: Clearance = None
-    self_clearance: SelfClearance = None
+    method: str = opt("Algorithm; docs/methods.md has them all.", default="newton", autocompletion=methods_like)
+    option: list[str] | None = opt("Option of the algorithm; may be repeated.", "KEY=VALUE")
+    time: float = opt("Budget of one solve.", "SECONDS", 1.0)
+    max_starts: int | None = opt("Most starts of one solve; else as many as the time allows.", "COUNT")
+    routes: bool = opt(ROUTES, default=True)
+    seed: int = opt("Of the random starts; the same seed gives the same answer.", default=0)
+    demanded: Demands
 
     def arguments(self, tolerance: "Tolerance | None" = None, prefer: "Preferences | None" = None) -> dict[str, Any]:
         """Return the options of `Solver`, with what the problem file says.
@@ -97,7 +121,7 @@ class Solving:
     @property
     def demands(self) -> dict[str, Any]:
         """Clearances that are demanded, as arguments."""
-        return read_demands(self.clearance, self.self_clearance)
+        return self.demanded.read()
 
     def choice(self) -> "Choice":
         """Return the method with its options.
@@ -117,70 +141,59 @@ class Solving:
             raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Remembering(Solving):
     """How solves are done that begin from shapes of earlier ones."""
 
-    memory: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Shapes to begin from, of earlier commands; what is solved is added.",
-        ),
-    ] = None
+    memory: Path | None = opt(REMEMBERED, "FILE")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanSolving(Remembering):
     """How a plan is solved."""
 
-    time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one plan.")] = 5.0
+    time: float = opt("Budget of one plan.", "SECONDS", 5.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BatchSolving(Solving):
     """How each target of a batch is solved."""
 
-    max_starts: MostStarts = 100
-    time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one target.")] = 0.1
-    memory: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; it is only read.")
-    ] = None
+    max_starts: int = opt(STARTS, "COUNT", 100)
+    time: float = opt("Budget of one target.", "SECONDS", 0.1)
+    memory: Path | None = opt("Shapes to begin from, of earlier commands; it is only read.", "FILE")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ExploreSolving(Solving):
     """How positions are solved while a place is explored."""
 
-    max_starts: Annotated[int, typer.Option(metavar="COUNT", help="Most starts of a position anywhere.")] = 24
-    time: Annotated[float, typer.Option(metavar="SECONDS", help="Time of all of it.")] = 60.0
+    max_starts: int = opt("Most starts of a position anywhere.", "COUNT", 24)
+    time: float = opt("Time of all of it.", "SECONDS", 60.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DesignSolving(Solving):
     """How each target of a task is solved."""
 
-    max_starts: MostStarts = 24
+    max_starts: int = opt(STARTS, "COUNT", 24)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MapSolving(Solving):
     """How each direction of a map is solved."""
 
-    max_starts: MostStarts = 1
-    routes: Routes = False
+    max_starts: int = opt(STARTS, "COUNT", 1)
+    routes: bool = opt(ROUTES, default=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Crew:
     """Who works on what takes long."""
 
-    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads"
-    dask: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
-    ] = None
-    workers: Workers = None
+    engine: str = opt("threads or processes.", default="threads")
+    dask: str | None = opt("Workers of this Dask scheduler; local: some on this machine.", "ADDRESS")
+    workers: int | None = opt(WORKERS, "COUNT")
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments `engine` and `workers` of `solve_batch` and `explore`.
@@ -201,23 +214,16 @@ class Crew:
         return {"engine": "dask" if self.dask == "local" else self.dask, "workers": self.workers}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Output:
     """Where answers go."""
 
-    json: Json = False
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Draw it: .png, .svg, .pdf; .gif, .mp4 move; .html to turn; several files are numbered.",
-        ),
-    ] = None
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")] = None
-    csv: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Write configurations and actuators as a table; several files are numbered."),
-    ] = None
+    json: bool = flag(JSON)
+    plot: Path | None = opt(
+        "Draw it: .png, .svg, .pdf; .gif, .mp4 move; .html to turn; several files are numbered.", "FILE"
+    )
+    out: Path | None = opt("Write the results as JSON lines.", "FILE")
+    csv: Path | None = opt("Write configurations and actuators as a table; several files are numbered.", "FILE")
 
     @property
     def file(self) -> Path | None:
@@ -243,13 +249,11 @@ class Output:
             check_picture("--plot", self.plot)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MotionOutput(Output):
     """Where motions go."""
 
-    rate: Annotated[
-        float | None, typer.Option(metavar="HZ", help="Rows of --csv in a unit of time; by default one a knot.")
-    ] = None
+    rate: float | None = opt("Rows of --csv in a unit of time; by default one a knot.", "HZ")
 
     def check(self, files: list[str]) -> None:
         """See `Output.check`."""
@@ -262,21 +266,13 @@ class MotionOutput(Output):
         super().check(files)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Timed:
     """In which times a motion is passed."""
 
-    duration: Annotated[
-        float | None,
-        typer.Option(metavar="TIME", help="How long the motion takes; by default 1, or as short as rates allow."),
-    ] = None
-    timed: Annotated[
-        bool, typer.Option("--timed", help="Pass the way as fast as rates and accelerations of the file allow.")
-    ] = False
-    blend: Annotated[
-        float | None,
-        typer.Option(metavar="LENGTH", help="With --timed: round corners by that much, instead of stopping in each."),
-    ] = None
+    duration: float | None = opt("How long the motion takes; by default 1, or as short as rates allow.", "TIME")
+    timed: bool = flag("Pass the way as fast as rates and accelerations of the file allow.")
+    blend: float | None = opt("With --timed: round corners by that much, instead of stopping in each.", "LENGTH")
 
     def check(self) -> None:
         """Refuse what cannot be meant.
@@ -300,44 +296,36 @@ class Timed:
                 raise InputError("--blend", "is for --timed", self.blend, "--timed, too")
 
 
-def with_groups(command: Callable[..., int]) -> Callable[..., None]:
-    """Return a command for Typer that takes each option of its groups as an option of its own, and exits.
-
-    A group is a parameter of `command` whose type is a dataclass; its fields are declared as options.
-    """
-    own = inspect.signature(command).parameters
-    groups: dict[str, Any] = {name: each.annotation for name, each in own.items() if is_dataclass(each.annotation)}
-    flat: list[inspect.Parameter] = []
+def for_typer(asked: type[Asked], answer: Callable[[Asked], int]) -> Callable[..., None]:
+    """Return a command for Typer, which exits: its options are the fields of a dataclass, and of dataclasses in it."""
+    own = {each.name: each for each in _fields(asked)}
+    flat = []
     for name, each in own.items():
-        options = [(f.name, f.type, f.default) for f in fields(groups[name])] if name in groups else []
-        options = options or [(name, each.annotation, each.default)]
-        flat += [inspect.Parameter(n, each.KEYWORD_ONLY, annotation=a, default=d) for n, a, d in options]
+        look = dict(each.metadata)
+        names = [_typed(name)] if look.pop("flag", False) else []
+        shown = look.pop("of")(... if each.default is REQUIRED else each.default, *names, **look)
+        flat.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=each.type, default=shown))
 
-    def run(**typed: Any) -> None:
-        made = {name: group(**{f.name: typed.pop(f.name) for f in fields(group)}) for name, group in groups.items()}
-        raise typer.Exit(command(**typed, **made))
+    def run(**given: Any) -> None:
+        raise typer.Exit(answer(_made(asked, given)))
 
-    run.__name__, run.__doc__ = command.__name__, command.__doc__
+    run.__doc__ = asked.__doc__
     run.__annotations__ = {each.name: each.annotation for each in flat}
     run.__signature__ = inspect.Signature(flat)  # type: ignore[attr-defined]
     return run
 
 
-def read_demands(clearance: str | None, self_clearance: str | None) -> dict[str, Any]:
-    """Read what `--clearance` and `--self-clearance` say: a number, or some with commas between them, or with names.
+def _fields(asked: Any) -> "Iterator[Field[Any]]":
+    for each in fields(asked):
+        yield from _fields(each.type) if is_dataclass(each.type) else (each,)
 
-    Raises
-    ------
-    InputError
-        That names the option.
-    """
-    return {
-        key: None if typed is None else _one_or_some(option, typed)
-        for key, option, typed in (
-            ("clearance", "--clearance", clearance),
-            ("self_clearance", "--self-clearance", self_clearance),
-        )
-    }
+
+def _made(asked: Any, given: dict[str, Any]) -> Any:
+    return asked(**{f.name: _made(f.type, given) if is_dataclass(f.type) else given[f.name] for f in fields(asked)})
+
+
+def _typed(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 def _one_or_some(option: str, typed: str) -> float | tuple[float, ...] | dict[str, float]:
@@ -364,8 +352,7 @@ def as_typed(*names: str) -> Iterator[None]:
     except InputError as error:
         if error.key not in names or error.file is not None:
             raise
-        option = "--" + error.key.replace("_", "-")
-        raise InputError(option, error.problem, error.value, error.expected) from None
+        raise InputError(_typed(error.key), error.problem, error.value, error.expected) from None
 
 
 def is_page(file: Path) -> bool:
@@ -395,6 +382,8 @@ def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()
+    from sinuous.writing.documents import written  # noqa: PLC0415  # with NumPy, which help does without
+
     with written(file, option):
         with file.open("ab"):
             pass

@@ -1,13 +1,13 @@
 """The commands about a robot among its obstacles, whatever the targets of its file: batch, explore, reach, train."""
 
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import typer
 
 from sinuous.batch.solve import solve_batch
-from sinuous.cli.options import SOLVED, UNSOLVED, BatchSolving, Solving, as_typed, check_outputs
+from sinuous.cli.app import Batch, Explore, Reach, Train
+from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
 from sinuous.cli.reading import interruptible, remembered, say, setting_of
 from sinuous.errors import InputError
 from sinuous.exploring.explore import explore
@@ -16,19 +16,21 @@ from sinuous.solving.memory import Memory
 from sinuous.workspace.find import reach
 
 
-def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: dict[str, Any], *, json: bool) -> int:
-    """Solve all rows of a table; return the exit code. `run` are arguments of `solve_batch` about the run."""
+def batch_file(asked: Batch) -> int:
+    """Solve all rows of a table; return the exit code."""
+    solving = asked.solving
     solving.arguments()
+    run = {"chunk": asked.chunk, "warm": asked.warm, "shard": read_shard(asked.shard), **asked.crew.arguments()}
     with (
         interruptible("the chunks that were done are kept, the same command goes on"),
-        setting_of(file) as setting,
+        setting_of(asked.file) as setting,
         as_typed("targets", "out", "memory", *run, *solving.demands),
     ):
         given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
         if solving.memory is not None:
             given["memory"] = Memory.load(solving.memory)
-        found = solve_batch(setting.robot, targets, setting.scene, out, **given, **run, progress=True)
-    say(file, found, json=json)
+        found = solve_batch(setting.robot, asked.targets, setting.scene, asked.out, **given, **run, progress=True)
+    say(asked.file, found, json=asked.json)
     shard_done = run["shard"] is not None and not found.failed
     return SOLVED if found.solved or shard_done else UNSOLVED
 
@@ -43,50 +45,53 @@ def read_shard(shard: str | None) -> tuple[int, int] | None:
     return int(first), int(count)
 
 
-def explore_file(file: str, solving: Solving, memory: Path, run: dict[str, Any], *, json: bool) -> int:
-    """Explore the place of a file; return the exit code. `run` are arguments of `explore` about the run."""
+def explore_file(asked: Explore) -> int:
+    """Explore the place of a file; return the exit code."""
+    solving, run = asked.solving, {"rounds": asked.rounds, "spacing": asked.spacing, **asked.crew.arguments()}
     solving.arguments()
     with (
-        interruptible(f"rounds that were done are in {memory}, the same command goes on"),
-        setting_of(file) as setting,
-        remembered(memory, {file: setting.robot}) as kept,
+        interruptible(f"rounds that were done are in {asked.memory}, the same command goes on"),
+        setting_of(asked.file) as setting,
+        remembered(asked.memory, {asked.file: setting.robot}) as kept,
         as_typed("time", *run, *solving.demands),
     ):
         given = {**solving.arguments(setting.tolerance, setting.prefer), "memory": kept, "starts": setting.start}
         found = explore(setting.robot, setting.scene, **given, **run, progress=True)
-    say(file, found, json=json)
+    say(asked.file, found, json=asked.json)
     return SOLVED
 
 
-def reach_file(
-    file: str, solving: Solving, grid: dict[str, Any], out: Path | None, plot: Path | None, *, json: bool
-) -> int:
-    """Map what the robot of a file reaches; return the exit code. `grid` are arguments of `reach` about the grid."""
-    check_outputs([file], out=out, plot=plot)
+def reach_file(asked: Reach) -> int:
+    """Map what the robot of a file reaches; return the exit code."""
+    solving, out = asked.solving, asked.out
+    check_outputs([asked.file], out=out, plot=asked.plot)
     if out is not None and out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(out), "a name that ends in .npz")
-    if plot is not None:
+    if asked.plot is not None:
         from sinuous.pictures.workspace import check_map  # noqa: PLC0415
 
-        check_map("--plot", plot)
+        check_map("--plot", asked.plot)
+    grid: dict[str, Any] = {key: getattr(asked, key) for key in ("spacing", "directions", "workers")}
     kept = "nothing is written" if out is None else "what was found is kept, the same command goes on"
-    with interruptible(kept), setting_of(file) as setting, as_typed("out", *grid, *solving.demands):
+    with interruptible(kept), setting_of(asked.file) as setting, as_typed("out", *grid, *solving.demands):
         given = solving.arguments(setting.tolerance, setting.prefer)
         found = reach(setting.robot, setting.scene, **grid, out=out, progress=True, **given)
-    if plot is not None:
+    if asked.plot is not None:
         from sinuous.pictures.workspace import plot_reach  # noqa: PLC0415
 
-        plot_reach(found, plot)
-    say(file, found, json=json)
+        plot_reach(found, asked.plot)
+    say(asked.file, found, json=asked.json)
     return SOLVED
 
 
-def train_file(file: str, out: Path, **own: int) -> int:
+def train_file(asked: Train) -> int:
     """Train networks for the robot of a file among its obstacles, and write them; return the exit code."""
-    check_outputs([file], out=out)
-    with setting_of(file) as setting, as_typed(*own):
+    check_outputs([asked.file], out=asked.out)
+    own = {key: getattr(asked, key) for key in ("samples", "width", "rounds", "seed")}
+    with setting_of(asked.file) as setting, as_typed(*own):
         began = perf_counter()
         found = train(setting.robot, setting.scene, **own, progress=True)
-    found.save(out)
+    found.save(asked.out)
+    out = asked.out
     typer.echo(f"{out}: {found}, {perf_counter() - began:.1f} s; next: --method learned --option network={out}")
     return SOLVED

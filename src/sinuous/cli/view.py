@@ -3,12 +3,11 @@
 import ipaddress
 import sys
 import webbrowser
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import typer
 
+from sinuous.cli.app import View
 from sinuous.cli.options import SOLVED, as_typed, check_writable
 from sinuous.cli.reading import remembered, say_notes
 from sinuous.errors import InputError
@@ -22,44 +21,32 @@ TURN = 0.001
 """Seconds after which a thread hands on Python's lock: what answers the mouse shall not wait for what sends."""
 
 
-def view_file(
-    file: str,
-    html: Path | None,
-    host: str,
-    port: int,
-    result: Path | None = None,
-    *,
-    browser: bool,
-    memory: Path | None = None,
-    demands: Mapping[str, Any],
-) -> int:
+def view_file(asked: View) -> int:
     """Show a problem file, with its answer in a file of results where there is one; return the exit code.
-
-    `memory` is a file of shapes to begin from, which is written in the end. `demands` are clearances that are typed,
-    which replace those of the file.
 
     Raises
     ------
     InputError
         When the file or an option is wrong, or viser is missing.
     """
+    file, html, demands = asked.file, asked.html, asked.demanded.read()
     if html is not None:
         check_page("--html", html)
         check_writable("--html", html, [file])
     require_viser("view", file)
-    alone = is_loopback(host)
+    alone = is_loopback(asked.host)
     with as_typed(*demands):
         job = load(file, Job).demanding(**demands)
-    answer = None if result is None else job.result(result)
+    answer = None if asked.result is None else job.result(asked.result)
     say_notes({file: job.notes})
-    with remembered(memory, {file: job.robot}) as known:
+    with remembered(asked.memory, {file: job.robot}) as known:
         if html is not None:
             show(answer or answer_of(job, known), path=html)
             return SOLVED
         if not alone:
-            folder = Path(file).resolve().parent
-            typer.echo(f"warning: whoever reaches {host} can use this page, and read files in {folder} by it", err=True)
-        return _serve(job, host, port, browser, answer, known)
+            said = f"whoever reaches {asked.host} can use this page, and read files in"
+            typer.echo(f"warning: {said} {Path(file).resolve().parent} by it", err=True)
+        return _serve(job, asked, answer, known)
 
 
 def answer_of(job: Job, memory: Memory | None = None) -> Solution | Motion:
@@ -86,20 +73,18 @@ def is_loopback(host: str) -> bool:
         raise InputError("--host", "", host, "an address like 127.0.0.1, or localhost") from None
 
 
-def _serve(
-    job: Job, host: str, port: int, browser: bool, answer: Solution | Motion | None, memory: Memory | None
-) -> int:
+def _serve(job: Job, asked: View, answer: Solution | Motion | None, memory: Memory | None) -> int:
     """Serve the page until it is interrupted."""
     from sinuous.viewer.page import Page  # noqa: PLC0415
 
     job.scene.prepare()
     sys.setswitchinterval(TURN)
-    page = Page(job, host, port, answer, memory)
-    shown = f"[{host}]" if ":" in host else host
+    page = Page(job, asked.host, asked.port, answer, memory)
+    shown = f"[{asked.host}]" if ":" in asked.host else asked.host
     address = f"http://{shown}:{page.port}"
     try:
         typer.echo(f"{address}  (Ctrl-C ends it)")
-        if browser:
+        if asked.browser:
             webbrowser.open(address)
         page.wait()
     except KeyboardInterrupt:

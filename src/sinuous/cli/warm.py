@@ -3,7 +3,7 @@
 import signal
 import sys
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from multiprocessing import active_children, get_context
@@ -11,8 +11,9 @@ from typing import Any
 
 import typer
 
+from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
-from sinuous.cli.warm_steps import Step, steps
+from sinuous.cli.warm_steps import FIRST_COMMAND, Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
@@ -23,22 +24,37 @@ from sinuous.progress import rich_progress
 from sinuous.solving.crew import cores
 
 
-def warm_up(methods: Sequence[str]) -> int:
-    """Compile what these methods need, by default all; return the exit code.
+def warm_up(asked: Warm) -> int:
+    """Compile what methods need, by default all, or show or empty what is compiled; return the exit code.
 
     Raises
     ------
     InputError
-        When there is no such method.
+        When there is no such method, or options contradict each other.
     """
-    _check(methods)
-    listed = steps(methods or METHODS)
+    if asked.where + asked.clear + asked.profile > 1 or (asked.method and (asked.where or asked.clear)):
+        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    if asked.where:
+        return _show_store()
+    if asked.clear:
+        typer.echo(f"{clear(CACHE)} compiled kernels removed from {CACHE}")
+        return SOLVED
+    methods = tuple(asked.method or METHODS)
+    for name in methods:
+        if name not in METHODS:
+            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+    return _profile(steps(methods)) if asked.profile else _compile(methods)
+
+
+def _compile(methods: tuple[str, ...]) -> int:
+    """Compile what these methods need."""
+    listed = steps(methods)
     began = clock.perf_counter()
     shared = min(cores(), len(listed))
     try:
         with _shown(len(listed)) as shown:
             if shared > 1:
-                _use_in_processes(shared, tuple(methods or METHODS), shown)
+                _use_in_processes(shared, methods, shown)
             else:
                 _use_here(listed, shown)
     except KeyboardInterrupt:
@@ -49,14 +65,8 @@ def warm_up(methods: Sequence[str]) -> int:
     return SOLVED
 
 
-def _check(methods: Sequence[str]) -> None:
-    for name in methods:
-        if name not in METHODS:
-            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
-
-
-def show_store() -> int:
-    """Say where compiled kernels are kept, how many they are, and what is shipped; return the exit code."""
+def _show_store() -> int:
+    """Say where compiled kernels are kept, how many they are, and what is shipped."""
     count, size = size_of(CACHE)
     typer.echo(f"{CACHE}: {count} files, {size / 1e6:.1f} MB")
     for folder, _ in shipped():
@@ -64,26 +74,22 @@ def show_store() -> int:
     return SOLVED
 
 
-def clear_store() -> int:
-    """Remove what is compiled; return the exit code."""
-    typer.echo(f"{clear(CACHE)} compiled kernels removed from {CACHE}")
-    return SOLVED
-
-
-def profile(methods: Sequence[str]) -> int:
-    """Compile what is missing, one after the other, and print how long each entry took; return the exit code."""
-    _check(methods)
-    with _shown(len(steps(methods or METHODS))) as shown:
-        _use_here(steps(methods or METHODS), shown)
+def _profile(listed: list[Step]) -> int:
+    """Compile what is missing, one after the other, and print the CPU time of each entry."""
+    first = [step for step in listed if step.what in FIRST_COMMAND]
+    with _shown(len(listed)) as shown:
+        _use_here(first, shown)
+        taken = sum(seconds for _, seconds in TOOK)
+        _use_here([step for step in listed if step not in first], shown)
     for name, seconds in sorted(TOOK, key=lambda one: -one[1]):
         typer.echo(f"{seconds:7.2f} s  {name}")
-    typer.echo(
-        f"{sum(seconds for _, seconds in TOOK):7.2f} s  {len(TOOK)} entries; kernels count where they came first"
-    )
+    whole = sum(seconds for _, seconds in TOOK)
+    typer.echo(f"{whole:7.2f} s of CPU for {len(TOOK)} entries; kernels count where they came first")
+    typer.echo(f"{taken:7.2f} s of CPU for those of the first command of the README")
     return SOLVED
 
 
-def _use_here(listed: list[Step], shown: "_Lines") -> None:
+def _use_here(listed: list[Step], shown: "_Shown") -> None:
     """Take one step after the other."""
     with code_first(), told_to(shown.compiling):
         for step in listed:
@@ -92,7 +98,7 @@ def _use_here(listed: list[Step], shown: "_Lines") -> None:
             shown.done += 1
 
 
-def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Lines") -> None:
+def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
     """Take the steps in so many processes, which share what they compile through the disk."""
     context = get_context("spawn")
     said: Any = context.SimpleQueue()
@@ -134,49 +140,38 @@ _tell: list[Callable[[Piece], None]] = []
 """In a process of the pool: how the first one is told what is compiled."""
 
 
-class _Lines:
-    """Says in lines what is compiled, where nobody looks at a bar."""
+class _Shown:
+    """Shows what is compiled, how many are done and for how long: as a bar, or in lines where nobody looks at one."""
 
-    def __init__(self, total: int) -> None:
+    def __init__(self, total: int, bar: Any = None) -> None:
         self.total, self.done, self.compiled = total, 0, 0
+        self._bar = bar
+        self._task = None if bar is None else bar.add_task("", total=total)
 
     def begin(self, step: Step) -> None:
         """Go on to a step: whether anything is to be compiled for it is not known yet."""
+        if self._bar is not None:
+            self._show(f"loading {step.what}")
 
     def compiling(self, piece: Piece) -> None:
         """Say what is about to be compiled."""
         self.compiled += 1
-        self.show(f"compiling {piece.what} (about {piece.expected} s)")
+        self._show(f"compiling {piece.what} (about {piece.expected} s)")
 
-    def show(self, text: str) -> None:
-        """Say something of the step under way."""
-        typer.echo(f"sinuous: {self.done + 1} of {self.total}: {text}", err=True)
-
-
-class _Bar(_Lines):
-    """Shows what is compiled, how many are done, and for how long."""
-
-    def __init__(self, total: int, progress: Any) -> None:
-        super().__init__(total)
-        self._progress = progress
-        self._task = progress.add_task("", total=total)
-
-    def begin(self, step: Step) -> None:
-        """Show what is looked at."""
-        self.show(f"loading {step.what}")
-
-    def show(self, text: str) -> None:
-        """Show the bar with this text."""
-        self._progress.update(self._task, completed=self.done, description=text)
+    def _show(self, text: str) -> None:
+        if self._bar is None:
+            typer.echo(f"sinuous: {self.done + 1} of {self.total}: {text}", err=True)
+        else:
+            self._bar.update(self._task, completed=self.done, description=text)
 
 
 @contextmanager
-def _shown(total: int) -> Iterator[_Lines]:
+def _shown(total: int) -> Iterator[_Shown]:
     if not sys.stderr.isatty():
-        yield _Lines(total)
+        yield _Shown(total)
         return
     from rich.progress import BarColumn, MofNCompleteColumn, SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
 
     columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with rich_progress(*columns) as progress:
-        yield _Bar(total, progress)
+        yield _Shown(total, progress)

@@ -11,16 +11,9 @@ import typer
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.cli.answers import Alternatives, Answer, Answers, read_solution, write_solution
+from sinuous.cli.app import Plan, Solve, Track
 from sinuous.cli.journal import Journal, record_of
-from sinuous.cli.options import (
-    INTERRUPTED,
-    SOLVED,
-    UNSOLVED,
-    MotionOutput,
-    Output,
-    Remembering,
-    Timed,
-)
+from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Remembering, Timed
 from sinuous.cli.reading import Read, read_all, remembered, say_notes
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
@@ -42,6 +35,8 @@ from sinuous.solving.solver import Solver
 MOST_ALTERNATIVES = 10_000
 """Most solutions that `--all` may ask for."""
 
+Asked = Solve | Track | Plan
+
 Prepare = Callable[..., Any]
 """Prepares what answers a problem file: a solver, tracker or planner, of the file and of options of `Solver`."""
 
@@ -49,20 +44,18 @@ Find = Callable[[Any, ProblemFile, Journal, Callable[[], None]], Answer]
 """Finds the answer to a problem file by what was prepared, with a journal, and a call for each step that is done."""
 
 
-def solve_files(
-    files: list[str], solving: Remembering, output: Output, why: bool, count: int | None, by: str | None
-) -> int:
-    """Solve the target of every file, or find up to `count` solutions by route or shape; return the exit code."""
-    solving.arguments()
-    output.check(files)
+def solve_files(asked: Solve) -> int:
+    """Solve the target of every file, or find several solutions by route or shape; return the exit code."""
+    count, by = asked.all, asked.by
+    _check(asked)
     kind = None if by is None else checks.choice("--by", by, KINDS)
     if by is not None and count is None:
         raise InputError("--by", "is for --all", by, "--all COUNT, too")
     if count is not None:
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
-        if why:
+        if asked.why:
             raise InputError("--all", "cannot be combined with --why", count, "one of --all, --why")
-    read = read_all(files, solving.demands)
+    read = read_all(asked.files, asked.solving.demands)
     for one in read:
         _refuse(one.problem, "path", "goal", "moving")
     made = Solver.once if len(read) == 1 and count is None else Solver
@@ -71,19 +64,24 @@ def solve_files(
         return made(problem.robot, problem.scene, **options)
 
     find = _solve if count is None else partial(_solve_all, count, kind)
-    return _answer_all(read, solving, output, prepare, find, {"all": count, "by": by}, why)
+    return _answer_all(asked, read, prepare, find, {"all": count, "by": by}, asked.why)
 
 
-def track_files(
-    files: list[str], solving: Remembering, output: MotionOutput, timed: Timed, deviation: float | None
-) -> int:
+def _check(asked: Asked) -> None:
+    """Refuse options that cannot be meant, before any problem file is read."""
+    asked.solving.arguments()
+    asked.output.check(asked.files)
+    if not isinstance(asked, Solve):
+        asked.timed.check()
+
+
+def track_files(asked: Track) -> int:
     """Follow the path of every file; a single target is a path of one waypoint. Return the exit code."""
-    solving.arguments()
-    output.check(files)
+    timed, deviation = asked.timed, asked.deviation
+    _check(asked)
     if deviation is not None:
         checks.number("--deviation", deviation, above=0.0)
-    timed.check()
-    read = read_all(files, solving.demands)
+    read = read_all(asked.files, asked.solving.demands)
     for one in read:
         _refuse(one.problem, "goal")
         _check_timed(one.problem, timed)
@@ -98,21 +96,18 @@ def track_files(
         own: dict[str, Any] = {"start": problem.start, "times": times, "deviation": deviation}
         return tracker_of(problem.robot, len(problem.waypoints), problem.scene, **own, **options)
 
-    _say_nominal(read, output)
+    _say_nominal(read, asked.output)
     find = partial(_track, timed)
-    return _answer_all(read, solving, output, prepare, find, {"deviation": deviation, **vars(timed)})
+    return _answer_all(asked, read, prepare, find, {"deviation": deviation, **vars(timed)})
 
 
-def plan_files(
-    files: list[str], solving: Remembering, output: MotionOutput, timed: Timed, *, shortcuts: int, begin: float
-) -> int:
+def plan_files(asked: Plan) -> int:
     """Plan the motion that every file asks for; return the exit code."""
-    solving.arguments()
-    output.check(files)
-    checks.integer("--shortcuts", shortcuts, 0, MOST_SHORTCUTS)
-    checks.number("--begin", begin)
-    timed.check()
-    read = read_all(files, solving.demands)
+    timed = asked.timed
+    _check(asked)
+    checks.integer("--shortcuts", asked.shortcuts, 0, MOST_SHORTCUTS)
+    checks.number("--begin", asked.begin)
+    read = read_all(asked.files, asked.solving.demands)
     for problem in (one.problem for one in read):
         _refuse(problem, "path")
         _check_timed(problem, timed)
@@ -121,15 +116,15 @@ def plan_files(
         if problem.goal is not None:
             with checks.in_file(problem.file):
                 check_limits(problem.robot, "goal", problem.goal)
-    typed: dict[str, Any] = {"shortcuts": shortcuts, "begin": begin, "duration": timed.duration}
+    typed: dict[str, Any] = {"shortcuts": asked.shortcuts, "begin": asked.begin, "duration": timed.duration}
 
     def prepare(problem: ProblemFile, **options: Any) -> Planner:
         with checks.in_file(problem.file):
             return Planner(problem.robot, problem.scene, rates=problem.rates or None, **typed, **options)
 
-    _say_nominal(read, output)
+    _say_nominal(read, asked.output)
     find = partial(_plan, timed)
-    return _answer_all(read, solving, output, prepare, find, typed | vars(timed))
+    return _answer_all(asked, read, prepare, find, typed | vars(timed))
 
 
 def _check_timed(problem: ProblemFile, timed: Timed) -> None:
@@ -168,31 +163,26 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
 
 
 def _answer_all(
-    read: list[Read],
-    solving: Remembering,
-    output: Output,
-    prepare: Prepare,
-    find: Find,
-    typed: Mapping[str, object],
-    why: bool = False,
+    asked: Asked, read: list[Read], prepare: Prepare, find: Find, typed: Mapping[str, object], why: bool = False
 ) -> int:
     """Answer all files, on from where the same command was interrupted; return the exit code.
 
     `typed` are options of one command alone on which its answers depend.
     """
-    done = solved = 0
+    solving, output, done, solved = asked.solving, asked.output, 0, 0
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     record = {} if output.file is None else record_of(problems, solving, typed)
     robots = {problem.file: problem.robot for problem in problems}
     with Journal(output.file, record) as journal, remembered(solving.memory, robots) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
+        ready = partial(_prepare, solving, prepare, memory)
         try:
-            ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare, memory)
+            ahead = 0.0 if len(read) == 1 else _compile(problems, ready)
             with Answers(output, len(read)) as answers, ProgressBar(total) as bar:
                 for one in read:
                     with bar.hidden():
-                        prepared, seconds = _prepare(one.problem, solving, prepare, memory)
+                        prepared, seconds = ready(one.problem)
                     found = find(prepared, one.problem, journal, bar.advance)
                     with bar.hidden():
                         answers.write(one.problem.file, found, one.seconds + seconds + ahead, why)
@@ -211,13 +201,13 @@ def _answer_all(
     return SOLVED if solved == len(read) else UNSOLVED
 
 
-def _compile(problems: list[ProblemFile], solving: Remembering, prepare: Prepare, memory: Memory | None) -> float:
+def _compile(problems: list[ProblemFile], ready: Callable[[ProblemFile], tuple[Any, float]]) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
-    return sum(_prepare(problem, solving, prepare, memory)[1] for problem in kinds.values())
+    return sum(ready(problem)[1] for problem in kinds.values())
 
 
-def _prepare(problem: ProblemFile, solving: Remembering, prepare: Prepare, memory: Memory | None) -> tuple[Any, float]:
+def _prepare(solving: Remembering, prepare: Prepare, memory: Memory | None, problem: ProblemFile) -> tuple[Any, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it

@@ -12,7 +12,7 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.display.surface import Faces, circle, ring_faces
+from sinuous.display.obstacles import Faces, circle, ring_faces
 from sinuous.poses import least_rotation
 from sinuous.robot.robot import Robot
 

@@ -10,6 +10,7 @@ the share that is covered is one of positions that the roadmap was not made of.
 import json
 import math
 import time as clock
+from collections.abc import Iterator
 from typing import Any, Unpack
 
 import numpy as np
@@ -21,12 +22,12 @@ from sinuous.batch.dispatch import all_done, begin
 from sinuous.batch.tables.layout import Block
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
-from sinuous.exploring.exploration import Exploration
 from sinuous.exploring.explorer import Explorer, Kind
 from sinuous.motion.configurations import lever_metric, violated_by
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.progress import ProgressBar
+from sinuous.reprs import ShortRepr
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import straight
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -35,7 +36,78 @@ from sinuous.solving.memory import Explored, Memory
 from sinuous.solving.options import SolveArguments, SolveOptions, refuse_unknown
 from sinuous.solving.shapes import Graph
 from sinuous.solving.shapes import Whole as Numbers
-from sinuous.workspace.grid import reach_of
+from sinuous.words import duration
+from sinuous.workspace.reach import reach_of
+
+MOST_PARTS = 20
+"""Sizes of parts that are told."""
+
+SHARES = ("covered", "joined")
+
+
+class Exploration(ShortRepr):
+    """What `explore` did, and what the memory holds then.
+
+    The shares are of positions that were drawn evenly in the ball of the robot's reach, before anything was known of
+    them, and that the solver met without the memory; of the last 400 such positions.
+
+    Attributes
+    ----------
+    memory : Memory
+    shapes, motions : int
+        That are kept.
+    parts : tuple of int
+        Numbers of shapes that motions join, the largest 20.
+    tests : int
+        Positions that the shares are of.
+    covered : float
+        Share of positions with the tip of a shape of the largest part within `spacing`; NaN where there are none.
+    joined : float
+        Share of positions whose shape one proved motion joined to a shape of the largest part; NaN likewise.
+    spacing : float
+    rounds : int
+        Done until now, also by earlier calls.
+    full : bool
+        Whether it ended because the memory was full.
+    seconds : float
+        Of this call.
+    """
+
+    def __init__(self, memory: Memory, spacing: float, full: bool, seconds: float) -> None:
+        self.memory, self.spacing, self.full, self.seconds = memory, spacing, full, seconds
+        graph, known = memory._shapes.everything, memory._explored
+        self.shapes, self.motions = len(graph), len(graph.edges)
+        self.parts = tuple(np.bincount(graph.parts)[:MOST_PARTS].tolist())
+        tests = [] if known is None else known.tests
+        self.rounds, self.tests = 0 if known is None else known.rounds, len(tests)
+        self.covered, self.joined = (
+            math.nan if not tests else sum(each[i] for each in tests) / len(tests) for i in (0, 1)
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values; a share of nothing is `None`."""
+        names = ("shapes", "motions", "tests", "spacing", "rounds", "full", "seconds")
+        shares = {name: None if math.isnan(getattr(self, name)) else getattr(self, name) for name in SHARES}
+        return {**{name: getattr(self, name) for name in names}, "parts": list(self.parts), **shares}
+
+    def __str__(self) -> str:
+        told = [f"{self.shapes:,} shapes", f"{self.motions:,} motions"]
+        if self.parts:
+            largest = f"{self.parts[0] / self.shapes:.0%} of the shapes in the largest part"
+            told.append(largest)
+        if self.tests:
+            told.append(
+                f"of {self.tests} positions that the robot reaches, {self.covered:.0%} near a shape of it "
+                f"and {self.joined:.0%} one motion from it"
+            )
+        if self.full:
+            told.append("the memory is full")
+        return f"{', '.join(told)}; {self.rounds} rounds, {duration(self.seconds)}"
+
+    def _shown(self) -> Iterator[str]:
+        yield f"{self.shapes} shapes"
+        yield f"{self.motions} motions"
+
 
 TIME = 60.0
 """Seconds, by default."""
@@ -207,7 +279,8 @@ class _Run:
         assert known is not None
         graph = self._memory._shapes.everything
         tasks = _Draws(self._robot, graph, self._reach, self._spacing, [known.seed, known.rounds]).tasks()
-        chunks = [_slice(tasks, at) for at in range(0, len(tasks["kind"]), TOGETHER)]
+        parts = [slice(at, at + TOGETHER) for at in range(0, len(tasks["kind"]), TOGETHER)]
+        chunks = [{name: values[part] for name, values in tasks.items()} for part in parts]
         blocks = self._done(chunks)
         tests = [*known.tests, *self._tests(graph, tasks, blocks)][-TESTS:]
         for block in blocks:
@@ -243,10 +316,6 @@ class _Run:
         return all_done(self._engine, chunks, "a part of the place could not be explored")
 
 
-def _slice(tasks: Block, at: int) -> Block:
-    return {name: values[at : at + TOGETHER] for name, values in tasks.items()}
-
-
 class _Draws:
     """Draws the tasks of one round."""
 
@@ -266,7 +335,7 @@ class _Draws:
         begins = self._where_few(len(kinds)) if count else np.full(len(kinds), -1)
         joining = np.flatnonzero(kinds == Kind.JOIN)
         begins[joining] = self._of_others(len(joining))
-        targets = self._anywhere(len(kinds))
+        targets = self._robot.base[:3, 3] + self._reach * _in_ball(rng, len(kinds))  # anywhere within reach
         beside = np.flatnonzero(kinds == Kind.BESIDE)
         far = self._spacing * np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST), (len(beside), 1)))
         targets[beside] = self._graph.tips[begins[beside]] + far * _in_ball(rng, len(beside))
@@ -280,10 +349,6 @@ class _Draws:
             "numbers": near,
             "near": self._graph.q[near] if count else np.zeros((len(kinds), 0, n, 3)),
         }
-
-    def _anywhere(self, count: int) -> Floats:
-        """Positions (count, 3) drawn evenly in the ball of the reach."""
-        return self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
 
     def _where_few(self, count: int) -> Numbers:
         """Numbers (count,) of shapes: every cell with a tip is as likely."""

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from sinuous import checks
 from sinuous.errors import InputError
-from sinuous.files.text import join
+from sinuous.files.documents import join
 from sinuous.words import suggested
 
 Noun = TypeVar("Noun")

@@ -1,14 +1,234 @@
-"""Files of plain values, JSON or YAML, and the values of a problem file that may stand in a file of their own."""
+"""Files of plain values: UTF-8 text, the part of YAML 1.2 that says what JSON says, and JSON.
+
+PyYAML's parser gives the events. What they mean is decided here, because PyYAML's own constructors follow YAML 1.1,
+where `1e-3` is a text, `010` is eight and `no` is false. There are no tags, so that nothing can be executed, and the
+number of values that aliases stand for is bounded.
+
+Why not ruamel.yaml, which follows YAML 1.2: it lets aliases multiply without a bound, merges keys (`<<`), makes dates
+of `2001-01-01` and numbers of `0x10` and `1_000`, allows keys that are no names, and names a duplicate key without its
+place among the others; each of these would need code here again. Its constructors in C take 11 times as long as this
+module for a path of 20,000 waypoints, those in Python 27 times (ruamel.yaml 0.19.1 against PyYAML 6.0.4 with libyaml).
+"""
 
 import json
-from collections.abc import Callable
+import math
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
+
+import yaml
 
 from sinuous import checks
-from sinuous.errors import InputError
-from sinuous.files.text import join, read_text, refuse_deep, refuse_infinite, refuse_line, whole_number
-from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.errors import InputError, shown
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML has it; only its parser is used
+
+_WORDS = {"": None, "~": None} | {
+    form: value
+    for word, value in (("null", None), ("true", True), ("false", False))
+    for form in (word, word.capitalize(), word.upper())
+}
+_WHOLE = re.compile(r"[-+]?[0-9]+")
+_NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
+
+_DEEP = "exceeded maximum nesting depth"
+"""What recent versions of libyaml say where values stand too deeply in one another."""
+
+MOST_REPEATED = 100_000
+"""Values that all aliases of a document may stand for together: nested aliases multiply."""
+
+Place = tuple[Any, ...]
+"""Where a value stands: `()`, or the place of what it stands in, and its name or number there."""
+
+
+def parse_yaml(text: str) -> Any:
+    """Read one YAML document; `None` when there is none.
+
+    Values that an alias stands for are the same objects as those of its anchor; nobody may change them.
+
+    Raises
+    ------
+    InputError
+        With the number of the line when it is no YAML, uses a tag, or has aliases that cannot be meant; with the key
+        when it stands twice or its number is not finite.
+    """
+    with refuse_deep(text):
+        try:
+            values = _Document(iter(_LOADER(text).get_event, None)).values()
+        except yaml.MarkedYAMLError as error:
+            if _DEEP in (error.problem or ""):
+                raise RecursionError from None
+            line = error.problem_mark.line + 1 if error.problem_mark else 1
+            refuse_line(text, line, error.problem or "cannot be read", "YAML")
+        except yaml.YAMLError as error:
+            reason = getattr(error, "reason", "cannot be read")
+            raise InputError("file", str(reason), text, "YAML") from None
+        refuse_infinite(values)
+    return values
+
+
+class _Document:
+    """Makes values of the events of a parser."""
+
+    def __init__(self, events: Iterator[Any]) -> None:
+        self._events = events
+        self._anchors: dict[str, tuple[Any, int]] = {}  # the value of each, and how many values are in it
+        self._open: set[str] = set()
+        self._made = self._repeated = 0
+
+    def values(self) -> Any:
+        next(self._events)
+        if isinstance(next(self._events), yaml.StreamEndEvent):
+            return None
+        value = self._value((), next(self._events))
+        next(self._events)
+        after = next(self._events)
+        if not isinstance(after, yaml.StreamEndEvent):
+            raise InputError(_line(after), "starts another document", "---", "one document")
+        return value
+
+    def _value(self, place: Place, event: Any) -> Any:
+        if isinstance(event, yaml.AliasEvent):
+            return self._again(event)
+        if event.tag is not None:
+            raise InputError(_line(event), "has a tag", event.tag, "plain values")
+        before = self._made
+        self._made += 1
+        if event.anchor is None:
+            return self._own_value(place, event)
+        self._open.add(event.anchor)
+        value = self._own_value(place, event)
+        self._open.discard(event.anchor)
+        self._anchors[event.anchor] = value, self._made - before
+        return value
+
+    def _again(self, event: Any) -> Any:
+        """Return the value that an alias stands for."""
+        name = event.anchor
+        if name in self._open:
+            raise InputError(_line(event), "stands for what it is part of", f"*{name}", "an alias of a finished value")
+        if name not in self._anchors:
+            raise InputError(_line(event), "has no anchor", f"*{name}", "an alias of an anchor above it")
+        value, size = self._anchors[name]
+        self._made += size
+        self._repeated += size
+        if self._repeated > MOST_REPEATED:
+            raise InputError(_line(event), "aliases multiply", f"*{name}", f"at most {MOST_REPEATED} repeated values")
+        return value
+
+    def _own_value(self, place: Place, event: Any) -> Any:
+        if isinstance(event, yaml.ScalarEvent):
+            return _scalar(event.value) if event.implicit[0] else event.value
+        return self._sequence(place) if isinstance(event, yaml.SequenceStartEvent) else self._mapping(place)
+
+    def _sequence(self, place: Place) -> list[Any]:
+        result: list[Any] = []
+        for event in self._events:
+            if isinstance(event, yaml.SequenceEndEvent):
+                break
+            result.append(self._value((place, len(result)), event))
+        return result
+
+    def _mapping(self, place: Place) -> dict[str, Any]:
+        result: dict[str, Any] = {}
+        for event in self._events:
+            if isinstance(event, yaml.MappingEndEvent):
+                break
+            if not isinstance(event, yaml.ScalarEvent):
+                raise InputError(_line(event), "has a key that is no name", _key(place), "a name")
+            name, inner = event.value, (place, event.value)
+            value = self._value(inner, next(self._events))
+            if name in result:
+                raise InputError(_key(inner), "stands twice", value, "every key once")
+            result[name] = value
+        return result
+
+
+def _scalar(text: str) -> Any:
+    """Read a plain scalar; a number that is not finite is kept, to be refused under its key."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _WHOLE.fullmatch(text):
+        return whole_number(text)
+    if NUMBER.fullmatch(text):
+        return float(text)
+    return float(text.replace(".", "")) if _NOT_FINITE.fullmatch(text) else text
+
+
+def _key(place: Place) -> str:
+    return join(_key(place[0]), place[1]) if place else ""
+
+
+def _line(event: Any) -> str:
+    return f"line {event.start_mark.line + 1}"
+
+
+NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+"""A decimal number: `1e-3` is one; `0x10`, `1_000` and `1:30` are not."""
+
+MOST_DIGITS = 400
+
+
+def read_text(file: Path, key: str = "file") -> str:
+    """Return the text of a file in UTF-8, without a byte order mark.
+
+    Raises
+    ------
+    InputError
+        For `key`, when the file is not there, not readable, or not UTF-8.
+    """
+    try:
+        return file.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(key, f"not UTF-8 at byte {error.start}", str(file), "a text file in UTF-8") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(key, f"cannot be read: {reason}", str(file), "the name of a file that can be read") from None
+
+
+def join(key: str, inner: str | int) -> str:
+    """Path of what stands in `key` under a name or at a place: `scene[2].sphere`."""
+    if isinstance(inner, int):
+        return f"{key}[{inner}]"
+    name = inner if inner.isidentifier() and len(inner) < 60 else shown(inner)
+    return f"{key}.{name}" if key else name
+
+
+def whole_number(text: str) -> int | float:
+    """Read a whole number; one with absurdly many digits becomes infinite, to be refused as that."""
+    return int(text) if len(text) <= MOST_DIGITS else float(text)
+
+
+def refuse_infinite(value: Any) -> None:
+    """Check that every number in plain values is finite; the refusal names its key."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError("", "", value, "a finite number")
+    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for inner, entry in entries:
+        if isinstance(entry, (dict, list)) or (isinstance(entry, float) and not math.isfinite(entry)):
+            try:  # a key is put together for what is refused alone: a long path has a hundred thousand of them
+                refuse_infinite(entry)
+            except InputError as error:
+                raise error.within(join("", inner)) from None
+
+
+def refuse_line(text: str, line: int, reason: str, expected: str) -> NoReturn:
+    """Refuse a text for what stands on one of its lines, 1 = first."""
+    lines = text.splitlines()
+    got = lines[line - 1].strip() if line <= len(lines) else "the end of the file"
+    raise InputError(f"line {line}", reason, got, expected) from None
+
+
+@contextmanager
+def refuse_deep(text: str) -> Iterator[None]:
+    """Refuse values that stand too deeply in one another for Python to follow."""
+    try:
+        yield
+    except RecursionError:
+        raise InputError("file", "is nested too deeply", text, "lists and mappings of a few levels") from None
+
 
 Noun = TypeVar("Noun")
 

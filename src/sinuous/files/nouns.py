@@ -12,9 +12,8 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import each, keys_of, known_entries, make
-from sinuous.files.documents import parse_json, read_part
+from sinuous.files.documents import parse_json, read_part, read_text
 from sinuous.files.path_csv import parse_path
-from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
@@ -78,15 +77,10 @@ def read_robot(value: Any) -> Robot:
         "base": read_pose,
         "tool": read_pose,
         "actuators": partial(make, Actuators),
-        "payload": _read_payload,
+        "payload": lambda own: each(partial(make, Payload), own if isinstance(own, list) else [own]),
         "uncertainty": partial(make, Uncertainty),
     }
     return make(Robot, entries, parts)
-
-
-def _read_payload(value: Any) -> list[Payload]:
-    read = partial(make, Payload)
-    return each(read, value) if isinstance(value, list) else [read(value)]
 
 
 def _read_segments(value: Any, shared: dict[str, Any]) -> list[Segment]:

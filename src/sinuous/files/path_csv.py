@@ -5,6 +5,7 @@ A column `t` in front of these has the times of the waypoints.
 
 import csv
 import io
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.files.text import NUMBER
+from sinuous.files.documents import NUMBER
 from sinuous.problem.target import Target
 
 TIME = "t"
@@ -51,22 +52,18 @@ def parse_path(text: str) -> Table:
         raise InputError(f"line {line}", "", ",".join(names), expected)
     if not rows:
         raise InputError(f"line {line}", "", text, "at least one target")
-    times = _times(rows) if timed else None
-    poses = [(number, cells[timed:]) for number, cells in rows]
-    own = header[timed:]
-    return Table(_together(own, [cells for _, cells in poses]) or tuple(_one_by_one(own, poses)), times)
-
-
-def _times(rows: list[tuple[int, list[str]]]) -> Floats:
-    """Take the first cells of all rows, which must increase."""
-    times: list[float] = []
-    for line, cells in rows:
-        with checks.inside(f"line {line}"):
-            time = _number(TIME, cells[0].strip())
-            if times and time <= times[-1]:
-                raise InputError(TIME, "times must increase", time, f"more than {times[-1]:g}")
-            times.append(time)
-    return np.array(times)
+    numbers = _numbers(header, rows)
+    orientation, poses = HEADERS[header[timed:]], numbers[:, timed:]
+    turned: dict[str, Any] = {} if orientation is None else {orientation: poses[:, 3:]}
+    try:
+        times = checks.increasing("times", numbers[:, 0], None) if timed else None
+        return Table(Target.each(poses[:, :3], **turned), times)
+    except InputError as error:
+        if error.row is None:
+            raise
+        name, row = error.row
+        key = f"line {rows[row][0]}.{TIME if name == 'times' else name}"
+        raise InputError(key, error.problem, error.value, error.expected) from None
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
@@ -80,38 +77,19 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
         raise InputError(f"line {reader.line_num}", str(error), text, "comma-separated values") from None
 
 
-def _together(header: tuple[str, ...], rows: list[list[str]]) -> tuple[Target, ...]:
-    """Targets of all rows; none where something is wrong with one."""
-    if set(map(len, rows)) != {len(header)}:
-        return ()
-    cells = [cell.strip() for row in rows for cell in row]
-    if not all(map(NUMBER.fullmatch, cells)):
-        return ()
-    values = np.array(list(map(float, cells))).reshape(len(rows), -1)
-    orientation = HEADERS[header]
-    try:
-        return Target.each(values[:, :3], **({} if orientation is None else {orientation: values[:, 3:]}))
-    except InputError:
-        return ()
-
-
-def _one_by_one(header: tuple[str, ...], rows: list[tuple[int, list[str]]]) -> Iterator[Target]:
-    """Yield the targets; a refusal names the line."""
+def _numbers(header: tuple[str, ...], rows: list[tuple[int, list[str]]]) -> Floats:
+    """Numbers (m, k) of all rows; a refusal names the line."""
+    numbers = []
     for line, cells in rows:
         with checks.inside(f"line {line}"):
-            yield _target(header, cells)
-
-
-def _target(header: tuple[str, ...], cells: list[str]) -> Target:
-    if len(cells) != len(header):
-        raise InputError("", "wrong number of cells", cells, f"{len(header)}: {','.join(header)}")
-    values = [_number(name, cell.strip()) for name, cell in zip(header, cells, strict=True)]
-    orientation = HEADERS[header]
-    own: dict[str, Any] = {} if orientation is None else {orientation: values[3:]}
-    return Target(values[:3], **own)
+            if len(cells) != len(header):
+                raise InputError("", "wrong number of cells", cells, f"{len(header)}: {','.join(header)}")
+            numbers.append([_number(name, cell.strip()) for name, cell in zip(header, cells, strict=True)])
+    return np.array(numbers)
 
 
 def _number(name: str, cell: str) -> float:
     if not NUMBER.fullmatch(cell):
         raise InputError(name, "", cell, "a finite number")
-    return checks.number(name, float(cell))
+    value = float(cell)
+    return value if math.isfinite(value) else checks.number(name, value)

@@ -11,10 +11,9 @@ from sinuous.arguments import OneEach, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import each, known_entries, make
-from sinuous.files.documents import read_values
+from sinuous.files.documents import read_text, read_values
 from sinuous.files.nouns import read_configuration, read_place, read_robot, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
-from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
 from sinuous.gc_pause import gc_paused
 from sinuous.problem.problem import Preferences, Problem, check_sizes
@@ -156,7 +155,8 @@ class ProblemFile(Frozen):
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
         yield f"{len(self.robot)} segments"
-        yield f"{len(self.waypoints)} waypoints" if self.is_path else self._asks()
+        targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
+        yield "a goal" if self.goal is not None else targets
         yield f"{len(self.scene)} obstacles"
 
     def demanding(self, clearance: OneEach | None, self_clearance: OneEach | None) -> Self:
@@ -169,9 +169,6 @@ class ProblemFile(Frozen):
     def ends(self) -> tuple[Target, ...] | Floats:
         """Where a plan ends: at the targets, or at the goal (n, 3)."""
         return self.waypoints[0] if self.goal is None else self.goal
-
-    def _asks(self) -> str:
-        return "a goal" if self.goal is not None else f"{len(self.waypoints[0])} targets"
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""

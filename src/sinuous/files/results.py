@@ -9,8 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.errors import InputError
-from sinuous.files.documents import parse_json
-from sinuous.files.text import read_text
+from sinuous.files.documents import parse_json, read_text
 
 
 def json_line(result: dict[str, Any]) -> str:

@@ -23,6 +23,7 @@ from numba.extending import typeof_impl
 
 from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
+from sinuous.kernels.compiling.calls import call_leanly
 from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain, written
 from sinuous.kernels.compiling.sources import read_sources
 from sinuous.kernels.compiling.store import COPIES, Store
@@ -32,7 +33,13 @@ from sinuous.work_time import counting_looks, no_work
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 # Raise `VERSION` in `compiling/sources` with these: their text does not count for what is kept.
-OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
+OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"contract"},
+    "_nrt": False,
+    "forceinline": False,  # if nothing is said, Numba takes over what is said of the first caller
+}
 """Without the GIL; NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add
 and never changes what NaN does. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
 arithmetic. Callers bring the workspace, and no kernel returns an array."""
@@ -227,7 +234,11 @@ def _quickened(compiled: Any, store: Store | None) -> Any:
             return compiled.overloads[signature].entry_point
         alone = store.alone(signature, compiled.targetctx.codegen()) if store else nullcontext()
         with no_work(), gc_paused(), global_compiler_lock, alone:
-            return compile_it(signature)
+            found = compile_it(signature)
+            result = next(one for one in compiled.overloads.values() if one.entry_point is found)
+            if isinstance(result.library, once.KERNELS):
+                call_leanly(compiled.targetctx, result)
+            return found
 
     compiled.compile = compile_quickly
     return compiled

@@ -24,42 +24,45 @@ TERMS = 16
 """Terms of the series of an exponential, of a matrix with a norm of at most a half: the rest is below 1e-18."""
 
 
-def exponential(twist: Floats) -> Floats:
-    """Exponential (4, 4) of a twist (4, 4), by its power series for a small part of it, squared again and again.
+def exponential(twists: Floats) -> Floats:
+    """Exponentials (..., 4, 4) of twists (..., 4, 4), by the power series of a small part, squared again and again.
 
     That of SciPy asks a library with threads for every 4x4 system, which takes a hundred times as long.
     """
-    size = float(np.abs(twist[:3, :3]).sum())
+    size = float(np.abs(twists[..., :3, :3]).sum(axis=(-2, -1)).max(initial=0.0))
     halvings = max(0, math.ceil(math.log2(2.0 * size))) if size > 0.0 else 0
-    part = twist / 2.0**halvings
+    part = twists / 2.0**halvings
     term, result = np.eye(4), np.eye(4)
     for k in range(1, TERMS + 1):
         term = term @ part / k
-        result += term
+        result = result + term
     for _ in range(halvings):
         result = result @ result
     return result
 
 
-def arc_poses(q: Floats, pieces: int, begin: float = 0.0) -> Floats:
-    """Poses (pieces + 1, 4, 4) along one segment `q` (3,), by powers of the exponential of its twist.
+def arc_poses(q: Floats, pieces: int, begin: Floats | float = 0.0) -> Floats:
+    """Poses (n, pieces + 1, 4, 4) along segments `q` (n, 3), each from its own begin: powers of exponentials of twists.
 
-    Evenly spaced from the share `begin` of the segment up to its end.
+    Evenly spaced from the share `begin` (n,) of the segment up to its end.
     """
-    ux, uy, length = q
-    twist = np.array([[0, 0, ux, 0], [0, 0, uy, 0], [-ux, -uy, 0, length], [0, 0, 0, 0]], np.float64)
-    step = exponential((1.0 - begin) * twist / pieces)
-    poses = [exponential(begin * twist) if begin > 0.0 else np.eye(4)]
-    for _ in range(pieces):
-        poses.append(poses[-1] @ step)
-    return np.stack(poses)
+    twists, shares = np.zeros((len(q), 4, 4)), np.zeros((len(q), 1, 1))
+    twists[:, :2, 2], twists[:, 2, :2], twists[:, 2, 3] = q[:, :2], -q[:, :2], q[:, 2]
+    shares[:, 0, 0] = begin
+    power, poses = exponential((1.0 - shares) * twists / pieces)[:, None], np.empty((len(q), pieces + 1, 4, 4))
+    poses[:, 0], known = exponential(shares * twists), 1
+    while known <= pieces:  # as many again, farther on by as many steps
+        more = poses[:, known : 2 * known]
+        np.matmul(poses[:, : more.shape[1]], power, out=more)
+        known, power = 2 * known, power @ power
+    return poses
 
 
 def segment_ends(robot: Robot, q: Floats) -> Floats:
     """Poses (n + 1, 4, 4) of the base and of the ends of all segments."""
     poses = [robot.base]
-    for segment in q:
-        poses.append(poses[-1] @ arc_poses(segment, 1)[1])
+    for step in arc_poses(q, 1)[:, 1]:
+        poses.append(poses[-1] @ step)
     return np.stack(poses)
 
 
@@ -81,12 +84,9 @@ def body_places(robot: Robot, q: Floats, ends: Floats) -> tuple[Floats, NDArray[
 
     The first of them is where the body leaves its mount.
     """
-    places, segments = [np.empty((0, 3))], [np.empty(0, np.intp)]
     shares, beyond = free_shares(robot, q[:, 2])
-    for k in np.flatnonzero(beyond).tolist():
-        places.append((ends[k] @ arc_poses(q[k], SAMPLES, float(shares[k])))[:, :3, 3])
-        segments.append(np.full(SAMPLES + 1, k))
-    return np.concatenate(places), np.concatenate(segments)
+    poses = ends[:-1][beyond][:, None] @ arc_poses(q[beyond], SAMPLES, shares[beyond])
+    return poses[..., :3, 3].reshape(-1, 3), np.repeat(np.flatnonzero(beyond), SAMPLES + 1)
 
 
 class Nearest(NamedTuple):
@@ -138,7 +138,7 @@ MOST_PLACES = 20_000
 FEWEST = 8
 """Places of a segment."""
 
-RUN, PAIRS = 16, 64
+RUN, PAIRS = 16, 16
 """Places in a row that are held against others in a row, and pairs of such runs that are looked at together."""
 
 
@@ -192,13 +192,14 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
 
 def nearest_pair(places: Places) -> Meeting:
     """Least gap over places of a body that concern each other; see `concerned`."""
-    points, radii, segments = places.points, places.radii, places.segments
+    points, radii, segments = np.ascontiguousarray(places.points.T), places.radii, places.segments
     least = Meeting(math.inf, None)
     for low, one, other in _nearest_first(places):
         if low >= least.gap:
             break
         first, second = one[:, :, None], other[:, None, :]
-        gaps = np.linalg.norm(points[first] - points[second], axis=-1) - radii[first] - radii[second]
+        across = points[:, first] - points[:, second]
+        gaps = np.sqrt((across * across).sum(axis=0)) - radii[first] - radii[second]
         gaps[~concerned(places, first, second)] = math.inf
         if gaps.min() < least.gap:
             k, a, b = np.unravel_index(gaps.argmin(), gaps.shape)
@@ -219,18 +220,21 @@ def concerned(places: Places, first: Indices, second: Indices) -> NDArray[np.boo
     """
     apart = places.along[second] - places.along[first]
     alike = places.runs[first] == places.runs[second]
-    across = places.points[second] - places.points[first]
-    here = np.einsum("...i,...i->...", across, places.tangents[first])
-    there = np.einsum("...i,...i->...", across, places.tangents[second])
-    # Less than a quarter turn leaves them ahead of each other, also where rounding has it otherwise.
-    astray = ((here <= 0.0) | (there <= 0.0)) & (places.turned[second] - places.turned[first] >= 0.5 * math.pi)
     radius = np.maximum(places.radii[first], places.radii[second])
-    return np.where(alike, apart >= math.pi * radius, astray) & (radius > 0.0)
+    result: NDArray[np.bool_] = apart >= math.pi * radius
+    if not alike.all():
+        across = places.points[second] - places.points[first]
+        here = np.einsum("...i,...i->...", across, places.tangents[first])
+        there = np.einsum("...i,...i->...", across, places.tangents[second])
+        # Less than a quarter turn leaves them ahead of each other, also where rounding has it otherwise.
+        astray = ((here <= 0.0) | (there <= 0.0)) & (places.turned[second] - places.turned[first] >= 0.5 * math.pi)
+        result = np.where(alike, result, astray)
+    return result & (radius > 0.0)
 
 
 def backbone_places(robot: Robot, q: Floats, ends: Floats, count: int) -> Places:
     """Divide each segment of a body in configuration `q` (n, 3) into `count` pieces; `ends` as above."""
-    poses = np.stack([ends[k] @ arc_poses(segment, count) for k, segment in enumerate(q)])
+    poses = ends[:-1, None] @ arc_poses(q, count)
     return places_of(robot, q, poses[..., :3, 3], poses[..., :3, 2])
 
 

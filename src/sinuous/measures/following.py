@@ -61,8 +61,8 @@ def deviation(robot: Robot, q: Floats, curve: Curve) -> Deviation:
     bending = [k for k, segment in enumerate(robot.segments) if segment.max_bend > 0.0 and segment.length[1] > 0.0]
     chosen = bending or list(range(len(robot)))
     tips, shapes = [], []
-    for some in _together(q):
-        places = body_places(robot, some)
+    for part in together(len(q), q.shape[1]):
+        places = body_places(robot, q[part])
         shapes.append(curve.distance(places[:, chosen]).ravel())
         tips.append(curve.distance(places[:, -1, -1]))
     tip, shape = np.concatenate(tips), np.concatenate(shapes)
@@ -83,10 +83,6 @@ def together(count: int, segments: int) -> Iterator[slice]:
     """Yield parts of so many configurations that are looked at together."""
     most = max(1, TOGETHER // (segments * PLACES))
     return (slice(i, i + most) for i in range(0, count, most))
-
-
-def _together(q: Floats) -> Iterator[Floats]:
-    return (q[part] for part in together(len(q), q.shape[1]))
 
 
 def body_places(robot: Robot, q: Floats) -> Floats:

@@ -23,7 +23,7 @@ from sinuous.scene.scene import Scene
 
 def _typed(text: str) -> Any:
     """Read what was typed as a problem file says it: a number, true or false, else a word."""
-    from sinuous.files.yaml_syntax import parse_yaml  # noqa: PLC0415
+    from sinuous.files.documents import parse_yaml  # noqa: PLC0415
 
     try:
         return parse_yaml(text)

@@ -15,7 +15,7 @@ from sinuous.writing.documents import written
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from sinuous.assessing.assessment import Assessment
+    from sinuous.assessing.assess import Assessment
     from sinuous.calibration.calibration import Calibration
     from sinuous.designing.design import Design
 

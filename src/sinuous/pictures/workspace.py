@@ -13,8 +13,7 @@ from sinuous import checks
 from sinuous.arguments import Vector
 from sinuous.pictures.files import check_picture, save_figure, stills
 from sinuous.pictures.space import new_figure
-from sinuous.workspace.reach import Reach
-from sinuous.workspace.verdicts import Verdict
+from sinuous.workspace.reach import Reach, Verdict
 from sinuous.writing.documents import written
 
 PLANES = ((2, "x", "y"), (1, "x", "z"), (0, "y", "z"))

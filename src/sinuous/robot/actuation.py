@@ -23,9 +23,8 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_LENGTH, MIN_LENGTH
 from sinuous.packing import actuator_row
-from sinuous.robot.actuators import UNLIMITED, Actuators, Lines, Stage
+from sinuous.robot.actuators import UNLIMITED, Actuators, Lines, Motors, Stage
 from sinuous.robot.elastic import Elastic
-from sinuous.robot.motors import Motors
 from sinuous.robot.names import line_names, refuse_repeated
 from sinuous.robot.segment import Segment, segment_names
 

@@ -4,12 +4,18 @@ A line that runs parallel to the backbone at distance `radius`, on the side at a
 segment of length `l` and bending vector `u` the length `l - radius (ux cos a + uy sin a)`: shorter on the side bent
 to (Webster & Jones 2010, section 3). A tendon that ends at segment k runs through segments 1 to k and adds up what
 each of them does to it.
+
+A motor makes a value of the displacement of its actuator: gain x displacement + offset, in a unit of its own. The
+displacement is what the geometry knows: of a tendon how far it is pulled, of a chamber or a stage its length, of a row
+of `Actuators` the row times the configuration. A gain below 0 turns the sign.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from inspect import cleandoc
+from itertools import islice
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -19,8 +25,99 @@ from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vect
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_unit
 from sinuous.robot.names import listed_names, optional_name
+
+Each = Number | Vector
+"""One number for all motors, or one for each."""
+
+Units = str | Sequence[str | None]
+"""One unit for all motors, or one for each."""
+
+
+class Motors(Frozen):
+    """Gains, offsets and units of some motors.
+
+    Parameters
+    ----------
+    gain, offset : ndarray (m,)
+    unit : tuple of str or None (m)
+    """
+
+    gain: Floats
+    offset: Floats
+    unit: tuple[str | None, ...]
+
+    def __init__(self, gain: Floats, offset: Floats, unit: tuple[str | None, ...]) -> None:
+        for array in (gain, offset):
+            array.flags.writeable = False
+        self._set(gain=gain, offset=offset, unit=unit)
+
+    @classmethod
+    def of(cls, count: int, gain: float | Floats, offset: float | Floats, unit: Any) -> "Motors":
+        """Make `count` motors of what stands for all or for each."""
+        units = unit if isinstance(unit, tuple) else (unit,) * count
+        return cls(np.full(count, gain), np.full(count, offset), units)
+
+    def __len__(self) -> int:
+        return len(self.gain)
+
+    def values(self, displacements: Floats) -> Floats:
+        """Values of the motors (..., m) at these displacements (..., m)."""
+        return self.gain * displacements + self.offset
+
+    def displacements(self, values: Floats) -> Floats:
+        """Displacements (..., m) at these values of the motors (..., m)."""
+        return (values - self.offset) / self.gain
+
+    def speeds(self, displacements: Floats) -> Floats:
+        """How fast the values change (..., m) when displacements do so (..., m); accelerations, too."""
+        return self.gain * displacements
+
+    def within(self, changes: Floats) -> Floats:
+        """By how much displacements may change (m,) when the values may by so much, to either side."""
+        return changes / np.abs(self.gain)
+
+    def limits_of_values(self, displacements: Floats) -> Floats:
+        """Least and largest values (m, 2) for the least and largest displacements (m, 2)."""
+        return _ordered(self.values(displacements.T).T)
+
+    def limits_of_displacements(self, values: Floats) -> Floats:
+        """Least and largest displacements (m, 2) for the least and largest values (m, 2)."""
+        return _ordered(self.displacements(values.T).T)
+
+
+def _ordered(limits: Floats) -> Floats:
+    """Sort each row, read-only: a gain below 0 turns limits round."""
+    return checks.closed(np.sort(limits, axis=1))
+
+
+def checked_gain(value: Any, count: int) -> float | Floats:
+    """Check a gain for all motors, or one for each; none is 0."""
+    gain = checked_each("gain", value, count)
+    if not np.all(gain):
+        raise InputError("gain", "a motor that nothing turns", value, "numbers other than 0")
+    return gain
+
+
+def checked_unit(value: Any, count: int) -> str | tuple[str | None, ...] | None:
+    """Check a unit for all motors, or one for each, or none."""
+    if value is None or isinstance(value, str):
+        return None if value is None else checks.text("unit", value)
+    units = list(islice(value, count + 1)) if np.iterable(value) and not isinstance(value, (bytes, dict)) else []
+    if len(units) != count:
+        raise InputError("unit", "", value, f"a text, or a list of {count} texts")
+    return tuple(None if unit is None else checks.text(f"unit[{i}]", unit) for i, unit in enumerate(units))
+
+
+def checked_each(key: str, value: Any, count: int, low: float = -math.inf) -> float | Floats:
+    """Check a number of at least `low` for all motors, or one for each."""
+    if not isinstance(value, (list, tuple, np.ndarray)) or np.ndim(value) == 0:
+        return checks.number(key, value, low=low)
+    numbers = checks.array(key, value, (count,), f"one number, or {count}")
+    for i, number in enumerate(numbers.tolist()):
+        checks.number(f"{key}[{i}]", number, low=low)
+    return numbers
+
 
 MOST_LINES = 64
 
@@ -131,7 +228,7 @@ class Lines(Frozen):
         common = cleandoc(Lines.__doc__ or "").partition(HEAD)[2]
         cls.__doc__ = cleandoc(cls.__doc__ or "").replace(HEAD, HEAD + common + "\n", 1)
 
-    @property
+    @cached_property
     def motors(self) -> Motors:
         """The motors of the lines."""
         return Motors.of(len(self.angles), self.gain, self.offset, self.unit)
@@ -141,24 +238,24 @@ class Lines(Frozen):
         """Which parameter says how far the lines may go: `limits`, or `own_limits`."""
         return self.own_limits if self.limits == UNLIMITED else "limits"
 
-    @property
+    @cached_property
     def displacements(self) -> Floats:
         """Least and largest displacement (m, 2) of each line."""
         own = np.tile(getattr(self, self.limited_by), (len(self.angles), 1))
         own.flags.writeable = False
         return self.motors.limits_of_displacements(own) if self.limited_by == "limits" else own
 
-    @property
+    @cached_property
     def unstretched(self) -> Floats:
         """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
         if self.stiffness is None:
             return self.displacements
         return checks.closed(self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None])
 
-    @property
+    @cached_property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
-        return self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
+        return checks.closed(self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1))
 
     def changed(self, **values: Any) -> Self:
         """Return the same lines with other values of some parameters."""
@@ -410,10 +507,6 @@ def _limits(value: Any, count: int) -> tuple[tuple[float, float], ...]:
     if len(entries) != count:
         raise InputError("limits", "", value, f"[low, high], or a list of {count} of these")
     return tuple(
-        UNLIMITED if e is None or _is_unlimited(e) else checks.interval(f"limits[{i}]", e)
+        UNLIMITED if e is None or (isinstance(e, tuple) and e == UNLIMITED) else checks.interval(f"limits[{i}]", e)
         for i, e in enumerate(entries)
     )
-
-
-def _is_unlimited(value: Any) -> bool:
-    return isinstance(value, tuple) and value == UNLIMITED

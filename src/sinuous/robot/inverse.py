@@ -12,7 +12,7 @@ from sinuous.errors import InputError, warn_of
 from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MIN_LENGTH
 from sinuous.robot.actuation import Actuation, flat, product
-from sinuous.robot.motors import Each, checked_each
+from sinuous.robot.actuators import Each, checked_each
 
 RANK = 1e-9
 """Actuators that are as nearly dependent as this, relative to their weights, count as dependent."""

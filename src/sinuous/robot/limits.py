@@ -4,9 +4,8 @@ The thickness of the body is a limit of curvature where the body must not run th
 """
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,41 +48,8 @@ def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: S
     return notes
 
 
-KEPT = 64
-"""Robots whose bounds are kept as arrays."""
-
 Violation = tuple[LimitKind, int, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated."""
-
-
-def excess(segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats) -> float:
-    """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
-
-    `curvatures` (n,) are the largest allowed.
-    """
-    return max(float(np.max(amounts, initial=0.0)) for _, _, amounts in _amounts(segments, curvatures, actuation, q))
-
-
-def violations(
-    segments: Sequence[Segment],
-    curvatures: Sequence[float],
-    actuation: Actuation,
-    q: Floats,
-    slack: float,
-    mean_length: float,
-) -> list[Violation]:
-    """List what a configuration (n, 3) violates, segment by segment, actuators last.
-
-    `slack` is allowed: as it is for angles, times the `mean_length` of the robot for lengths, see `unit_of`.
-    """
-    found = [
-        (name, int(number), float(amount))
-        for name, numbers, amounts in _amounts(segments, curvatures, actuation, q)
-        if amounts.size > 0 and amounts.max() > slack * unit_of(name, mean_length)
-        for number, amount in zip(numbers, amounts, strict=True)
-        if amount > slack * unit_of(name, mean_length)
-    ]
-    return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
 
 
 def unit_of(limit: LimitKind, mean_length: float) -> float:
@@ -94,38 +60,43 @@ def unit_of(limit: LimitKind, mean_length: float) -> float:
     return 1.0 if limit in ("bend", "curvature") else mean_length
 
 
-class _Bounds(NamedTuple):
-    """Limits of segments as arrays.
+class ShapeLimits:
+    """Limits of segments, with these largest curvatures (n,), and of actuators: by how much shapes violate them."""
 
-    Their numbers (1 = first); lengths and largest bends (n,); which of them have a largest curvature (k,), and that.
-    """
+    def __init__(self, segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation) -> None:
+        self._numbers = np.arange(1, len(segments) + 1)
+        self._low, self._high = np.array([segment.length for segment in segments]).T
+        self._bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in segments])
+        self._curved = np.flatnonzero(np.isfinite(curvatures))
+        self._curvatures = np.array(curvatures)[self._curved]
+        self._actuation = actuation
 
-    numbers: NDArray[np.intp]
-    low: Floats
-    high: Floats
-    bends: Floats
-    curved: NDArray[np.intp]
-    curvatures: Floats
+    def excess(self, q: Floats) -> float:
+        """By how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them."""
+        return max(float(np.max(amounts, initial=0.0)) for _, _, amounts in self._amounts(q))
 
+    def violations(self, q: Floats, slack: float, mean_length: float) -> list[Violation]:
+        """List what a configuration (n, 3) violates, segment by segment, actuators last.
 
-@lru_cache(maxsize=KEPT)
-def _bounds_of(segments: tuple[Segment, ...], curvatures: tuple[float, ...]) -> _Bounds:
-    low, high = np.array([segment.length for segment in segments]).T
-    bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in segments])
-    curved = np.flatnonzero(np.isfinite(curvatures))
-    return _Bounds(np.arange(1, len(segments) + 1), low, high, bends, curved, np.array(curvatures)[curved])
+        `slack` is allowed: as it is for angles, times the `mean_length` of the robot for lengths, see `unit_of`.
+        """
+        found = [
+            (name, int(number), float(amount))
+            for name, numbers, amounts in self._amounts(q)
+            if amounts.size > 0 and amounts.max() > slack * unit_of(name, mean_length)
+            for number, amount in zip(numbers, amounts, strict=True)
+            if amount > slack * unit_of(name, mean_length)
+        ]
+        return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
 
-
-def _amounts(
-    segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats
-) -> Iterator[tuple[LimitKind, NDArray[Any], Floats]]:
-    """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""
-    own = _bounds_of(tuple(segments), tuple(curvatures))
-    bends, lengths = np.hypot(q[..., 0], q[..., 1]), q[..., 2]
-    yield "length", own.numbers, np.maximum(own.low - lengths, lengths - own.high)
-    yield "bend", own.numbers, bends - own.bends
-    if len(own.curved) > 0:
-        allowed = own.curvatures * np.maximum(lengths[..., own.curved], 0.0)
-        yield "curvature", own.numbers[own.curved], bends[..., own.curved] - allowed
-    if len(actuation) > 0:
-        yield "actuator", np.array([each.segment for each in actuation.actuators], np.intp), actuation.excess(q)
+    def _amounts(self, q: Floats) -> Iterator[tuple[LimitKind, NDArray[Any], Floats]]:
+        """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""
+        bends, lengths = np.hypot(q[..., 0], q[..., 1]), q[..., 2]
+        yield "length", self._numbers, np.maximum(self._low - lengths, lengths - self._high)
+        yield "bend", self._numbers, bends - self._bends
+        if len(self._curved) > 0:
+            allowed = self._curvatures * np.maximum(lengths[..., self._curved], 0.0)
+            yield "curvature", self._numbers[self._curved], bends[..., self._curved] - allowed
+        if len(self._actuation) > 0:
+            ends = np.array([each.segment for each in self._actuation.actuators], np.intp)
+            yield "actuator", ends, self._actuation.excess(q)

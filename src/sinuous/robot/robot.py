@@ -18,11 +18,10 @@ from sinuous.guesses import answers_attributes
 from sinuous.notebook import NotebookMixin
 from sinuous.poses import as_pose
 from sinuous.reprs import call, text
-from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, some_of
-from sinuous.robot.limits import Violation, curvature_limits, held_back
+from sinuous.robot.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
 from sinuous.robot.segment import Segment, Stiffness, segment_names
@@ -59,7 +58,7 @@ class Uncertainty(Frozen):
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
-    from sinuous.export.drives import DrivenChain
+    from sinuous.export.mjcf import DrivenChain
     from sinuous.statics.equilibrium import Equilibrium
 
 
@@ -395,8 +394,7 @@ class Robot(NotebookMixin, Frozen):
             When an argument is not what it should be, nothing can move, or the file cannot be written.
         """
         from sinuous.export.chain import JointChain  # noqa: PLC0415
-        from sinuous.export.drives import DrivenChain  # noqa: PLC0415
-        from sinuous.export.mjcf import write_mjcf  # noqa: PLC0415
+        from sinuous.export.mjcf import DrivenChain, write_mjcf  # noqa: PLC0415
 
         chain = JointChain(self, joints_per_segment)
         driven = DrivenChain(self, chain, self._inverse.undetermined, checks.number("mass", mass, above=0.0))
@@ -536,7 +534,7 @@ class Robot(NotebookMixin, Frozen):
         Bends and lengths count in their own units (rad, length unit), actuators in the length unit: by their
         displacements, of `Actuators` divided by their largest weight, those of bends relative to the mean length.
         """
-        return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
+        return self._shape_limits.excess(self.configuration("q", q))
 
     def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
         """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
@@ -552,8 +550,11 @@ class Robot(NotebookMixin, Frozen):
         what the curvature allows at this length.
         """
         checked = checks.array("q", q, (len(self), 3))
-        own = self.segments, self.curvatures, self.drive
-        return limits.violations(*own, checked, LIMIT_ROUNDING, self.mean_length)
+        return self._shape_limits.violations(checked, LIMIT_ROUNDING, self.mean_length)
+
+    @cached_property
+    def _shape_limits(self) -> ShapeLimits:
+        return ShapeLimits(self.segments, self.curvatures, self.drive)
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:

@@ -57,7 +57,8 @@ class Stiffness(Frozen):
         if bend is None:
             if youngs_modulus is None or radius is None:
                 raise InputError("bend", "missing", None, "bend, or youngs_modulus and radius")
-            young, half = checks.number("youngs_modulus", youngs_modulus, above=0.0), _length(radius)
+            young = checks.number("youngs_modulus", youngs_modulus, above=0.0)
+            half = checks.number("radius", radius, above=0.0)
             ratio = 0.3 if poisson is None else checks.number("poisson", poisson, above=-1.0)
             second = math.pi * half**4 / 4.0
             bend = young * second
@@ -74,10 +75,6 @@ class Stiffness(Frozen):
             twist=math.inf if twist is None else checks.number("twist", twist, above=0.0),
             stretch=math.inf if stretch is None else checks.number("stretch", stretch, above=0.0),
         )
-
-
-def _length(radius: Number) -> float:
-    return checks.number("radius", radius, above=0.0)
 
 
 MOST_ARCS = 1000
@@ -184,6 +181,8 @@ class Segment(Frozen):
                 raise InputError(f"chambers.{key}", problem, own, f"lengths that overlap with {length}")
         if stage is not None and low == high:
             raise InputError("stage", "there is nothing to move", stage, f"a length that changes, not {low:g}")
+        if stiffness is not None and not isinstance(stiffness, Stiffness):
+            stiffness = Stiffness(checks.number("stiffness", stiffness, above=0.0))
         self._set(
             length=(low, high),
             max_bend=checks.number("max_bend", max_bend, low=0.0),
@@ -193,7 +192,7 @@ class Segment(Frozen):
             chambers=chambers,
             name=optional_name(name),
             stage=stage,
-            stiffness=stiffness if stiffness is None or isinstance(stiffness, Stiffness) else _bent(stiffness),
+            stiffness=stiffness,
             rest=checks.array("rest", rest, (2,)),
             arcs=checks.integer("arcs", arcs, 1, MOST_ARCS),
             mass=checks.number("mass", mass, low=0.0),
@@ -217,10 +216,6 @@ class Segment(Frozen):
         ]
         driven = lines if self.stage is None else [*lines, "stage"]
         return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
-
-
-def _bent(value: Number) -> Stiffness:
-    return Stiffness(checks.number("stiffness", value, above=0.0))
 
 
 def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:

@@ -80,9 +80,29 @@ def sample_points(origin: Floats, spacing: float, shape: tuple[int, ...], first:
     return origin + spacing * index
 
 
-def along_axes(origin: Floats, axes: Floats, offsets: Floats) -> Floats:
-    """Points (m, 3) that are so far (m, 3) from an origin along axes, the columns of (3, 3)."""
-    return origin + (offsets if np.array_equal(axes, np.eye(3)) else offsets @ axes.T)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Sampled(Obstacle):
+    """Values at points of a grid, of which it may be known whether they are distances, and where they are cut off."""
+
+    values: NDArray[Any]
+    origin: Floats
+    spacing: float
+    axes: Floats
+    exact: bool | None
+    truncated: float | None
+
+    @property
+    def exact_below(self) -> float:
+        """From which value on values are lower bounds of the distance alone, unless they are not positive."""
+        if self.exact is False:
+            return 0.0
+        unsaid = math.inf if self.exact else 0.0 if self.is_function else float(self.values.max())
+        return unsaid if self.truncated is None else self.truncated
+
+    def points(self, steps: NDArray[Any]) -> Floats:
+        """Places (m, 3) that are so many steps (m, 3) from the first point along the axes."""
+        offsets: Floats = self.spacing * steps
+        return self.origin + (offsets if np.array_equal(self.axes, IDENTITY) else offsets @ self.axes.T)
 
 
 def checked_exactness(exact: Truth | None, truncated: Number | None) -> dict[str, Any]:
@@ -91,15 +111,6 @@ def checked_exactness(exact: Truth | None, truncated: Number | None) -> dict[str
         "exact": None if exact is None else checks.truth("exact", exact),
         "truncated": None if truncated is None else checks.number("truncated", truncated, above=0.0),
     }
-
-
-def exact_below(exact: bool | None, truncated: float | None, unsaid: float) -> float:
-    """Return the value from which on values are lower bounds of a distance alone; `unsaid` where nothing is said."""
-    if exact is False:
-        return 0.0
-    if truncated is not None:
-        return truncated
-    return unsaid if exact is None else math.inf
 
 
 NAMES = ("values", "origin", "spacing")
@@ -144,7 +155,7 @@ CHUNK = 2**16
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Field(Obstacle):
+class Field(Sampled):
     """Where a function is negative.
 
     The function is called when the field is made, for all points of a grid over a box; solving uses these samples,
@@ -186,11 +197,6 @@ class Field(Obstacle):
     function: Callable[[Floats], Vector]
     low: Floats
     high: Floats
-    spacing: float
-    values: Floats
-    axes: Floats
-    exact: bool | None
-    truncated: float | None
 
     def __init__(
         self,
@@ -213,26 +219,13 @@ class Field(Obstacle):
         check_lipschitz("function", values, step, float(np.finfo(np.float64).eps))
         values.flags.writeable = False
         known = checked_exactness(exact, truncated)
-        self._keep(name, function=function, low=start, high=end, spacing=step, values=values, axes=IDENTITY, **known)
-
-    @property
-    def exact_below(self) -> float:
-        """From which value on values are lower bounds of the distance alone, unless they are not positive."""
-        return exact_below(self.exact, self.truncated, 0.0)
+        self._keep(name, function=function, low=start, high=end, origin=start)
+        self._set(values=values, spacing=step, axes=IDENTITY, **known)
 
     def at_most(self, points: Floats) -> Floats:
         """Upper bounds (m,) of the distance of points (m, 3); infinite where the function gives none."""
         own = evaluate(self.function, points)
         return np.where((own < self.exact_below) | (own <= 0.0), own, math.inf)
-
-    @property
-    def origin(self) -> Floats:
-        """Point (3,) of `values[0, 0, 0]`: `low`."""
-        return self.low
-
-    def points(self, steps: NDArray[Any]) -> Floats:
-        """Places (m, 3) that are so many steps (m, 3) from the first point along the axes."""
-        return along_axes(self.low, self.axes, self.spacing * steps)
 
 
 def _shape(extent: Floats, spacing: float) -> tuple[int, ...]:
@@ -276,7 +269,7 @@ KNOWN = ("exact", "truncated")
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Grid(Obstacle):
+class Grid(Sampled):
     """Values at the points `origin + spacing * (i, j, k)`.
 
     Numbers are signed distances, positive outside. They prove free what is nearer to a point than its value: out of
@@ -316,13 +309,6 @@ class Grid(Obstacle):
         distances because they change faster than the place (to any of the 26 neighbours).
     """
 
-    values: NDArray[Any]
-    origin: Floats
-    spacing: float
-    axes: Floats
-    exact: bool | None
-    truncated: float | None
-
     def __init__(
         self,
         values: Occupancy,
@@ -341,18 +327,9 @@ class Grid(Obstacle):
         self._keep(name, values=given, origin=start, spacing=step, axes=IDENTITY, **known)
 
     @property
-    def exact_below(self) -> float:
-        """From which value on values are lower bounds of the distance alone, unless they are not positive."""
-        return exact_below(self.exact, self.truncated, float(self.values.max()))
-
-    @property
     def occupancy(self) -> bool:
         """See `Grid`."""
         return bool(self.values.dtype == np.bool_)
-
-    def points(self, steps: NDArray[Any]) -> Floats:
-        """Places (m, 3) that are so many steps (m, 3) from the first point along the axes."""
-        return along_axes(self.origin, self.axes, self.spacing * steps)
 
     @classmethod
     def load(

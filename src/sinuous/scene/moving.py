@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Orientations, Rows, Stack, Vector
@@ -15,7 +14,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import any_rotations
 from sinuous.reprs import text
-from sinuous.scene.grids import Field, Grid
+from sinuous.scene.grids import Field, Sampled
 from sinuous.scene.obstacles import Obstacle, Primitive
 
 
@@ -38,6 +37,21 @@ class Course(Frozen):
     def __init__(self, times: Floats, positions: Floats, rotations: Floats | None) -> None:
         self._set(times=times, positions=positions, rotations=rotations)
 
+    def poses(self, when: Floats) -> tuple[Floats, Floats]:
+        """Positions (m, 3) and rotations (m, 3, 3) at times (m,)."""
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
+        turned = np.eye(3)[None] if self.rotations is None else self.rotations
+        if len(self.times) < 2:
+            return np.repeat(self.positions, len(when), axis=0), np.repeat(turned[:1], len(when), axis=0)
+        step = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, len(self.times) - 2)
+        begin, end = self.times[step], self.times[step + 1]
+        share = np.clip((when - begin) / (end - begin), 0.0, 1.0)[:, None]
+        places = (1.0 - share) * self.positions[step] + share * self.positions[step + 1]
+        if self.rotations is None:
+            return places, np.repeat(turned, len(when), axis=0)
+        return places, turned[step] @ Rotation.from_rotvec(share * self.turns[step]).as_matrix()
+
     @cached_property
     def turns(self) -> Floats:
         """Rotation vectors (T - 1, 3) between neighbouring poses, rad, in the frame of the first of the two."""
@@ -45,39 +59,7 @@ class Course(Frozen):
 
         if self.rotations is None or len(self.times) < 2:
             return np.zeros((max(0, len(self.times) - 1), 3))
-        steps = np.swapaxes(self.rotations[:-1], 1, 2) @ self.rotations[1:]
-        return Rotation.from_matrix(steps).as_rotvec()
-
-    def poses(self, when: Floats) -> tuple[Floats, Floats]:
-        """Positions (m, 3) and rotations (m, 3, 3) at times (m,)."""
-        step, share = self._where(when)
-        return self._positions(step, share), self._rotations(step, share)
-
-    def _where(self, when: Floats) -> tuple[NDArray[np.intp], Floats]:
-        """Numbers of the steps that times (m,) lie in, and shares of these from 0 to 1."""
-        step = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, max(0, len(self.times) - 2))
-        return step, self._shares(step, when)
-
-    def _shares(self, step: NDArray[np.intp], when: Floats) -> Floats:
-        if len(self.times) < 2:
-            return np.zeros(len(when))
-        begin, end = self.times[step], self.times[step + 1]
-        return np.clip((when - begin) / (end - begin), 0.0, 1.0)
-
-    def _positions(self, step: NDArray[np.intp], share: Floats) -> Floats:
-        if len(self.times) < 2:
-            return np.repeat(self.positions, len(step), axis=0)
-        s = share[:, None]
-        return (1.0 - s) * self.positions[step] + s * self.positions[step + 1]
-
-    def _rotations(self, step: NDArray[np.intp], share: Floats) -> Floats:
-        from scipy.spatial.transform import Rotation  # noqa: PLC0415
-
-        if self.rotations is None:
-            return np.broadcast_to(np.eye(3), (len(step), 3, 3)).copy()
-        if len(self.times) < 2:
-            return np.repeat(self.rotations, len(step), axis=0)
-        return self.rotations[step] @ Rotation.from_rotvec(share[:, None] * self.turns[step]).as_matrix()
+        return Rotation.from_matrix(np.swapaxes(self.rotations[:-1], 1, 2) @ self.rotations[1:]).as_rotvec()
 
 
 def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
@@ -87,12 +69,12 @@ def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
         own, places, axes = vars(obstacle), ("center", "start", "end", "point"), ("rotation", "normal")
         there: dict[str, Any] = {key: _there(pose, own[key]) for key in places if key in own}
         return obstacle._changed(there | {key: turn @ own[key] for key in axes if key in own})
-    if isinstance(obstacle, Grid):
-        return obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
-    if isinstance(obstacle, Field):
-        corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
-        function = Elsewhere(obstacle.function, pose)
-        return obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
+    if isinstance(obstacle, Sampled):
+        own = {key: value for key, value in vars(obstacle).items() if key in ("origin", "low", "high")}
+        changed: dict[str, Any] = {key: _there(pose, value) for key, value in own.items()}
+        if isinstance(obstacle, Field):
+            changed["function"] = Elsewhere(obstacle.function, pose)
+        return obstacle.placed(pose, axes=turn @ obstacle.axes, **changed)
     return obstacle.placed(pose)
 
 

@@ -5,11 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sinuous.arguments import Number, Orientation, Rows, Stack, Vector
-from sinuous.checks import Floats
+from sinuous.arguments import Number, Orientation, Rows, Vector
 from sinuous.errors import InputError
 from sinuous.notebook import NotebookMixin
 from sinuous.poses import pose
@@ -18,7 +14,7 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared.parts import unsampled
 from sinuous.scene.reading import Source
-from sinuous.scene.snapshot import Snapshot
+from sinuous.scene.snapshot import Snapshot, Surroundings
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described, plain
 
@@ -86,7 +82,7 @@ GROWING = ("add", "append", "extend", "insert", "remove")
 """What a list has, and a scene has not."""
 
 
-class Scene(NotebookMixin):
+class Scene(NotebookMixin, Surroundings):
     """A union of obstacles. Distances are positive outside, negative inside, in the length unit.
 
     Where obstacles are `Moving`, there are distances and solutions `at` a time only. `track`, `plan` and `Motion` look
@@ -166,32 +162,6 @@ class Scene(NotebookMixin):
         """
         self._snapshot.prepare(progress)
 
-    @property
-    def obstacles(self) -> tuple[Obstacle, ...]:
-        """All obstacles, as they are now."""
-        return self._snapshot.obstacles
-
-    @property
-    def group(self) -> Floats:
-        """What the kernels read, as it is now; read-only."""
-        return self._snapshot.group
-
-    @property
-    def table(self) -> Floats:
-        """Rows (m, 33) for the kernels, read-only."""
-        return self._snapshot.table
-
-    @property
-    def memory(self) -> int:
-        """Bytes that the kernels read: at most 16 MB of samples or lists an obstacle, and some 350 bytes a triangle."""
-        return self._snapshot.memory
-
-    def __len__(self) -> int:
-        return len(self.obstacles)
-
-    def __repr__(self) -> str:
-        return f"Scene({len(self)} obstacles{', some of which move' if self._snapshot.moves else ''})"
-
     def equals(self, other: object) -> bool:
         """Whether `other` is a scene of equal obstacles in the same order, as both are now."""
         return isinstance(other, Scene) and self.snapshot().equals(other.snapshot())
@@ -217,10 +187,6 @@ class Scene(NotebookMixin):
             When an obstacle is neither exact nor from a file, or the file cannot be written.
         """
         write_document(file, self.entries(Path(file).parent))
-
-    def name(self, index: int) -> str:
-        """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
-        return self._snapshot.name(index)
 
     def update(self, points: Rows, radius: Number | Vector | None = None, name: str | None = None) -> None:
         """Replace a point cloud by what is seen now; a `Solver` made before goes on with the new one.
@@ -311,30 +277,6 @@ class Scene(NotebookMixin):
     def __setstate__(self, state: tuple[Snapshot, dict[str, Obstacle]]) -> None:
         self._snapshot, self._described = state
         self._lock = threading.Lock()
-
-    def distance(self, points: Stack) -> Floats:
-        """Signed distance (...) of points (..., 3) to the nearest obstacle; infinite in an empty scene.
-
-        Exact: no samples are interpolated, and a `Field` is asked itself. Of a `Grid` of distances nothing more is
-        known than its samples; there it is the most that they prove.
-        """
-        return self._snapshot.distance(points)
-
-    def at_most(self, points: Stack) -> Floats:
-        """Upper bound (...) of the distance of points (..., 3): the same, but near a `Grid` of distances."""
-        return self._snapshot.at_most(points)
-
-    def gradient(self, points: Stack) -> Floats:
-        """Gradient (..., 3) of the distance at points (..., 3): a unit vector away from the nearest obstacle.
-
-        Where the distance has a kink one of its sides is given; zero in an empty scene. That of a `Field` is taken by
-        differences, that of a `Grid` of distances by interpolation; they need not be of length 1.
-        """
-        return self._snapshot.gradient(points)
-
-    def nearest(self, points: Stack) -> NDArray[np.int64]:
-        """Index (...) of the obstacle nearest to points (..., 3); -1 in an empty scene."""
-        return self._snapshot.nearest(points)
 
 
 def _find_cloud(snapshot: Snapshot, name: str | None) -> tuple[int, PointCloud]:

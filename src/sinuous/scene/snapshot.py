@@ -24,7 +24,73 @@ DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
 
 
-class Snapshot(Frozen):
+class Surroundings:
+    """What may be asked of obstacles, in a scene as it is now or in a snapshot of one."""
+
+    __slots__ = ()
+
+    def snapshot(self) -> "Snapshot":
+        """Return the obstacles as they are now, frozen."""
+        raise NotImplementedError
+
+    @property
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """All obstacles, as they are now."""
+        return self.snapshot()._obstacles
+
+    @property
+    def group(self) -> Floats:
+        """What the kernels read, laid out as `sinuous.kernels.tables` says; read-only."""
+        return packing.read_only(self.snapshot()._kernel_group)
+
+    @property
+    def table(self) -> Floats:
+        """Rows (m, 33) for the kernels, read-only."""
+        return packing.scene_parts(self.group)[0]
+
+    @property
+    def memory(self) -> int:
+        """Bytes that the kernels read: at most 16 MB of samples or lists an obstacle, and some 350 bytes a triangle."""
+        return self.snapshot()._kernel_group.nbytes
+
+    def __len__(self) -> int:
+        return len(self.obstacles)
+
+    def __repr__(self) -> str:
+        moves = ", some of which move" if self.snapshot().moves else ""
+        return f"{type(self).__name__}({len(self)} obstacles{moves})"
+
+    def name(self, index: int) -> str:
+        """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
+        own = self.obstacles[index]
+        return own.name or f"{own.kind}[{index}]"
+
+    def distance(self, points: Stack) -> Floats:
+        """Signed distance (...) of points (..., 3) to the nearest obstacle; infinite in an empty scene.
+
+        Exact: no samples are interpolated, and a `Field` is asked itself. Of a `Grid` of distances nothing more is
+        known than its samples; there it is the most that they prove.
+        """
+        return self.snapshot()._query(points)[0]
+
+    def at_most(self, points: Stack) -> Floats:
+        """Upper bound (...) of the distance of points (..., 3): the same, but near a `Grid` of distances."""
+        return self.snapshot()._query(points)[3]
+
+    def gradient(self, points: Stack) -> Floats:
+        """Gradient (..., 3) of the distance at points (..., 3): a unit vector away from the nearest obstacle.
+
+        Where the distance has a kink one of its sides is given; zero in an empty scene. That of a `Field` is taken by
+        differences, that of a `Grid` of distances by interpolation; they need not be of length 1.
+        """
+        return self.snapshot()._query(points)[1]
+
+    def nearest(self, points: Stack) -> NDArray[np.int64]:
+        """Index (...) of the obstacle nearest to points (..., 3); -1 in an empty scene."""
+        return self.snapshot()._query(points)[2]
+
+
+class Snapshot(Surroundings, Frozen):
     """A union of obstacles, frozen. Distances are positive outside, negative inside, in the length unit.
 
     Problems and solutions hold the snapshot of the scene that they were solved in. What the kernels read of it is
@@ -48,19 +114,13 @@ class Snapshot(Frozen):
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
         self._set(_obstacles=obstacles, _parts=parts, _group=None, _moves=None, _lock=threading.Lock())
 
-    @property
-    def obstacles(self) -> tuple[Obstacle, ...]:
-        """All obstacles."""
-        return self._obstacles
-
-    @property
-    def group(self) -> Floats:
-        """What the kernels read, laid out as `sinuous.kernels.tables` says; read-only."""
-        return packing.read_only(self._kernel_group)
+    def snapshot(self) -> "Snapshot":
+        """Return itself."""
+        return self
 
     @property
     def _kernel_group(self) -> Floats:
-        """The same, writable, as kernels are compiled for."""
+        """What the kernels read, writable, as they are compiled for."""
         if self._group is None:
             self.refuse_moving()
             self.prepare()
@@ -167,42 +227,6 @@ class Snapshot(Frozen):
         Snapshot.__init__(self, obstacles, parts)
         if joined:
             self.prepare()
-
-    def __len__(self) -> int:
-        return len(self.obstacles)
-
-    def __repr__(self) -> str:
-        return f"Snapshot({len(self)} obstacles{', some of which move' if self.moves else ''})"
-
-    @property
-    def table(self) -> Floats:
-        """Rows (m, 33) for the kernels, read-only."""
-        return packing.scene_parts(self.group)[0]
-
-    @property
-    def memory(self) -> int:
-        """Bytes that the kernels read: at most 16 MB of samples or lists an obstacle, and some 350 bytes a triangle."""
-        return self._kernel_group.nbytes
-
-    def name(self, index: int) -> str:
-        """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
-        return self._obstacles[index].name or f"{self._obstacles[index].kind}[{index}]"
-
-    def distance(self, points: Stack) -> Floats:
-        """Signed distance (...) of points (..., 3); see `Scene.distance`."""
-        return self._query(points)[0]
-
-    def at_most(self, points: Stack) -> Floats:
-        """Upper bound (...) of the distance of points (..., 3); see `Scene.at_most`."""
-        return self._query(points)[3]
-
-    def gradient(self, points: Stack) -> Floats:
-        """Gradient (..., 3) of the distance at points (..., 3); see `Scene.gradient`."""
-        return self._query(points)[1]
-
-    def nearest(self, points: Stack) -> NDArray[np.int64]:
-        """Index (...) of the obstacle nearest to points (..., 3); -1 where there is none."""
-        return self._query(points)[2]
 
     def distance_to(self, index: int, points: Stack) -> tuple[Floats, Floats]:
         """Signed distance (...) of points (..., 3) to one obstacle, and its gradient (..., 3); see `Scene.distance`."""

@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
-from sinuous.solution.constraints import Limit, limits_of, normal
+from sinuous.solution.constraints import Limit, limits_of
 from sinuous.solution.least_distance import least_distance
 from sinuous.solution.residual import residual_of
 
@@ -56,7 +56,7 @@ def at_rest(problem: Problem, q: Floats, left: Callable[[], float] = lambda: mat
         if before < long:
             break
         merit = float(residual.value @ residual.value)
-        normals = np.array([normal(limit, unit) for limit in limits])
+        normals = (np.array([limit.gradient for limit in limits]) * scale).reshape(-1, q.size)
         slacks = np.maximum(0.0, [limit.slack for limit in limits])
         step = _bounded_step(
             residual.jacobian * np.tile(scale, count),

@@ -160,11 +160,12 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
     places = backbone_places(robot, q, np.concatenate([robot.base[None], robot.forward(q)]), count)
     points, radii = places.points, places.radii
     gaps = cdist(points, points) - radii[:, None] - radii
-    order = np.arange(len(points))
-    beyond = concerned(places, order[:, None], order[None]) & (order[:, None] < order)
+    one, other = np.nonzero(np.triu(gaps <= TOUCHING * unit, 1))
+    touching = np.zeros(gaps.shape, np.bool_)
+    touching[one, other] = concerned(places, one, other)
     found = []
-    for a, b in {(segments[i], segments[j]) for i, j in np.argwhere(beyond & (gaps <= TOUCHING * unit))}:
-        own = np.where(beyond & (segments[:, None] == a) & (segments == b), gaps, np.inf)
+    for a, b in {(segments[i], segments[j]) for i, j in np.argwhere(touching)}:
+        own = np.where(touching & (segments[:, None] == a) & (segments == b), gaps, np.inf)
         i, j = np.unravel_index(own.argmin(), own.shape)
         apart = points[j] - points[i]
         away = apart / max(float(np.linalg.norm(apart)), 1e-300)

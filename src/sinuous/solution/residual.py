@@ -75,6 +75,11 @@ def _rotation_error(target: Target, rotation: Floats) -> tuple[Floats, Floats | 
     return rotation_between(tangent, target.direction), np.eye(3) - np.outer(tangent, tangent)
 
 
+def _cross(a: float, b: float, c: float, x: float, y: float, z: float) -> Floats:
+    """Cross product (3,) of two vectors: NumPy's takes most of its time to find out what it was given."""
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+
+
 def rotation_between(before: Floats, after: Floats) -> Floats:
     """Return the rotation vector (3,), rad, from a unit vector (3,) or a rotation (3, 3) to another one.
 
@@ -84,8 +89,8 @@ def rotation_between(before: Floats, after: Floats) -> Floats:
         from scipy.spatial.transform import Rotation  # noqa: PLC0415
 
         return Rotation.from_matrix(after @ before.T).as_rotvec()
-    axis, cosine = np.cross(before, after), float(before @ after)
-    sine = float(np.linalg.norm(axis))
+    axis, cosine = _cross(*before.tolist(), *after.tolist()), float(before @ after)
+    sine = math.sqrt(axis @ axis)
     if sine > PARALLEL:
         return axis * (math.atan2(sine, cosine) / sine)
     if cosine > 0.0:

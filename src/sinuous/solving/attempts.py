@@ -21,6 +21,7 @@ ATTEMPTS = {
     "cells": "routes over the cells of a grid, coarse and then fine ones",
     "laid": "chains laid along routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
+    "detours": "chains grown along routes that are led aside until they are as long as the robot",
     "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
     "passages": "routes through other passages; for `solve_all` those that no solution leads through yet",
 }

@@ -16,7 +16,7 @@ from sinuous.problem.target import Targets, target_list, target_table
 from sinuous.reprs import ShortRepr
 from sinuous.robot.robot import Robot, same_body
 from sinuous.solving.shapes import NEAREST, Shapes
-from sinuous.writing.archives import read_archive, write_archive
+from sinuous.writing.documents import read_archive, write_archive
 
 FORMAT = 2
 """Version of the file; the kind of file is told by the key `memory`."""

@@ -66,7 +66,12 @@ AFTER_EDGES = 14
 doors, cells)."""
 
 PRICE_FINE = 8
-"""Price of the first search over fine cells."""
+"""Price of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
+branches, box duct)."""
+
+ROOTS, ROOTS_PRICE = 3, 6
+"""Most searches for a route to where the backbone may end, where a tool leaves that open, and the price of the first;
+each is dearer by as much (two tubes)."""
 
 PRICE_ALTERNATIVES = 20
 """Price of the search for routes that differ (helix)."""
@@ -87,6 +92,9 @@ double as long as there is time."""
 
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
+
+DETOURS = 64
+"""Most detours of a route (cells, two doors)."""
 
 GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
 """By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
@@ -116,10 +124,6 @@ PASSAGES_SEARCHES = 96
 PASSAGES_CELLS_A_START = 1000
 """Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
 classes than scattered starts do."""
-
-PASSAGES_RESERVE = 0.03
-"""Seconds before the end of a solve at which searches through other passages end: what NumPy does of one of them looks
-at no clock, and took up to 26 ms among 600 balls (`benchmarks speed --piece budgets`)."""
 
 MakePassages = Callable[[Question, Floats], Passages]
 """From a question and what routes have to keep (27,) to the passages of its routes."""
@@ -300,13 +304,9 @@ class RouteAttempts:
         """The passages that routes lead through, once they are asked for."""
         if self._make_passages is not None:
             return self._make_passages(self._question, self._candidates.query)
-        question = self._question._replace(deadline=self._passages_left)
+        question = self._question
         curves = Curves(self._searches.robot, question.problem.scene, question.deadline)
         return Passages(self._searches, curves, question, self._candidates.query, solved=lambda curve: False)
-
-    def _passages_left(self) -> float:
-        """Return the seconds that are left for searches through other passages, less than 0 where none are."""
-        return self._question.deadline() - PASSAGES_RESERVE
 
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
@@ -333,7 +333,7 @@ class RouteAttempts:
 
         `again`: a route was found so already, but no solution along it, so several that differ are searched for.
         """
-        if self._passes >= PASSAGES_SEARCHES or (self._passages_left() <= 0.0 and not self._question.several):
+        if self._passes >= PASSAGES_SEARCHES:
             return
         self._passes += 1
         plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages
@@ -374,20 +374,41 @@ class RouteAttempts:
         found = candidates.over_cells_once(plan)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
+        if candidates.any_clear:
+            others = [(price, other) for price, other in others if other != self._searches.middle]
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
         yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
+
+    def _add_root(self, number: int) -> None:
+        """Add a search for a route to where the backbone may end, where a tool leaves that open."""
+        alone = len(self._question.problem.targets) == 1 and not self._question.several
+        if number < ROOTS and alone and self._candidates.has_tool:
+            make = partial(self._search_to_root, number)
+            self._attempts.add("cells", ROOTS_PRICE * (1 + number), make, cost=0)
+
+    def _search_to_root(self, number: int) -> Iterator[Batch]:
+        """Search for a route to where the backbone may end, and add the next search."""
+        route = self._candidates.to_root(number)
+        if route is not None:
+            self._add_routes([route], finest=False)
+        self._add_root(number + 1)
+        return iter(())
 
     def _add_routes(self, routes: list[Floats], finest: bool) -> None:
         """Add all that is tried along the routes (K, 3) of one search: chains are grown along the first one alone."""
         if not routes:
             return
+        if not self._candidates.known:
+            self._add_root(0)
         stowed = self._candidates.to_be_stowed(routes[0])
         noted = [self._candidates.note(route, finest) for route in routes]
         if noted[0] is not None:
-            self._add_grown(noted[0])
             if not self._question.several:
                 self._add_gates(noted[0])
+            self._add_grown(noted[0])
+            if not self._question.several:
+                self._add_detour(noted[0], first=0 if stowed else 3)
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
@@ -405,6 +426,21 @@ class RouteAttempts:
             self._add_along("grown", candidate, GROWN_COST * width, partial(self._candidates.grown, candidate, width))
             width *= 2
 
+    def _add_detour(self, candidate: Candidate, first: int, number: int = 0) -> None:
+        """Add chains along a route that is led aside, as dear as the least beams; each is dearer than the one before.
+
+        The first is as dear as number `first`.
+        """
+        if number < DETOURS:
+            cost = GROWN_COST * FIRST_WIDTH
+            make = partial(self._detour, candidate, first, number)
+            self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
+
+    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[Batch]:
+        """Make chains along a route that is led aside, and add the next ones."""
+        yield from self._candidates.detour(candidate, number)
+        self._add_detour(candidate, first, number + 1)
+
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
         for starts, cost in GATES_COSTS.items():
@@ -414,6 +450,7 @@ class RouteAttempts:
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
-    first = [(AT_ONCE, coarse), (PRICE_FINE, fine)] if coarse.cell > fine.cell else [(AT_ONCE, fine)]
+    first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]
+    first = first if coarse.cell > fine.cell else [(AT_ONCE, fine)]
     others = (PRICE_ALTERNATIVES, coarse), (PRICE_LAST, fine._replace(cells=CELLS[1]))
     return [*first, *((price, plan._replace(routes=ALTERNATIVES)) for price, plan in others)]

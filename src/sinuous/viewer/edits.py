@@ -93,17 +93,13 @@ def resized(obstacle: Obstacle, **sizes: float) -> Obstacle:
     """
     own = {key.replace(" ", "_"): value for key, value in sizes_of(obstacle).items()} | sizes
     if isinstance(obstacle, Box):
-        size = [own["size_x"], own["size_y"], own["size_z"]]
-        return Box(obstacle.center, size, obstacle.rotation, obstacle.inside, obstacle.name)
+        return obstacle._changed({"size": [own["size_x"], own["size_y"], own["size_z"]]})
     if isinstance(obstacle, Sphere):
-        return Sphere(obstacle.center, own["radius"], obstacle.inside, obstacle.name)
+        return obstacle._changed({"radius": own["radius"]})
     if isinstance(obstacle, Capsule | Cylinder):
         center, rotation, _ = obstacle.frame
         half = 0.5 * own["length"] * rotation[:, 2]
-        ends = center - half, center + half
-        if isinstance(obstacle, Capsule):
-            return Capsule(*ends, own["radius"], obstacle.name)
-        return Cylinder(*ends, own["radius"], obstacle.inside, obstacle.name)
+        return obstacle._changed({"start": center - half, "end": center + half, "radius": own["radius"]})
     raise InputError("obstacle", "has no size of its own", obstacle, "a sphere, box, capsule or cylinder")
 
 

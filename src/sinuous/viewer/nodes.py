@@ -11,12 +11,11 @@ from viser import BatchedMeshHandle, LineSegmentsHandle, MeshHandle, SceneApi, S
 from viser.transforms import SO3
 
 from sinuous.checks import Floats
-from sinuous.display.arms import Arm
 from sinuous.display.body import BodySurface
 from sinuous.display.bounds import Bounds
-from sinuous.display.obstacles import Dotted, dots, obstacle_surface
+from sinuous.display.contents import Arm
+from sinuous.display.obstacles import Dotted, Triangles, as_triangles, dots, obstacle_surface
 from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, X, Y, Z, arrows_of, rgb
-from sinuous.display.surface import Triangles, as_triangles
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh

@@ -10,11 +10,9 @@ import numpy as np
 from viser import ViserServer
 
 from sinuous.checks import Floats
-from sinuous.display.arms import Arm, MovingArm
-from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
+from sinuous.display.bounds import best_view, bounds_of, hiding, seen_places, towards
 from sinuous.display.captions import told_apart, words_of
-from sinuous.display.contents import Contents
-from sinuous.display.sight import hiding
+from sinuous.display.contents import Arm, Contents, MovingArm
 from sinuous.display.style import FORCE, ROUTE, TIP_PATH, tones
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from sinuous.errors import InputError
-from sinuous.files.documents import parse
+from sinuous.files.documents import join, parse
 from sinuous.files.problem_file import problem_of
-from sinuous.files.text import join
 from sinuous.motion.job import Job
 from sinuous.motion.tables import write_motion
 from sinuous.viewer.model import Model, changed

@@ -8,11 +8,9 @@ import numpy as np
 from viser import ClientHandle, TransformControlsHandle, ViserServer
 
 from sinuous.checks import Floats
-from sinuous.display.arms import Arm, arms_of, forces_of
-from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
-from sinuous.display.contents import Contents
+from sinuous.display.bounds import best_view, bounds_of, hiding, seen_places, towards
+from sinuous.display.contents import Arm, Contents, arms_of, forces_of
 from sinuous.display.curves import clearances
-from sinuous.display.sight import hiding
 from sinuous.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
 from sinuous.problem.target import Target
 from sinuous.viewer.model import Model

@@ -58,7 +58,7 @@ def target_tab(session: Session, fields: Fields) -> None:
             model.choose(index - 1)
 
     hint = "Distinct solutions, best first; all are on the page."
-    found = fields.index("solution", partial(_solution_names, session), current, choose, hint)
+    found = fields.index("solution", lambda: ("-", *told_apart(model.ghosts)), current, choose, hint)
     fields.button("Find other solutions", partial(session.find_others, OTHERS))
     forget = fields.button("Forget them", model.forget_ghosts)
     fields.only_while(lambda: bool(model.ghosts), found, forget)
@@ -81,10 +81,6 @@ def remedy_fields(session: Session, fields: Fields) -> None:
         fields.text(" ".join([said, found.untried]))
         for remedy in asked:
             fields.button(str(remedy), partial(model.apply, remedy), "Make this change.")
-
-
-def _solution_names(session: Session) -> tuple[str, ...]:
-    return ("-", *told_apart(session.model.ghosts))
 
 
 def _target_fields(session: Session, fields: Fields, i: int) -> None:

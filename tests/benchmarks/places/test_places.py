@@ -32,8 +32,9 @@ DRAWN += ["pipe between", "pipe between scan"]
 def backbone(made: Place) -> tuple[Floats, Floats, list[Floats]]:
     """Points of the hidden shape beyond the mount, radii there, and the poses of all ends, by matrix exponentials."""
     ends, points, radii, before = [made.robot.base], [], [], 0.0
-    for coordinates, radius in zip(made.hidden_q, made.robot.radii, strict=True):
-        poses = ends[-1] @ arc_poses(coordinates, 60)
+    arcs = arc_poses(made.hidden_q, 60)
+    for arc, coordinates, radius in zip(arcs, made.hidden_q, made.robot.radii, strict=True):
+        poses = ends[-1] @ arc
         exposed = before + np.linspace(0.0, coordinates[2], 61) >= made.robot.mount
         points.append(poses[exposed, :3, 3])
         radii.append(np.full(exposed.sum(), radius))

@@ -8,7 +8,6 @@ import numba
 import numpy as np
 import pytest
 from llvmlite import binding as llvm
-from numba.core.lowering import Lower
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling import once, store
@@ -41,7 +40,6 @@ def test_an_entry_shows_nothing_but_itself() -> None:
 
 
 njit: Any = numba.njit
-typeof: Any = numba.typeof
 
 
 @njit  # type: ignore[untyped-decorator]
@@ -123,29 +121,6 @@ def test_what_is_linked_two_by_two_is_all_there() -> None:
     ]
     defined = {one.name for one in once._joined(modules).functions if not one.is_declaration}
     assert defined == {f"f{i}" for i in range(5)}
-
-
-def test_kernels_are_lowered_as_numba_does(
-    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    def farthest(points: Array, pair: tuple[float, Array]) -> tuple[float, Array]:
-        best = pair
-        for i in range(points.shape[0]):
-            row = points[i]
-            if row[0] > best[0]:
-                best = (row[0], row)
-        return best
-
-    texts, points = [], np.zeros((2, 3))
-    for lower in (once._Lower, Lower):
-        monkeypatch.setattr(once._Lowering, "lowering_class", lower)
-        monkeypatch.setattr(store, "CACHE", tmp_path_factory.mktemp("cache"))
-        made = compiling.compiled_form(compiling.kernel(_copy(farthest)))
-        signature = typeof(points), typeof((0.0, points[0]))
-        made.compile(signature)
-        texts.append(str(made.overloads[signature].library.own_module()))
-    assert "alloca" in texts[0]
-    assert texts[0] == texts[1]
 
 
 @pytest.mark.usefixtures("fresh")

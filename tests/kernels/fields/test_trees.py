@@ -62,6 +62,15 @@ def each(kind: int, items: Floats, p: Floats) -> Floats:
     return np.asarray(np.where(outside > 0.0, outside, beyond.max(axis=1)))
 
 
+def gap(kind: int, items: Floats, points: Floats) -> float:
+    """Signed distance of the closest of `points` to the closest primitive."""
+    if kind == TRIANGLES:  # all at once: a call for each triangle and point took as long as all other tests of fields
+        faces = np.arange(3 * len(items)).reshape(-1, 3)
+        squares = igl.point_mesh_squared_distance(points, items[:, :9].reshape(-1, 3), faces)[0]
+        return math.sqrt(squares.min())
+    return min(float(each(kind, items, p).min()) for p in points)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("count", [1, 2, 4, 5, 37, 200])
 def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
@@ -101,7 +110,7 @@ def test_no_point_of_a_patch_is_nearer_than_its_bound(kind: int, count: int) -> 
         own = rng.normal(size=(3, 3)) * rng.choice([0.0, 0.01, 0.3], (3, 1))
         low, _ = trees.beside(store, tree, patch_of(center, *own), math.inf)
         swept = points_of(center, *own)
-        assert low <= min(float(each(kind, items, p).min()) for p in swept) + 1e-12
+        assert low <= gap(kind, items, swept) + 1e-12
         assert trees.beside(store, tree, patch_of(center, *own), low - 0.1)[0] == low - 0.1
         if d > 0.1:
             still = np.zeros((3, 3))

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from benchmarks.wild import doors
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
+from sinuous.solving.classes.screens import ABOUT, WIDER, Bounds, Passage, passages, refined, screen
 from tests.helpers import Floats
 from tests.solving.classes.places import ACROSS, DOORS, ROBOT, bars, wall
 
@@ -19,6 +20,12 @@ BOUNDS = Bounds(ENDS, 20.0, 300.0, 0.8, 4.0)
 
 def curves(scene: list[Obstacle]) -> Curves:
     return Curves(ROBOT, Scene(scene).snapshot())
+
+
+def made(own: Curves, passage: Passage, bounds: Bounds) -> Mesh:
+    closing = screen(own, passage, bounds)
+    assert closing is not None
+    return closing
 
 
 def line(*corners: tuple[float, float, float], count: int = 120) -> Floats:
@@ -33,7 +40,7 @@ def test_a_screen_in_a_door_closes_it_and_leaves_the_other_open(door: int, tilt:
     own, place = curves(wall()), (0.5 * sum(DOORS[door]), 0.0, 150.0)
     route = line((place[0] - tilt, 0.0, 110.0), place, (place[0] + tilt, 0.0, 190.0))
     passage, *_ = passages(route, own.scene.distance(route), BOUNDS)
-    closed = own.scene.beside([screen(own, passage, BOUNDS)])
+    closed = own.scene.beside([made(own, passage, BOUNDS)])
     rng = np.random.default_rng(0)
     through = np.column_stack([rng.uniform(-12.0, 12.0, 500), rng.uniform(-ACROSS, ACROSS, 500)])
     for this, edges in enumerate(DOORS):
@@ -67,9 +74,37 @@ def test_a_screen_keeps_off_the_ends() -> None:
     own = curves(bars())
     passage = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0)
     beside = Bounds(np.array([(25.0, 60.0, 140.0), (0.0, 0.0, 250.0)]), 20.0, 300.0, 0.8, 4.0)
-    alone = Scene([screen(own, passage, beside)])
+    alone = Scene([made(own, passage, beside)])
     assert (alone.distance(beside.ends) > 16.0).all()
     assert alone.distance((25.0, 30.0, 140.0)) < 0.0
+
+
+@pytest.mark.parametrize("looks", [0, 3, 8, 9, 12, 20, 10_000])
+def test_a_screen_is_whole_or_none_whenever_the_time_ends(looks: int) -> None:
+    """The clock is read before and after each of five looks around, and while corners are left out."""
+    passage, left = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0), iter([60.0] * looks)
+    whole = screen(curves(bars()), passage, BOUNDS)
+    assert whole is not None
+    late = screen(Curves(ROBOT, Scene(bars()).snapshot(), lambda: next(left, 0.0)), passage, BOUNDS)
+    assert late is None or np.array_equal(late.vertices, whole.vertices)
+    assert late is None or looks > 8
+
+
+def test_passages_are_chosen_as_one_after_the_other_would_be() -> None:
+    """The narrowest place first; every other one with more room between it and all before, and some way off."""
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        route = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 300.0), 301)
+        distances = 10.0 + np.convolve(rng.uniform(0.0, 20.0, 320), np.ones(20) / 20, "valid")
+        bounds = BOUNDS._replace(ends=route[[0, -1]])
+        chosen: list[int] = []
+        for i in np.argsort(distances, kind="stable").tolist():
+            wide = all(distances[min(i, j) : max(i, j) + 1].max() > WIDER * distances[i] for j in chosen)
+            far = all(abs(i - j) > 2.0 * ABOUT * distances[i] for j in chosen)
+            if wide and far and min(i, 300 - i) > bounds.off_ends:
+                chosen.append(i)
+        rooms = [passage.room for passage in passages(route, distances, bounds)]
+        assert rooms == [float(distances[i]) for i in chosen[:3]]
 
 
 def test_a_refined_route_is_the_same_line_with_points_near_each_other() -> None:
@@ -93,6 +128,6 @@ def test_a_screen_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> Non
         aside = np.array([4.0, -12.0, 20.0])
         route = refined(line(tuple(middle - aside), middle, tuple(middle + aside), count=4), 2.0)
         passage, *_ = passages(route, own.scene.distance(route), bounds)
-        closed = own.scene.beside([screen(own, passage, bounds)]).distance(np.array(middles))
+        closed = own.scene.beside([made(own, passage, bounds)]).distance(np.array(middles))
         assert closed[i] < 1.0
         assert (np.delete(closed, i) > 3.0).all()

@@ -257,7 +257,8 @@ def test_a_search_costs_as_much_as_the_cells_that_it_looks_at(narrow: Scene, tar
     query = finder.query(asked)
     assert query is not None
     attempts = attempts_of(question(asked), Scattered(3, 10), finder, without=set(ATTEMPTS) - {"cells"})
-    cells = [finder.find(asked, query, plan, 60.0).cells for _, plan in plans_of(finder)]
+    plans = [plan for _, plan in plans_of(finder) if plan != finder.middle]  # the route over coarse cells is clear
+    cells = [finder.find(asked, query, plan, 60.0).cells for plan in plans]
     costs = [batch.cost for batch in attempts.batches() if batch.cost > 0]
     assert costs == [looked / CELLS_A_START for looked in cells]
 

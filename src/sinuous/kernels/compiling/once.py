@@ -9,17 +9,22 @@ Of Numba this takes the hook that lets a function have a compiler of its own (`p
 (`kernels.compile`) Numba compiles as it does by itself. What changes the code that comes out raises `sources.VERSION`.
 """
 
+from collections import defaultdict
 from typing import Any
 
 import numba
 from llvmlite import binding as llvm
-from numba.core import cgutils
+from llvmlite import ir
 from numba.core import config as numba_config
+from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs, must_use_alloca
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.ir import Assign
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
+
+from sinuous.kernels.compiling import calls
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
@@ -175,8 +180,15 @@ class Whole(_Library):
         builder.getModulePassManager().run(self._final_module, builder)
 
 
-LIBRARIES = {"inner": Part, "apart": Apart, "shared": Whole, "entry": Whole}
+class Shared(Whole):
+    """A kernel that is machine code of its own."""
+
+
+LIBRARIES = {"inner": Part, "apart": Apart, "shared": Shared, "entry": Whole}
 """Into which library each kind of function is compiled."""
+
+KERNELS = Part, Shared
+"""Libraries of what kernels call, as `calls` says."""
 
 
 def reached(libraries: list[Any]) -> list[Part | Whole]:
@@ -223,17 +235,60 @@ def as_was(library: Any, kind: str, parts: list[Part | Whole]) -> None:
 
 
 class _Lower(Lower):
-    """Writes the same code without asking how large each variable is, which serves debuggers alone.
+    """Writes what kernels need, and no more.
 
-    Numba prints and parses the type each time to find out, and those of tuples of arrays are long.
+    Variables are not set to zero before and after they live, which serves counting of references alone. Nor does anyone
+    ask how large each is, which serves debuggers alone: Numba prints and parses the type to find out, and those of
+    tuples of arrays are long.
     """
 
+    def init(self) -> None:
+        super().init()
+        if isinstance(self.library, KERNELS):
+            self.context = calls.within(self.context, self.fndesc)
+
+    def _find_singly_assigned_variable(self) -> None:
+        """Find the variables that are values of LLVM: assigned once, before all uses. Numba's end with their block."""
+        super()._find_singly_assigned_variable()
+        blocks = self.func_ir.blocks
+        within, assigned, used = must_use_alloca(blocks), defaultdict(list), defaultdict(set)
+        for label, block in blocks.items():
+            for statement in block.find_insts(Assign):
+                assigned[statement.target.name].append(label)
+        for label, names in compute_use_defs(blocks).usemap.items():
+            for name in names:
+                used[name].add(label)
+        before = compute_cfg_from_blocks(blocks).dominators()
+        for name, (label, *others) in assigned.items():
+            if not others and name not in within and all(label in before[one] and label < one for one in used[name]):
+                self._singly_assigned_vars.add(name)
+
+    def setup_function(self, fndesc: Any) -> None:
+        if not isinstance(self.library, KERNELS):
+            super().setup_function(fndesc)
+            return
+        self.function = calls.declared(self.module, fndesc)
+        self.entry_block = self.function.append_basic_block("entry")
+        self.builder = ir.IRBuilder(self.entry_block)
+        self.call_helper = self.call_conv.init_call_helper(self.builder)
+
     def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
-        return cgutils.alloca_once(self.builder, lltype, name=name, zfill=False)
+        if self._disable_sroa_like_opt:
+            return super().alloca_lltype(name, lltype, datamodel)
+        with self.builder.goto_entry_block():
+            return self.builder.alloca(lltype)
+
+    def delvar(self, name: str) -> None:
+        if self._disable_sroa_like_opt:
+            super().delvar(name)
+        elif name not in self._blk_local_varmap:
+            self._singly_assigned_vars.discard(name)
 
     def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
-        if argidx is None or name in self._singly_assigned_vars:
+        if self._disable_sroa_like_opt:
             super().storevar(value, name, argidx)
+        elif name in self._singly_assigned_vars:
+            self._blk_local_varmap[name] = value
         else:
             self._alloca_var(name, self.typeof(name))
             self.builder.store(value, self.getvar(name))
@@ -261,9 +316,8 @@ def compiler(kind: str, name: str | None) -> type[Compiler]:
             state.library.enable_object_caching()
             (pipeline,) = super().define_pipelines()
             manager = PassManager(pipeline.pipeline_name)
-            lowering = NativeLowering if state.flags.debuginfo else _Lowering
             manager.passes = [
-                (lowering if each is NativeLowering else each, what)
+                (_Lowering if each is NativeLowering else each, what)
                 for each, what in pipeline.passes
                 if each.__name__ not in NEEDLESS
             ]

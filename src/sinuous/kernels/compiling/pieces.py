@@ -69,6 +69,7 @@ PIECES = (
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.axis.follow_tube",
             "kernels.tubes.mouths.find_tubes",
+            "kernels.growing.detours.lead_aside",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",
             "kernels.fitting.settle.settle_chain",

@@ -20,7 +20,7 @@ from numba.core import config
 
 PACKAGE = Path(__file__).parents[2]
 
-VERSION = 2
+VERSION = 3
 """Of how kernels are compiled, and of what is kept: raise it with `OPTIONS` of `kernels.compile`, with `once`, and with
 the format of `store`. The text of these files does not count."""
 

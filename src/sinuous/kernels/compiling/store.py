@@ -87,7 +87,7 @@ class Store(NullCache):
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
-        self._machine_code = LIBRARIES[kind] is Whole
+        self._machine_code = issubclass(LIBRARIES[kind], Whole)
         self._file = file or function.__code__.co_filename
         self.module, self.called = function.__module__, function.__qualname__
         told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"

@@ -40,7 +40,7 @@ if MODE not in MODES:
 
 
 TOOK: list[tuple[str, float]] = []
-"""Entries that this process has compiled, or waited for, and the seconds of each."""
+"""Entries that this process has compiled, or waited for, and the seconds of CPU of each."""
 
 
 class _Waiting:
@@ -90,10 +90,10 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
         return lambda *given: _interpreted_first(interpreted, partial(now, piece), given)
 
     def now(piece: Piece | None, *arguments: Any) -> Any:
-        began = time.perf_counter()
+        began = time.thread_time()
         with announced(piece):
             made = compile_for(*arguments)
-        TOOK.append((f"{store.module}.{store.called}", time.perf_counter() - began))
+        TOOK.append((f"{store.module}.{store.called}", time.thread_time() - began))
         return made
 
     compiled._compile_for_args = choose

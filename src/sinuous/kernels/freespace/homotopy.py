@@ -58,11 +58,14 @@ def homotopy_workspace_size(points: int) -> int:
 
 
 @kernel
-def _ray(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> tuple[float, int]:
-    """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NOTHING; LATE: no time)."""
+def _ray(scene: Scene, a: Vec, b: Vec, keep: float, looks: int, clock: Array) -> tuple[float, int]:
+    """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NOTHING; LATE: no time).
+
+    The distance of a place takes so many looks.
+    """
     line = sub(b, a)
     length = norm(line)
-    gone, looks = 0.0, price(scene)
+    gone = 0.0
     while True:
         if spend(clock, looks):
             return gone, LATE
@@ -80,7 +83,7 @@ def _ray(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> tuple[float
 @kernel
 def _free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
     """Whether the leash from `a` to `b` keeps this distance."""
-    _, which = _ray(scene, a, b, keep, clock)
+    _, which = _ray(scene, a, b, keep, price(scene), clock)
     return which == NOTHING
 
 
@@ -289,5 +292,6 @@ def see(
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
     _begin(clock, seconds)
+    looks = price(obstacles)
     for i in range(starts.shape[0]):
-        lengths[i], which[i] = _ray(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, clock)
+        lengths[i], which[i] = _ray(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, looks, clock)

@@ -114,7 +114,7 @@ def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness
     low, least = path.answers[i, SEEN + row * SEEN_WIDTH + LOW], path.answers[i, SEEN + row * SEEN_WIDTH + LEAST]
     if least == math.inf or low >= (1.0 - exact.slack) * least:
         return False
-    return bool(low < (1.0 - exact.loose) * best_bound(space, path.q[i], path.q[i + 1], row))
+    return bool(low < (1.0 - exact.slack) * best_bound(space, path.q[i], path.q[i + 1], row))
 
 
 @kernel

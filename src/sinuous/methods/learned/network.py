@@ -19,7 +19,7 @@ from sinuous.packing import read_only
 from sinuous.problem.target import GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.robot.robot import Robot, same_body
-from sinuous.writing.archives import read_archive, write_archive
+from sinuous.writing.documents import read_archive, write_archive
 
 FORMAT = 1
 """Version of the file; the kind of file is told by the key `network`."""

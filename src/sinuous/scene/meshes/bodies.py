@@ -67,11 +67,14 @@ def _boxes(vertices: Floats, faces: Integers, piece: Integers, count: int) -> tu
 AT_ONCE = 65_536
 """Pairs of triangles that are held against each other at once: most are neighbours, and small sets have few others."""
 
+GATHERED = 20_000
+"""Pairs of triangles whose boxes meet that are looked at together."""
+
 ROUNDED, PLACED = 1e-13, 4e-16
 """What counts as no volume of a tetrahedron, in cubes of its size; and more, in squares of that times the extent."""
 
 MOST_ASKED = 300_000
-"""Triangles up to which a surface is held against itself: it takes some 50 us a triangle."""
+"""Triangles up to which a surface is held against itself: it takes some 20 us a triangle."""
 
 INWARDS = 1e-7
 """How far below its surface a body is looked at, relative to its extent."""
@@ -163,21 +166,21 @@ class _Surface(NamedTuple):
     def touching(self, one: Integers, other: Integers) -> set[int] | None:
         """The triangles of two sets (or of one) that only touch another one; `None` where one crosses another."""
         corners, found = self.corners, set[int]()
-        for first, second in _box_pairs(corners[one], corners[other]):
-            once = first < second if one is other else np.ones(len(first), np.bool_)
-            i, j = one[first[once]], other[second[once]]
+        for first, second in _gathered(_box_pairs(corners[one], corners[other], once=one is other)):
+            i, j = one[first], other[second]
             common = np.sum([at == of for at in self.faces[i].T for of in self.faces[j].T], axis=0)
             i, j, common = i[common < 2], j[common < 2], common[common < 2]
-            size = np.maximum(self.sizes[i], self.sizes[j])
-            tiny = ROUNDED * size + PLACED * self.extent
-            met = self._planes_meet(i, j, tiny, common) & self._planes_meet(j, i, tiny, common)
-            i, j, common, small = i[met], j[met], common[met], (size**2 * tiny)[met]
+            for _ in range(2):  # each of its plane, and of the other's; those that do not meet it are left out
+                tiny = ROUNDED * np.maximum(self.sizes[i], self.sizes[j]) + PLACED * self.extent
+                met = self._planes_meet(i, j, tiny, common)
+                i, j, common, tiny = j[met], i[met], common[met], tiny[met]
+            small = np.maximum(self.sizes[i], self.sizes[j]) ** 2 * tiny
             for a, b in ((i, j), (j, i)):
                 crossing, near = _edges_meet(corners[a], corners[b], small)
                 if crossing.any():
                     return None
                 near &= common == 0
-                near[near] = ~_apart(corners[i[near]], corners[j[near]], tiny[met][near])
+                near[near] = ~_apart(corners[i[near]], corners[j[near]], tiny[near])
                 found |= {*i[near].tolist(), *j[near].tolist()}
         return found
 
@@ -222,8 +225,24 @@ def _normals(corners: Floats) -> tuple[Floats, Floats]:
     return sides / areas[:, None], areas
 
 
-def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]]:
-    """Numbers (m,) of triangles of both sets whose boxes meet, some pairs at a time: large sets are halved."""
+def _gathered(pairs: Iterator[tuple[Integers, Integers]]) -> Iterator[tuple[Integers, Integers]]:
+    """Pairs some `GATHERED` at a time: of a few each, most of what is done is to begin."""
+    some, count = list[tuple[Integers, Integers]](), 0
+    for pair in pairs:
+        some.append(pair)
+        count += len(pair[0])
+        if count >= GATHERED:
+            yield np.concatenate([i for i, _ in some]), np.concatenate([j for _, j in some])
+            some, count = [], 0
+    if some:
+        yield np.concatenate([i for i, _ in some]), np.concatenate([j for _, j in some])
+
+
+def _box_pairs(one: Floats, other: Floats, *, once: bool) -> Iterator[tuple[Integers, Integers]]:
+    """Numbers (m,) of triangles of both sets whose boxes meet, some pairs at a time: large sets are halved.
+
+    Where both sets are the same, `once` leaves out a pair the other way round, and a triangle with itself.
+    """
     lows, highs = [t.min(axis=1) for t in (one, other)], [t.max(axis=1) for t in (one, other)]
     todo = [(np.arange(len(one)), np.arange(len(other)))]
     while todo:
@@ -238,6 +257,8 @@ def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]
             meet: Flags = np.ones((len(i), len(j)), np.bool_)
             for k in range(3):
                 meet &= (lows[0][i, k, None] <= highs[1][j, k]) & (highs[0][i, k, None] >= lows[1][j, k])
+            if once:
+                meet &= i[:, None] < j
             a, b = np.nonzero(meet)
             yield i[a], j[b]
         else:  # halve the larger set by its longest side

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.words import counted
 
 Integers = NDArray[np.int64]
 
@@ -272,7 +273,7 @@ def mend(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool, lis
     if not good.any():
         raise InputError("faces", "has only triangles without area", len(faces), "at least one triangle with an area")
     if not good.all():
-        defects.append(f"{_counted(int((~good).sum()), 'triangle')} without area dropped")
+        defects.append(f"{counted(int((~good).sum()), 'triangle')} without area dropped")
         if count_edges(faces).closed:
             faces = without_slivers(vertices, faces)
         faces = faces[are_triangles(vertices, faces)]
@@ -294,13 +295,13 @@ def mend(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool, lis
 
 def _turned(count: int, how: str) -> list[str]:
     were = "was" if count == 1 else "were"
-    return [f"{_counted(count, 'triangle')} faced {how} and {were} turned"] if count else []
+    return [f"{counted(count, 'triangle')} faced {how} and {were} turned"] if count else []
 
 
 def _open(edges: Edges, volume: float) -> str:
     """Say why triangles enclose no solid; nothing when they do."""
     found = [
-        f"{_counted(count, 'edge')} {what}"
+        f"{counted(count, 'edge')} {what}"
         for count, what in (
             (edges.border, "with one triangle only (holes)"),
             (edges.crowded, "with more than two triangles (not manifold)"),
@@ -309,7 +310,3 @@ def _open(edges: Edges, volume: float) -> str:
         if count
     ]
     return ", ".join(found) or ("" if volume else "encloses no volume")
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

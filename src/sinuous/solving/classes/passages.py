@@ -108,10 +108,12 @@ class Passages:
 
         Ends where the time does: a screen takes as long as some searches.
         """
+        if self._curves.seconds() <= 0.0:
+            return
         line = refined(route, FINE * self._query[QUERY_RADIUS])
         for passage in passages(line, self._curves.scene.distance(line), self._bounds):
             number = self._number(passage)
-            if self._curves.seconds() <= 0.0:
+            if number is None:
                 return
             more = closed | {number}
             if more not in self._seen:
@@ -122,7 +124,7 @@ class Passages:
         """Yield configurations along one route (K, 3): laid, and grown."""
         candidates = Candidates(self._searches, self._question, self._query)
         yield from candidates.laid([route])
-        yield from candidates.grown(Candidate(route, finest=True, rank=1, weight=1), FIRST_WIDTH)
+        yield from candidates.grown(Candidate(route, clear=True, rank=1, weight=1), FIRST_WIDTH)
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
         """Least distance of a route from the obstacles that concern it."""
@@ -139,15 +141,21 @@ class Passages:
             return curve
         return self._known[which]
 
-    def _number(self, passage: Passage) -> int:
-        """Number of the screen that closes a passage; one at the place of another passage has that one's."""
+    def _number(self, passage: Passage) -> int | None:
+        """Number of the screen that closes a passage; one at the place of another passage has that one's.
+
+        `None`: there was no time for it.
+        """
         radius = float(self._query[QUERY_RADIUS])
         for i, (other, _) in enumerate(self._screens):
             gaps = np.linalg.norm(other.places[:, None] - passage.places, axis=-1)
             nearest = np.unravel_index(gaps.argmin(), gaps.shape)
             if gaps[nearest] < NEAR * radius and abs(other.axes[nearest[0]] @ passage.axes[nearest[1]]) > SAME:
                 return i
-        self._screens.append((passage, screen(self._curves, passage, self._bounds)))
+        closing = screen(self._curves, passage, self._bounds) if self._curves.seconds() > 0.0 else None
+        if closing is None:
+            return None
+        self._screens.append((passage, closing))
         return len(self._screens) - 1
 
 

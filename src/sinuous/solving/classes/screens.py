@@ -14,6 +14,7 @@ from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.solving.classes.curves import Curves, across
 from sinuous.solving.polylines import lengths_along, points_at
+from sinuous.solving.starts import Deadline
 
 RAYS = 256
 """Lines of sight that a screen is made of."""
@@ -106,21 +107,20 @@ def passages(route: Floats, distances: Floats, bounds: Bounds) -> list[Passage]:
 
     `distances` (k,) of its points to the obstacles; between two passages, which are some way apart, they are larger.
     """
-    off = np.linalg.norm(route[:, None] - bounds.ends, axis=-1).min(axis=1)
     spacing = float(np.linalg.norm(route[1] - route[0]))
+    free = np.linalg.norm(route[:, None] - bounds.ends, axis=-1).min(axis=1) > bounds.off_ends
     chosen: list[int] = []
-    for i in np.argsort(distances, kind="stable").tolist():
-        apart = all(
-            distances[min(i, j) : max(i, j) + 1].max() > WIDER * distances[i]
-            and abs(i - j) * spacing > 2.0 * ABOUT * distances[i]
-            for j in chosen
-        )
-        if apart and off[i] > bounds.off_ends:
-            chosen.append(i)
+    while len(chosen) < PASSAGES and free.any():
+        at = int(np.where(free, distances, np.inf).argmin())
+        chosen.append(at)
+        behind, ahead = (np.maximum.accumulate(side) for side in (distances[at::-1], distances[at:]))
+        between = np.concatenate([behind[:0:-1], ahead])
+        away = np.abs(np.arange(len(route)) - at) * spacing
+        free &= (between > WIDER * distances) & (away > 2.0 * ABOUT * distances)
     tangents = np.gradient(route, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     found = []
-    for i in chosen[:PASSAGES]:
+    for i in chosen:
         some = _about(distances, i, round(ABOUT * float(distances[i]) / spacing))
         found.append(Passage(route[some], tangents[some], float(distances[i])))
     return found
@@ -135,19 +135,27 @@ def _about(distances: Floats, at: int, most: int) -> list[int]:
     return sorted({round(i) for i in np.linspace(first, last, PLACES).tolist()})
 
 
-def screen(curves: Curves, passage: Passage, bounds: Bounds) -> Mesh:
-    """Return a screen that closes a passage: a fan of triangles, as far as is seen from a point of the route."""
+def screen(curves: Curves, passage: Passage, bounds: Bounds) -> Mesh | None:
+    """Return a screen that closes a passage: a fan of triangles, as far as is seen from a point of the route.
+
+    `None`: the time of the curves did not suffice.
+    """
     near = bounds._replace(reach=min(bounds.reach, FAR * passage.room), keep=max(bounds.keep, NEAR * passage.room))
     normals = _tilted(passage.axes, TILTS)
     places = np.repeat(passage.places, len(normals) // len(passage.places), axis=0)
     place, normal = _narrowest(curves, places, normals, near)
     for tilt in FINER:
+        if curves.seconds() <= 0.0:
+            return None
         normals = np.tile(_tilted(normal[None], (tilt,)), (3, 1))
         shifts = np.repeat((0.0, -tilt * passage.room, tilt * passage.room), len(normals) // 3)
         place, normal = _narrowest(curves, place + shifts[:, None] * normal, normals, near)
     ((rays,), (lengths,)) = _stars(curves, place[None], normal[None], RAYS, bounds)
     rim = place + np.maximum(lengths, 0.5 * bounds.thickness)[:, None] * rays
-    rim = rim[_corners(rim, 0.5 * bounds.thickness)]
+    chosen = _corners(rim, 0.5 * bounds.thickness, curves.seconds)
+    if curves.seconds() <= 0.0:
+        return None
+    rim = rim[chosen]
     corners = np.arange(1, len(rim) + 1)
     faces = np.stack([np.zeros_like(corners), corners, np.roll(corners, -1)], axis=1)
     return Mesh(np.vstack([place, rim]), faces, thickness=bounds.thickness)
@@ -184,12 +192,12 @@ def _stars(curves: Curves, places: Floats, normals: Floats, count: int, bounds: 
     return rays, lengths
 
 
-def _corners(rim: Floats, off: float) -> list[int]:
-    """Points that are left of a closed line (m, 3) which may be moved by so much (Douglas & Peucker 1973)."""
+def _corners(rim: Floats, off: float, deadline: Deadline) -> list[int]:
+    """Points that are left of a closed line (m, 3) which may be moved by so much (Douglas & Peucker 1973), in time."""
     count = len(rim)
     kept, open_pieces = {0, count // 3, 2 * count // 3}, [(0, count // 3), (count // 3, 2 * count // 3)]
     open_pieces.append((2 * count // 3, count))
-    while open_pieces:
+    while open_pieces and deadline() > 0.0:
         first, last = open_pieces.pop()
         chord = rim[last % count] - rim[first]
         between = rim[first + 1 : last] - rim[first]

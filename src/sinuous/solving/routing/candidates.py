@@ -10,12 +10,24 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.kernels.tables import (
+    FULL,
+    POSE_POSITION,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_GOAL_RADIUS,
+    QUERY_RADIUS,
+    QUERY_SHORTEST,
+    ROUTE,
+    SOURCES,
+)
 from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
-from sinuous.solving.routing.chains import Chains
-from sinuous.solving.routing.growth import LEG_POINTS, divided, leg_queries
+from sinuous.solving.routing.chains import TANGENT, Chains
+from sinuous.solving.routing.detours import led_aside
+from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, arriving, divided, leg_queries
 from sinuous.solving.routing.halves import Halves
+from sinuous.solving.routing.roots import roots
 from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Batch, Question
@@ -49,16 +61,16 @@ class Candidate(NamedTuple):
     Attributes
     ----------
     route : ndarray (K, 3)
-    finest : bool
-        Whether it leads around edges, or over the finest cells: others may cut through walls.
+    clear : bool
+        Whether it is known not to lead through walls, as one over coarse cells may.
     rank : int
         How many were known before it, and one.
     weight : int
-        How many were known that are not coarser, and one.
+        One for itself, one where it is not clear, and one for each that was known before it and is as clear.
     """
 
     route: Floats
-    finest: bool
+    clear: bool
     rank: int
     weight: int
 
@@ -92,7 +104,8 @@ class Candidates:
         self._halves: dict[int, Halves] = {}
         self._chains: dict[int, Chains] = {}
         self._legs: dict[int, Floats | None] = {}
-        self._found_legs: dict[bool, Floats | None] = {}
+        self._roots: Floats | None = None
+        self._found_legs: list[Floats | None] | None = None
         self._too_small: dict[float, int] = {}
         self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
@@ -139,22 +152,46 @@ class Candidates:
             if found.ended != FULL or found.routes:
                 break
             self._too_small[plan.cell] = size
-            if any(self.clear(candidate) for candidate in self.known):
+            if self.any_clear:
                 break
         told = self._told.get(plan.cell, 0)
         self._told[plan.cell] = max(told, len(found.routes))
         return found._replace(routes=found.routes[told:], cells=cells)
 
     def note(self, route: Floats, finest: bool) -> Candidate | None:
-        """Take a route as a candidate; `None`: one like it is known."""
+        """Take a route as a candidate; `None`: one like it is known.
+
+        `finest`: it leads around edges, or over the finest cells, and needs no look whether it is clear.
+        """
         near = ALIKE * self.query[QUERY_RADIUS]
         points = respaced(route, COMPARED) if self.known else route
         for other in self.known:
             if np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near:
                 return None
-        weight = 1 + sum(other.finest >= finest for other in self.known)
-        self.known.append(Candidate(route, finest, 1 + len(self.known), weight))
+        clear = finest or self._clear(route, self.query)
+        weight = 1 + (not clear) + sum(other.clear >= clear for other in self.known)
+        self.known.append(Candidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
+
+    @property
+    def has_tool(self) -> bool:
+        """Whether the backbone ends away from the target, and it is not said where."""
+        return bool(self.query[QUERY_GOAL_RADIUS] > 0.0)
+
+    def to_root(self, number: int) -> Floats | None:
+        """Return a route (K, 3) to a pose in which the backbone may end: number `number`, those with most room first.
+
+        Where a tool leaves open where that is, a route to the target ends somewhere about it, also beyond a wall. A
+        first route has to be known.
+        """
+        if self._roots is None:
+            self._roots = roots(self._groups, self.known[0].route)
+        if number >= len(self._roots):
+            return None
+        query, root = self.query.copy(), self._roots[number]
+        query[QUERY_GOAL_RADIUS] = 0.0
+        arriving(query, root[POSE_POSITION:], -root[TANGENT])
+        return self._leg(query)
 
     def to_be_stowed(self, route: Floats) -> bool:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
@@ -178,10 +215,22 @@ class Candidates:
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
+    def detour(self, candidate: Candidate, number: int) -> Iterator[Batch]:
+        """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""
+        legs = self._legs_of(candidate)
+        longer = None if legs is None else led_aside(self._groups, legs, number, self._deadline)
+        if longer is None or self._deadline() <= 0.0:
+            return
+        yield self._nothing()
+        route = np.concatenate([longer[0], *longer[1:, 1:]])
+        for chain in Chains(self._groups, longer, self._deadline).past_all(FIRST_WIDTH):
+            if self._is_new(chain):
+                yield along(chain[None], (route,))
+
     def halves(self, candidate: Candidate, starts: int) -> Iterator[Batch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self._legs_of(candidate)
-        if legs is None or self._deadline() <= 0.0 or not self.clear(candidate):
+        if legs is None or self._deadline() <= 0.0 or not candidate.clear:
             return
         if candidate.rank not in self._halves:
             widths = np.stack([self.searches.widths_across(self._problem, leg) for leg in legs])
@@ -193,13 +242,21 @@ class Candidates:
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
-    def clear(self, candidate: Candidate) -> bool:
-        """Whether a route is known not to lead through walls."""
-        if candidate.finest:
-            return True
-        distances = self.searches.distances(self._problem, candidate.route)
-        skipped = max(1, round(ENDS * len(distances)))
-        return bool(distances[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
+    @property
+    def any_clear(self) -> bool:
+        """Whether a clear route is known."""
+        return any(candidate.clear for candidate in self.known)
+
+    def _clear(self, route: Floats, query: Floats) -> bool:
+        """Whether a route (K, 3) keeps away from walls, and near its ends, where it may be narrow, out of them.
+
+        Neither what is within the mount nor what is nearer to the target than the tool is long concerns the backbone.
+        """
+        away = np.linalg.norm(route - query[QUERY_GOAL : QUERY_GOAL + 3], axis=1) >= query[QUERY_GOAL_RADIUS]
+        concerned = route[away & (lengths_along(route) >= query[QUERY_FREE_LENGTH])]
+        distances, skipped = self.searches.distances(self._problem, concerned), max(1, round(ENDS * len(concerned)))
+        least = distances[skipped:-skipped].min(initial=np.inf)
+        return bool(least > CUT * query[QUERY_RADIUS] and distances.min(initial=np.inf) > 0.0)
 
     def _nothing(self) -> Batch:
         """A batch without any start."""
@@ -222,27 +279,31 @@ class Candidates:
         legs = divided(self._groups, candidate.route, NEAR * self.query[QUERY_RADIUS])
         if legs is not None:
             return legs
-        if candidate.finest not in self._found_legs:
-            self._found_legs[candidate.finest] = self._search_legs(candidate.finest)
-        return self._found_legs[candidate.finest]
+        if self._found_legs is None:
+            self._found_legs = [self._search_legs()]
+        return self._found_legs[0]
 
-    def _search_legs(self, finest: bool) -> Floats | None:
+    def _search_legs(self) -> Floats | None:
         legs: list[Floats] = []
         for query in leg_queries(self._groups):
-            leg = self._leg(query, finest)
+            leg = self._leg(query)
             if leg is None:
                 return None
             legs.append(respaced(leg, LEG_POINTS))
         return np.stack(legs)
 
-    def _leg(self, query: Floats, finest: bool) -> Floats | None:
-        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found."""
+    def _leg(self, query: Floats) -> Floats | None:
+        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found.
+
+        Over cells the first that is clear; where none is, the last.
+        """
         leg = self.around_edges(query)
         leg = self.through_side_tubes(query) if leg is None else leg
-        for plan in self.searches.leg_plans(finest) if leg is None else ():
+        for plan in self.searches.leg_plans if leg is None else ():
             found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
-            if found.routes:
-                return found.routes[0]
+            leg = found.routes[0] if found.routes else leg
+            if leg is not None and self._clear(leg, query):
+                break
         return leg
 
 

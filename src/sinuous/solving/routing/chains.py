@@ -79,7 +79,7 @@ class Chains:
 
     def of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
-        yield from self._past_all(width)
+        yield from self.past_all(width, OPEN)
         for elbow in self._elbows:
             yield from elbow.of_width(width)
 
@@ -92,12 +92,12 @@ class Chains:
         ends = roots(before, self._legs[0])[:MOST_TANGENTS]
         return [_Elbow(self._groups, before, self._legs, end, self._deadline) for end in ends]
 
-    def _past_all(self, width: int) -> Iterator[Floats]:
-        """Yield chains (n, 3) of beams that lead past all targets."""
+    def past_all(self, width: int, open_from: float = math.inf) -> Iterator[Floats]:
+        """Yield chains (n, 3) of beams that lead past all targets; first those that are bridged, see `Grown`."""
         if self._other is None:
             yield from self._given(self._wholes(self._ahead(width), self._groups))
             return
-        ahead, behind = self._ahead(width, OPEN), self._behind(self._other, width, OPEN)
+        ahead, behind = self._ahead(width, open_from), self._behind(self._other, width, open_from)
         yield from bridged(self._groups, self._other, ahead, behind, width, self._deadline)
         ahead = self._ahead(width) if ahead.open else ahead
         behind = self._behind(self._other, width) if behind.open else behind

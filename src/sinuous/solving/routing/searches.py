@@ -1,5 +1,6 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
@@ -23,8 +24,9 @@ from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.routing.buffers import BufferPool
+from sinuous.solving.routing.detours import led_aside
 from sinuous.solving.routing.edges import Walls, rims_of, walls_of
-from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, query_of, settled
+from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, Grown, query_of, settled
 from sinuous.solving.routing.halves import WIDE
 from sinuous.solving.routing.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, fitted, segments_in
@@ -110,8 +112,8 @@ class Searches:
     Attributes
     ----------
     robot : Robot
-    coarse, fine : Plan
-        The quickest searches with coarse cells, and with fine ones.
+    coarse, middle, fine : Plan
+        The quickest searches with coarse cells, with smaller ones, and with fine ones.
     proves : bool
         Whether fine cells prove that a room is closed: where no segment is thinner than the ball.
     """
@@ -126,7 +128,7 @@ class Searches:
         self._walls: tuple[Snapshot, Walls] | None = None
         self._about: tuple[Snapshot, bool] | None = None
         self._longest = sum(segment.length[1] for segment in robot.segments)
-        self.coarse, self.fine = (_plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
+        self.coarse, self.middle, self.fine = _plans_of(self._radius, self._longest)
         self.proves = min(robot.needed_radii) >= self._radius
 
     @property
@@ -140,12 +142,11 @@ class Searches:
         plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
 
-    def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
-        """Searches for the route from one target to the next, the first of which that finds one."""
-        few, many, _ = CELLS
-        coarse, fine = self.coarse, self.fine
-        among = ((fine, few), (fine, many), (coarse, few)) if finest else ((coarse, few), (fine, few), (fine, many))
-        plans = [plan._replace(cells=cells) for plan, cells in among]
+    @property
+    def leg_plans(self) -> tuple[Plan, ...]:
+        """Searches for the route from one target to the next, from the quickest to the most thorough."""
+        many = CELLS[1]
+        plans = self.coarse, self.middle, self.fine, self.fine._replace(cells=many)
         return tuple(dict.fromkeys(plans))
 
     def query(self, problem: Problem) -> Floats | None:
@@ -238,8 +239,8 @@ class Searches:
 
         def last(asked: Floats) -> Floats | None:
             route = leg(asked)
-            for plan in self.leg_plans(finest=True)[:1] if route is None else ():
-                found = self.find(problem, asked, plan, max(0.0, deadline()))
+            if route is None:
+                found = self.find(problem, asked, self.fine, max(0.0, deadline()))
                 route = found.routes[0] if found.routes else None
             return route
 
@@ -272,6 +273,7 @@ class Searches:
             groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
             Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
+            led_aside(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
             next(settled(groups, still[None], lambda: 1.0))
             turned_back(groups, groups, still)
             if query is not None:
@@ -304,12 +306,16 @@ def _wide_enough(radius: float, cell: float) -> float:
     return max(radius - 0.5 * cell, 0.25 * radius)
 
 
-def _plan_of(radius: float, length: float, coarse: bool) -> Plan:
-    """Search for one route with coarse, or with fine cells, for a ball of this radius and a robot of this length.
+def _plans_of(radius: float, length: float) -> tuple[Plan, Plan, Plan]:
+    """Searches for one route with coarse, middle and fine cells, for a ball of this radius and a robot of this length.
 
     Cells of half the radius and less cannot leak through a wall, however thin it is. Coarser ones miss narrow passages.
     """
     fine = 0.5 * radius
-    cell = max(fine, length / COARSE) if coarse else fine
-    clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
-    return Plan(cell, clearance, CELLS[0], 1, False)
+    coarse = max(fine, length / COARSE)
+
+    def plan(cell: float) -> Plan:
+        clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
+        return Plan(cell, clearance, CELLS[0], 1, False)
+
+    return plan(coarse), plan(math.sqrt(coarse * fine)), plan(fine)

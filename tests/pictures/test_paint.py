@@ -5,10 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 import sinuous as sn
-from sinuous.display.obstacles import obstacle_surface
-from sinuous.display.surface import lathe
+from sinuous.display.obstacles import lathe, obstacle_surface
 from sinuous.measures.obstacles import measure
-from sinuous.pictures.facets import MOST_TRIANGLES, cut, normals, of_mesh, within
+from sinuous.pictures.paint import MOST_TRIANGLES, cut, normals, of_mesh, within
 from tests.helpers import Floats
 from tests.scene.shapes import cube
 

@@ -1,0 +1,116 @@
+"""Detours: a route is led aside, once or more often, until it is as long as the chain that is to lie along it.
+
+A route is about the shortest way. A longer body has to be stowed beside it, and where it has room for that the route
+does not say: a chain that spends its length as it goes seldom ends up where it can still get through the next door.
+"""
+
+import math
+
+import numpy as np
+
+from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import closest, price, read_scene
+from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.freespace.band import respace
+from sinuous.kernels.growing.guide import LOOKS, Guide, visible
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, copy, get_vec, norm, put_vec, sub
+
+TURNS, NUMBERS = 32, 4
+"""Most places that a route is led to, and the random numbers that each of them takes."""
+
+ENOUGH = 0.97
+"""Share of the wanted length from which on a route is long enough."""
+
+FARTHEST, NEAREST = 0.7, 0.15
+"""How far from the route such a place is, in units of the length that is missing."""
+
+ROOM = 1.5
+"""Its least distance from the obstacles, in radii of the body."""
+
+WORTH = 0.2
+"""Least length that a detour by one place adds, in units of the length that is missing."""
+
+
+def detours_size(count: int) -> int:
+    """Numbers (float64) that a route of so many points is led aside in."""
+    return CLOCK_SIZE + count + 3 * (count + 1)
+
+
+@kernel
+def _aside(guide: Guide, numbers: Array, missing: float) -> Vec:
+    """Return a place beside the guide, given random numbers (4,) from 0 to 1."""
+    at = get_vec(guide.points, int(numbers[0] * guide.points.shape[0]), 0)
+    height, turn = 2.0 * numbers[1] - 1.0, 2.0 * math.pi * numbers[2]
+    level = math.sqrt(1.0 - height * height)
+    off = (NEAREST + numbers[3] * (FARTHEST - NEAREST)) * missing
+    return add_scaled(at, off, (level * math.cos(turn), level * math.sin(turn), height))
+
+
+@kernel
+def _longest(guide: Guide, away: Array, missing: float) -> tuple[int, int]:
+    """Points between which a detour adds most, but no more than is missing; (0, 0): there is none.
+
+    `away` (K,) are the distances of the points from the place that it leads by, infinite where they do not see it.
+    """
+    most, first, last = WORTH * missing, 0, 0
+    for i in range(away.shape[0]):
+        if away[i] < math.inf:
+            for j in range(i + 1, away.shape[0]):
+                longer = away[i] + away[j] - (j - i) * guide.spacing
+                if most < longer <= missing:
+                    most, first, last = longer, i, j
+    return first, last
+
+
+@entry
+def lead_aside(
+    scene: Array, wanted: float, radius: float, numbers: Array, seconds: float, workspace: Array, points: Array
+) -> float:
+    """Lead a route aside until it is as long as wanted, nearly; return its length.
+
+    Parameters
+    ----------
+    scene : ndarray
+        Group, laid out as `sinuous.kernels.tables` says.
+    wanted : float
+        Length, in the length unit.
+    radius : float
+        Of the body, in the length unit.
+    numbers : ndarray (TURNS, NUMBERS)
+        Random, from 0 to 1.
+    seconds : float
+        Budget.
+    workspace : ndarray (w,)
+        Scratch, see `detours_size`.
+    points : ndarray (K, 3)
+        The route, evenly spaced, in the length unit: it is changed.
+    """
+    obstacles, count = read_scene(scene), points.shape[0]
+    clock, away = workspace[:CLOCK_SIZE].view(np.int64), workspace[CLOCK_SIZE:][:count]
+    line = shaped(workspace[CLOCK_SIZE + count :][: 3 * (count + 1)], (count + 1, 3))
+    begin(clock)
+    allow(clock, seconds)
+    copy(points, line)
+    spacing = respace(line, count, points, count)
+    looks = LOOKS * price(obstacles)
+    for turn in range(TURNS):
+        length = spacing * (count - 1)
+        if length >= ENOUGH * wanted or spend(clock, looks):
+            break
+        guide = Guide(points, spacing, ZERO, radius, 0.0)
+        place = _aside(guide, numbers[turn], wanted - length)
+        if closest(obstacles, place, ROOM * radius, STEP)[0] < ROOM * radius:
+            continue
+        for i in range(count):
+            away[i] = norm(sub(place, get_vec(points, i, 0)))
+            if spend(clock, looks) or not visible(obstacles, guide, place, i):
+                away[i] = math.inf
+        first, last = _longest(guide, away, wanted - length)
+        if last > first:
+            copy(points[: first + 1], line)
+            put_vec(line, first + 1, 0, place)
+            copy(points[last:], line[first + 2 :])
+            spacing = respace(line, first + 2 + count - last, points, count)
+    return float(spacing * (count - 1))

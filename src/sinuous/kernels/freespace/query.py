@@ -3,7 +3,6 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest, most_roundoff
 from sinuous.kernels.fields.solids import ABOVE, STEP
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
@@ -72,12 +71,10 @@ Query = namedtuple(
 """The numbers of a query by their names, see `sinuous.kernels.tables`."""
 
 
-@kernel
 def _vector(query: Array, at: int) -> Vec:
     return query[at], query[at + 1], query[at + 2]
 
 
-@kernel
 def read_query(query: Array) -> Query:
     """Take a query (27,) apart."""
     return Query(
@@ -103,13 +100,11 @@ def read_query(query: Array) -> Query:
     )
 
 
-@kernel
 def straight_length(query: Query, length: float) -> float:
     """How far a route of this length leaves straight."""
     return min(query.straight_max, max(query.straight_min, length - query.other_length))
 
 
-@kernel
 def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: float, radius: float) -> Vec:
     """The point farthest along `axis`, from `past` up to `most`, that a ball can reach straight."""
     reached = past
@@ -122,7 +117,6 @@ def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: flo
     return add_scaled(place, reached, axis)
 
 
-@kernel
 def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Grid:
     """The grid for routes that leave straight for so long, and with `barred` pass behind neither end.
 
@@ -159,7 +153,6 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
     )
 
 
-@kernel
 def proof_grid(query: Query, scene: Scene) -> Grid:
     """The grid for the proof that there is no route: whatever any body of this radius can pass, can be passed."""
     clearance = query.radius - HALF_DIAGONAL * query.cell - most_roundoff(scene)

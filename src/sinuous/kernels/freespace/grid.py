@@ -15,27 +15,8 @@ FINEST = 0.1
 
 Grid = namedtuple(
     "Grid",
-    [
-        "origin",
-        "cell",
-        "levels",
-        "clearance",
-        "ample",
-        "radius",
-        "room",
-        "reach",
-        "start",
-        "start_radius",
-        "axis",
-        "goal",
-        "goal_radius",
-        "back",
-        "turn",
-        "inflation",
-        "clearance_weight",
-        "longest",
-        "mode",
-    ],
+    "origin cell levels clearance ample radius room reach start start_radius axis goal goal_radius back turn "
+    "inflation clearance_weight longest mode",
 )
 """What one search is about; lengths in the length unit.
 

@@ -392,6 +392,4 @@ def test_what_several_limits_hold_is_found_from_nothing() -> None:
         assert found.verify().ok
     asked = sn.Target((100, 30, -130), direction=(0, 0, 1))
     beyond = sn.solve(robot, asked, max_starts=100, time=60.0)
-    assert str(beyond.status) == "limit_bound"
-    (nearest,) = [each for each in beyond.explain(time=60.0).remedies if each.change == "target position"]
-    assert np.linalg.norm(np.subtract(nearest.after, (100, 30, -130))) <= 1.71
+    assert str(beyond.status) == "limit_bound"  # what would help: `test_remedies`

@@ -4,7 +4,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH
@@ -38,6 +37,8 @@ class Line:
         if self.begin.direction is not None and self.end.direction is not None:
             direction = _turned(self.begin.direction, self.end.direction, share)
         if self.begin.rotation is not None and self.end.rotation is not None:
+            from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415  # as long as all of this package
+
             ends = Rotation.from_matrix(np.stack([self.begin.rotation, self.end.rotation]))
             rotation = Slerp([0.0, 1.0], ends)(share)
         return Target(self._place(share), direction=direction, rotation=rotation)

@@ -11,6 +11,7 @@ from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.compile import shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import Scene, coarseness, number_of
 from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
@@ -127,9 +128,15 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
 
     `work.mean` holds a motion that would be welcome for other reasons, or zero.
     """
-    limits.release(problem.limits, work.root, work.bound)
+    return damped_step(problem.limits, problem.actuation, state, work, mu)
+
+
+@shared
+def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: float) -> bool:
+    """The same, of what it takes: the limits of the segments (n, c), and the actuators (a, c), see `Problem`."""
+    limits.release(table, work.root, work.bound)
     bound = False
-    coupled = problem.actuation.shape[0] > 0
+    coupled = actuators.shape[0] > 0
     if coupled:
         actuation.release(state.rows)
     n = state.q.shape[0]
@@ -145,9 +152,9 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
             sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
         if state.norms[s.PAIRS] > 0.0:
             couple(state, work, mu, coupled)
-        count = limits.bind(problem.limits, state.q, work.step, work.root, work.mean, work.bound)
+        count = limits.bind(table, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
-            count += actuation.bind(problem.actuation, state.q, work.step, state.rows)
+            count += actuation.bind(actuators, state.q, work.step, state.rows)
         if count == 0:
             break
         bound = True

@@ -256,7 +256,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     typed = sys.argv[1:] if arguments is None else arguments
     app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
-    return execute(app, "python -m benchmarks", arguments)
+    return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 
 
 def _help(named: str | None) -> str:

@@ -30,6 +30,6 @@ def command(run: Callable[..., None], module: str) -> Main:
     app.command()(run)
 
     def main(arguments: Sequence[str] | None = None) -> int:
-        return execute(app, f"python -m {module}", arguments)
+        return execute(typer.main.get_command(app), f"python -m {module}", arguments)
 
     return main

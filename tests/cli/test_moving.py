@@ -1,11 +1,14 @@
 """Obstacles that move, on the command line."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from sinuous.cli.app import main
+from sinuous.pictures import report
+from sinuous.pictures.animate import animate
 
 SCENE = """
 robot: {segments: {count: 3, length: [0.8, 1.2], max_bend: 2.5}, radius: 0.05}
@@ -22,7 +25,10 @@ def written(folder: Path, text: str) -> str:
     return str(file)
 
 
-def test_plan_and_track_in_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_plan_and_track_in_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(report, "animate", partial(animate, seconds=0.5))
     assert main(["plan", written(tmp_path, PLAN + RATES), "--json", "--plot", str(tmp_path / "way.html")]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["between"] == "proved"

@@ -5,6 +5,7 @@ Nothing heavy is imported before a command runs, so that `sinuous --help` answer
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
@@ -276,23 +277,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Default: those of the process.
     """
-    return execute(app, "sinuous", arguments)
+    return execute(_commands(), "sinuous", arguments)
 
 
-def execute(commands: typer.Typer, name: str, arguments: Sequence[str] | None) -> int:
+@cache
+def _commands() -> Any:
+    """Make all commands with their options, once a process: it takes longer than to read what was typed."""
+    return typer.main.get_command(app)
+
+
+def execute(commands: Any, name: str, arguments: Sequence[str] | None) -> int:
     """Run commands and return the exit code, with one line on standard error where the input is wrong.
 
     Parameters
     ----------
-    commands : Typer
+    commands : Command
+        What `typer.main.get_command` makes of a `Typer`.
     name : str
         What was typed before the arguments.
     arguments : sequence of str, optional
         Default: those of the process.
     """
     try:
-        command = typer.main.get_command(commands)
-        code = command.main(arguments, prog_name=name, standalone_mode=False)
+        code = commands.main(arguments, prog_name=name, standalone_mode=False)
         return int(code or 0)
     except InputError as error:
         _say(str(error))

@@ -111,7 +111,7 @@ def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], m
     took: list[tuple[str, float]] = []
     steps = [
         Step("one", lambda: took.append(("b", 2.5))),
-        Step("single solves", lambda: took.append(("a", 1.0))),
+        Step("kinematics", lambda: took.append(("a", 1.0))),
     ]
     monkeypatch.setattr(warm, "TOOK", took)
     monkeypatch.setattr(warm, "steps", lambda methods: steps)

@@ -74,8 +74,9 @@ def everything_made() -> list[Attempt]:
 
 @pytest.fixture(autouse=True)
 def few_passages(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Close passages a few times and no more: each is a search over cells."""
+    """Close passages and lead routes aside a few times and no more: each searches, or grows chains."""
     monkeypatch.setattr(own, "PASSAGES_SEARCHES", 6)
+    monkeypatch.setattr(own, "DETOURS", 4)
 
 
 @pytest.fixture

@@ -194,7 +194,8 @@ STEP = 1e-3
 """Less than a press of a key moves the slider of a tendon, mm."""
 
 
-def test_an_actuator_is_pulled_and_taken_back(page: Page, fresh: Any) -> None:
+def test_an_actuator_is_pulled_and_taken_back(page: Page, fresh: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(model, "TOGETHER", PATIENCE)  # all presses are one change, however slowly they arrive
     load(page, fresh, DRIVEN)
     fresh.get_by_role("tab", name="Shape").click()
     choose(fresh, "sliders", "actuators")

@@ -38,7 +38,7 @@ FAR = Scene([Sphere((9.0, 0.0, 0.0), 0.5)])
 HEAVY = ROBOT.changed(mass=1.0, gravity=(0.0, 0.0, -9.81), stiffness=100.0)
 TARGET = Target((0.5, 0.0, 1.5))
 
-FIRST_COMMAND = ("single solves", "routes among obstacles", "single solves among obstacles")
+FIRST_COMMAND = ("routes among obstacles", "single solves among obstacles", "kinematics")
 """Steps whose entries the first command of the README calls."""
 
 

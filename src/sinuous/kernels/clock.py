@@ -19,7 +19,7 @@ from typing import Any
 
 from numba import types
 
-from sinuous.kernels.compile import interpreted_as, kernel, shared
+from sinuous.kernels.compile import interpreted_as, shared
 from sinuous.kernels.maths.vectors import Array
 from sinuous.work_time import looked, work_time
 
@@ -56,7 +56,6 @@ if _WINDOWS:
     _read = types.ExternalFunction("QueryPerformanceCounter", types.int32(_buffer))
     _read_rate: Any = types.ExternalFunction("QueryPerformanceFrequency", types.int32(_buffer))
 
-    @kernel
     def _nanoseconds(clock: Array) -> int:
         _read(clock.ctypes)
         ticks = clock[_READ]
@@ -66,7 +65,6 @@ if _WINDOWS:
 else:
     _read = types.ExternalFunction("clock_gettime", types.int32(types.int32, _buffer))
 
-    @kernel
     def _nanoseconds(clock: Array) -> int:
         _read(_MONOTONIC, clock.ctypes)
         return 1_000_000_000 * clock[_READ] + clock[_REST]
@@ -85,7 +83,6 @@ _own_thread: Any = types.ExternalFunction("PyThread_get_thread_ident", types.uin
 _raise_later: Any = types.ExternalFunction("PyThreadState_SetAsyncExc", types.int32(types.uintp, types.int64))
 
 
-@kernel
 def _raised(clock: Array) -> bool:
     """Whether Python raises an exception when it runs a statement that does nothing."""
     names = _globals()
@@ -98,7 +95,6 @@ def _raised(clock: Array) -> bool:
     return bool(nothing == 0)
 
 
-@kernel
 def _listen(clock: Array) -> None:
     """Run the handlers of signals; where one raises an exception, or another thread has raised one, time is over."""
     lock = _take_lock()
@@ -123,20 +119,17 @@ def _let_python_listen(clock: Array) -> None:
     """Do nothing: Python itself hears signals."""
 
 
-@kernel
 def now(clock: Array) -> float:
     """Seconds of `time.monotonic`; of `clock` (2 or more,) int64 the first two places are scratch."""
     return 1e-9 * _nanoseconds(clock)
 
 
-@kernel
 def begin(clock: Array) -> None:
     """Begin a call from Python: nobody has interrupted it yet."""
     clock[_LISTENED] = _nanoseconds(clock)
     clock[STOPPED] = 0
 
 
-@kernel
 def allow(clock: Array, seconds: float) -> float:
     """Allow so many seconds from now on; returns the time, in seconds."""
     read = _nanoseconds(clock)
@@ -145,7 +138,6 @@ def allow(clock: Array, seconds: float) -> float:
     return 1e-9 * read
 
 
-@kernel
 def resume(clock: Array, deadline: int) -> None:
     """Go on until a deadline that the clock had before others were allowed."""
     clock[DEADLINE] = deadline
@@ -166,7 +158,6 @@ def over(clock: Array) -> bool:
     return False
 
 
-@kernel
 def spend(clock: Array, looks: int) -> bool:
     """Count looks, and say whether the time is over; it is read every `STRIDE` looks."""
     clock[LOOKS] += looks
@@ -180,7 +171,6 @@ def _spend_work(clock: Array, looks: int) -> bool:
     return clock[LOOKS] >= STRIDE and over(clock)
 
 
-@kernel
 def late(clock: Array) -> bool:
     """Say whether the time was over when it was read last."""
     return bool(clock[LOOKS] >= STRIDE)

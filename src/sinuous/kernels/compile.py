@@ -1,12 +1,14 @@
-"""The decorators of kernels: `entry` for what Python calls, `kernel` for what kernels call.
+"""What makes kernels of functions: `entry` marks those that Python calls.
 
+What an entry calls is a kernel, too, and needs no mark. A function of a file with kernels (see `sources`) stays the
+function that it is: others call it, interpreted, as they call any; Numba is told what is compiled for it when it meets
+it.
 `SINUOUS_KERNELS` says how entries run: `compiled` by Numba; `interpreted`, as the Python that stands there; `auto`.
-A kernel stays the function that it is: other kernels call it, interpreted, as they call any function, and Numba is told
-what is compiled for it when it meets it.
 """
 
 import functools
 import math
+import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from types import FunctionType
@@ -23,7 +25,8 @@ from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
 from sinuous.kernels.compiling.calls import call_leanly
 from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain, written
-from sinuous.kernels.compiling.store import KERNELS, Store
+from sinuous.kernels.compiling.sources import read_sources
+from sinuous.kernels.compiling.store import COPIES, Store
 from sinuous.kernels.compiling.tiers import MODE, tiered
 from sinuous.work_time import counting_looks, no_work
 
@@ -60,7 +63,10 @@ def entry_around(inner: Any, function: Function) -> Function:
 
 
 def kernel(function: Function) -> Function:
-    """Let other kernels call this one. It has no wrapper for calls of compiled code from Python: that costs time."""
+    """Let kernels call this function, wherever it is: in a file with kernels it needs no mark.
+
+    It has no wrapper for calls of compiled code from Python: that costs time.
+    """
     return _inner(function, _original(function), NO_WRAPPERS)
 
 
@@ -87,6 +93,7 @@ def inline(function: Function) -> Function:
     """
     own: Any = _original(function)
     own.__name__, own.__qualname__ = f"{own.__name__}_here", f"{own.__qualname__}_here"
+    COPIES[own.__module__, own.__qualname__] = own
     return _inner(own, _original(own), {**NO_WRAPPERS, "forceinline": True})
 
 
@@ -129,8 +136,7 @@ def _entry(function: Any, file: str | None = None) -> Any:
 
 
 def _inner(function: Any, original: Any, options: dict[str, Any], kind: str = "inner") -> Any:
-    compiled = functools.cache(lambda: _stored(original, kind, options))
-    _compiled[function] = KERNELS[function.__module__, function.__qualname__] = compiled
+    _compiled[function] = functools.cache(lambda: _stored(original, kind, options))
     if MODE == "interpreted":
         interpret([function])
     else:
@@ -151,7 +157,13 @@ def interpreted(function: Any) -> Any:
 
 
 def interpret_all() -> None:
-    """Let all kernels that have been made run as Python where Python calls them."""
+    """Let all kernels of files that were imported, and all that are marked, run as Python where Python calls them."""
+    for name in read_sources().keys() - _interpreted:
+        module: Any = sys.modules.get(name)
+        if module is not None and not getattr(module.__spec__, "_initializing", False):
+            _interpreted.add(name)
+            own = vars(module).values()
+            _functions.extend(each for each in own if isinstance(each, FunctionType) and each.__module__ == name)
     if _functions:
         with no_work():
             interpret(_functions)
@@ -159,7 +171,10 @@ def interpret_all() -> None:
 
 
 _functions: list[FunctionType] = []
-"""Entries and inner kernels that nobody has interpreted yet."""
+"""Entries and marked kernels that nobody has interpreted yet."""
+
+_interpreted: set[str] = set()
+"""Files with kernels whose functions were interpreted, by the names of their modules."""
 
 _compiled: dict[Any, Callable[[], Any]] = {}
 """What is compiled for each inner kernel, made when Numba meets it."""
@@ -167,13 +182,15 @@ _compiled: dict[Any, Callable[[], Any]] = {}
 
 def compiled_form(function: Any) -> Any:
     """Return what Numba compiles for an inner kernel."""
+    if function not in _compiled:
+        kernel(function)
     return _compiled[function]()
 
 
 @typeof_impl.register(FunctionType)
 def _type_of(function: Any, context: Any) -> Any:
     """Tell Numba what is compiled for an inner kernel; of other functions what it says itself."""
-    if function in _compiled:
+    if function in _compiled or function.__module__ in read_sources():
         return types.Dispatcher(compiled_form(function))
     return typeof_impl.dispatch(object)(function, context)
 

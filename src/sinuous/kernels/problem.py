@@ -2,24 +2,10 @@
 
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
+from sinuous.kernels import tables as t
 from sinuous.kernels.fields.distances import read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
-from sinuous.kernels.tables import (
-    ACTUATOR_WIDTH,
-    ANGLE_TOLERANCE,
-    LOOK_DEPTH,
-    MARGIN,
-    MOUNT,
-    POSE_WIDTH,
-    POSITION_TOLERANCE,
-    RECORD_WIDTH,
-    ROBOT_HEADER,
-    SEGMENT_WIDTH,
-    STEP_DEPTH,
-    UNIT,
-)
 
 Robot = namedtuple("Robot", ["limits", "actuation", "base", "tool", "avoids_itself"])
 """Rows of segments (n, 8) and of actuator limits (p, 7); poses of base and tool (1, 12); whether its body must not run
@@ -27,43 +13,27 @@ through itself."""
 
 Problem = namedtuple(
     "Problem",
-    [
-        "limits",
-        "actuation",
-        "base",
-        "tool",
-        "avoids_itself",
-        "scene",
-        "targets",
-        "mount",
-        "unit",
-        "margin",
-        "position_tolerance",
-        "angle_tolerance",
-        "look_depth",
-        "step_depth",
-    ],
+    "limits actuation base tool avoids_itself scene targets mount unit margin position_tolerance angle_tolerance "
+    "look_depth step_depth",
 )
 """What does not change during a solve: `Robot`, the scene or `None` (see `distances.Scene`), rows of targets (t, 15);
 the settings by their names (lengths in the length unit, angles in rad)."""
 
 
-@kernel
 def read_robot(robot: Array) -> Robot:
     """Take the group of a robot apart."""
     n, p = int(robot[0]), int(robot[1])
-    actuators = ROBOT_HEADER + SEGMENT_WIDTH * n
-    poses = actuators + ACTUATOR_WIDTH * p
+    actuators = t.ROBOT_HEADER + t.SEGMENT_WIDTH * n
+    poses = actuators + t.ACTUATOR_WIDTH * p
     return Robot(
-        shaped(robot[ROBOT_HEADER:actuators], (n, SEGMENT_WIDTH)),
-        shaped(robot[actuators:poses], (p, ACTUATOR_WIDTH)),
-        shaped(robot[poses : poses + POSE_WIDTH], (1, POSE_WIDTH)),
-        shaped(robot[poses + POSE_WIDTH : poses + 2 * POSE_WIDTH], (1, POSE_WIDTH)),
+        shaped(robot[t.ROBOT_HEADER : actuators], (n, t.SEGMENT_WIDTH)),
+        shaped(robot[actuators:poses], (p, t.ACTUATOR_WIDTH)),
+        shaped(robot[poses : poses + t.POSE_WIDTH], (1, t.POSE_WIDTH)),
+        shaped(robot[poses + t.POSE_WIDTH : poses + 2 * t.POSE_WIDTH], (1, t.POSE_WIDTH)),
         robot[2] != 0.0,
     )
 
 
-@kernel
 def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Array) -> Problem:
     """Take the groups of one problem apart; layouts as `tables` says, `targets` (t, 15)."""
     own = read_robot(robot)
@@ -75,17 +45,16 @@ def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Ar
         own.avoids_itself,
         read_scene(scene),
         targets,
-        settings[MOUNT],
-        settings[UNIT],
-        settings[MARGIN],
-        settings[POSITION_TOLERANCE],
-        settings[ANGLE_TOLERANCE],
-        int(settings[LOOK_DEPTH]),
-        int(settings[STEP_DEPTH]),
+        settings[t.MOUNT],
+        settings[t.UNIT],
+        settings[t.MARGIN],
+        settings[t.POSITION_TOLERANCE],
+        settings[t.ANGLE_TOLERANCE],
+        int(settings[t.LOOK_DEPTH]),
+        int(settings[t.STEP_DEPTH]),
     )
 
 
-@kernel
 def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
     """Configuration (n, 3) and record (11,) of answer `i` in a batch (m, 11 + 3 n)."""
-    return shaped(answers[i, RECORD_WIDTH:], (n, 3)), answers[i, :RECORD_WIDTH]
+    return shaped(answers[i, t.RECORD_WIDTH :], (n, 3)), answers[i, : t.RECORD_WIDTH]

@@ -15,7 +15,6 @@ from typing import ClassVar
 from sinuous.kernels.body.rows import Rows, carve_rows, pick_rows
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
@@ -45,7 +44,6 @@ def scratch_size(n: int) -> int:
     return 3 * n + 3 * n + 18 * n + MOST_ROWS * 3 * n + MOST_ROWS * MOST_ROWS + MOST_ROWS + n + 1 + 28 * MOST_ROWS
 
 
-@kernel
 def carve(buffer: Array, n: int) -> Work:
     """Lay out the scratch in `buffer`, for n segments."""
     q, rest = cut(buffer, n, 3)
@@ -57,7 +55,6 @@ def carve(buffer: Array, n: int) -> Work:
     return Work(q, kept, columns, jacobian, system, rest[:MOST_ROWS], rows)
 
 
-@kernel
 def fill_jacobian(limits: Array, columns: Array, rows: Rows, count: int, jacobian: Array) -> None:
     """Fill `jacobian` (6, 3 n): derivatives of the first `count` rows in all coordinates, each in units of its scale.
 
@@ -72,7 +69,6 @@ def fill_jacobian(limits: Array, columns: Array, rows: Rows, count: int, jacobia
                 jacobian[i, 3 * k + c] = total * limits[k, LENGTH_SCALE if c == 2 else BEND_SCALE]
 
 
-@kernel
 def solve_damped(jacobian: Array, count: int, mu: float, system: Array, x: Array) -> None:
     """Solve `(J J' + mu I) x = x` for the first `count` rows, by Cholesky's factors.
 
@@ -97,7 +93,6 @@ def solve_damped(jacobian: Array, count: int, mu: float, system: Array, x: Array
         x[i] /= system[i, i]
 
 
-@kernel
 def step(problem: Problem, work: Work, count: int, damping: float, clamp: float) -> None:
     """Take one step from `work.q`, whose columns and rows are known."""
     square = 0.0
@@ -124,7 +119,6 @@ def step(problem: Problem, work: Work, count: int, damping: float, clamp: float)
         )
 
 
-@kernel
 def descend(problem: Problem, check: Check, work: Work, most: int, damping: float, clamp: float) -> int:
     """Step until the target is met, nothing is gained any more, or time is over.
 
@@ -149,7 +143,6 @@ def descend(problem: Problem, check: Check, work: Work, most: int, damping: floa
         iteration += 1
 
 
-@kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:

@@ -20,7 +20,6 @@ import numpy as np
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
@@ -48,7 +47,6 @@ Work = namedtuple("Work", ["q", "trial", "straight", "state"])
 """Scratch of one solve: the best, a draw, what `straighten` needs (all (n, 3)), and the state of the random numbers."""
 
 
-@kernel
 def carve(buffer: Array, n: int) -> Work:
     """Lay out the scratch in `buffer` (9 n + 1,), for n segments."""
     q, rest = cut(buffer, n, 3)
@@ -57,7 +55,6 @@ def carve(buffer: Array, n: int) -> Work:
     return Work(q, trial, straight, rest[:1].view(np.uint64))
 
 
-@kernel
 def draw(state: Array) -> float:
     """The next number in [-1, 1) of a `state` (1,) of unsigned integers (Steele et al. 2014, splitmix64)."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
@@ -67,7 +64,6 @@ def draw(state: Array) -> float:
     return float((z ^ (z >> np.uint64(31))) >> np.uint64(11)) * 2.0**-52 - 1.0
 
 
-@kernel
 def project_to_limits(problem: Problem, q: Array, straight: Array) -> None:
     """Bring `q` (n, 3) within all limits; `straight` (n, 3) is scratch."""
     for k in range(q.shape[0]):
@@ -75,7 +71,6 @@ def project_to_limits(problem: Problem, q: Array, straight: Array) -> None:
     straighten(problem.actuation, q, straight)
 
 
-@kernel
 def scatter(problem: Problem, work: Work, share: float) -> None:
     """Draw a configuration into `work.trial`, from this share of the whole range about `work.q`."""
     for k in range(work.q.shape[0]):
@@ -88,7 +83,6 @@ def scatter(problem: Problem, work: Work, share: float) -> None:
     project_to_limits(problem, work.trial, work.straight)
 
 
-@kernel
 def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float) -> tuple[float, bool]:
     """What is wrong with `q` (n, 3), squared, in robot lengths and rad, and whether it may be an answer.
 
@@ -109,7 +103,6 @@ def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float
     return wrong + overlap * overlap / (problem.unit * problem.unit), met and overlap == 0.0
 
 
-@kernel
 def descend(
     problem: Problem, check: Check, work: Work, options: Array, source: int, answer: Answer
 ) -> tuple[int, bool]:
@@ -146,7 +139,6 @@ def descend(
     return rounds, False
 
 
-@kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:

@@ -26,7 +26,7 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, now, over
-from sinuous.kernels.compile import entry_around, kernel, shared
+from sinuous.kernels.compile import entry_around, shared
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -72,7 +72,6 @@ def check_size(segments: int, obstacles: int) -> int:
     return (12 + SPAN_WIDTH) * (segments + 1) + obstacles + CLOCK_SIZE
 
 
-@kernel
 def carve_check(buffer: Array, problem: Problem) -> tuple[Check, Array]:
     """Lay out the scratch of the check at the beginning of `buffer` (`check_size` or more); returns the rest too."""
     n, m = problem.limits.shape[0], problem.scene.table.shape[0]
@@ -86,13 +85,11 @@ def carve_check(buffer: Array, problem: Problem) -> tuple[Check, Array]:
     return Check(frames, rest[:m].view(np.int64), clock, spans), rest[size:]
 
 
-@kernel
 def has_obstacles(problem: Problem) -> bool:
     """Whether there is anything to run into."""
     return bool(problem.scene.table.shape[0] > 0)
 
 
-@kernel
 def finite(q: Array) -> bool:
     """Whether all numbers of a configuration (n, 3) are finite."""
     total = 0.0
@@ -102,7 +99,6 @@ def finite(q: Array) -> bool:
     return total == 0.0
 
 
-@kernel
 def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
     """Largest distance (length unit) and angle (rad) to the targets, of the shape with these frames (n + 1, 12)."""
     off = turn = 0.0
@@ -120,7 +116,6 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
     return off, turn
 
 
-@kernel
 def excess(problem: Problem, q: Array) -> tuple[float, float]:
     """By how much `q` (n, 3) exceeds its limits: lengths and actuators (length unit), bends (rad)."""
     length = bend = 0.0
@@ -181,7 +176,6 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
     return code, off, turn, clearance, self_clearance, bound, merit
 
 
-@kernel
 def offer(problem: Problem, check: Check, q: Array, source: int, answer: Answer) -> bool:
     """Check a configuration (n, 3), keep it when it is the best so far, and say whether it is solved.
 
@@ -219,14 +213,12 @@ Follow = Callable[[Problem, Check, Array, Array, Start, Answer], tuple[int, bool
 Search = Callable[[Array, Array, Array, Array, Array, Budget, Array, Array], None]
 
 
-@kernel
 def own_number(start: Start) -> int:
     """Number of a start among the method's own; -1 for an initial configuration."""
     given = start.initial.shape[0]
     return start.first + start.index - given if start.index >= given else -1
 
 
-@kernel
 def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
     """Put a start into `q` (n, 3): an initial configuration, or one of `begin_own`; returns its source."""
     number = own_number(start)
@@ -236,7 +228,6 @@ def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
     return begin_own(problem, check, number, start.seed, q)
 
 
-@kernel
 def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) -> int:
     """Put own start `number` into `q` (n, 3): 0 is the single arc, all others are scattered; returns its source."""
     tip, goal = most_distal(problem)
@@ -248,7 +239,6 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
     return t.RANDOM
 
 
-@kernel
 def open_record(problem: Problem, check: Check, given: int, budget: Budget, answer: Answer) -> int:
     """Open the record and the time of a search; returns the number of its starts.
 
@@ -273,7 +263,6 @@ def open_record(problem: Problem, check: Check, given: int, budget: Budget, answ
     return given + own
 
 
-@kernel
 def close_record(problem: Problem, check: Check, iterations: int, starts: int, late: bool, answer: Answer) -> None:
     """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
     record = answer.record

@@ -28,7 +28,6 @@ from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.chain.single_arc import arc_length
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.buffers import cut
@@ -62,7 +61,6 @@ WIDEST_HALF = 3.1
 """Half the bend from which on there is no single arc, in rad."""
 
 
-@kernel
 def carve_tree(buffer: Array, nodes: int) -> Tree:
     """Lay out a tree in the beginning of `buffer` (`PER_NODE` numbers a node)."""
     frames, rest = cut(buffer, nodes, 12)
@@ -74,7 +72,6 @@ def carve_tree(buffer: Array, nodes: int) -> Tree:
     )
 
 
-@kernel
 def biarc(begin: Vec, first: Vec, end: Vec, last: Vec) -> tuple[float, float, float, float]:
     """Bends and lengths of the two arcs with links of equal length from `begin`, tangent `first`, to `end`, `last`.
 
@@ -93,13 +90,11 @@ def biarc(begin: Vec, first: Vec, end: Vec, last: Vec) -> tuple[float, float, fl
     return bend_1, bend_2, d * stretch_of(bend_1), d * stretch_of(bend_2)
 
 
-@kernel
 def stretch_of(bend: float) -> float:
     """Length of an arc whose two links have length one."""
     return 2.0 if bend < 1e-6 else bend / math.tan(0.5 * bend)
 
 
-@kernel
 def single(begin: Vec, first: Vec, end: Vec) -> tuple[float, float]:
     """Bend (rad) and length of the arc from `begin`, tangent `first`, to `end`; infinite where that is behind."""
     across = sub(end, begin)
@@ -107,14 +102,12 @@ def single(begin: Vec, first: Vec, end: Vec) -> tuple[float, float]:
     return 2.0 * half, arc_length(norm(across), half) if half < WIDEST_HALF else math.inf
 
 
-@kernel
 def _beyond(value: float, low: float, high: float, unit: float) -> float:
     """By how much a length is outside its range, squared, in units."""
     off = max(0.0, low - value, value - high)
     return (off / unit) ** 2 if off < 1e3 * unit else IMPOSSIBLE
 
 
-@kernel
 def outlook(limits: Array, sums: Array, k: int, begin: Vec, first: Vec, end: Vec, last: Vec, aimed: bool) -> float:
     """What the segments from number k on may cost to get from `begin`, tangent `first`, to `end`.
 
@@ -138,7 +131,6 @@ def outlook(limits: Array, sums: Array, k: int, begin: Vec, first: Vec, end: Vec
     return cost + over * over + MISFIT * _beyond(length_1 + length_2, sums[k, 0], sums[k, 1], unit)
 
 
-@kernel
 def primitive(limits: Array, k: int, number: int, bends: int, directions: int, lengths: int) -> tuple[Vec, bool]:
     """Primitive number `number` of segment k, with these `limits` (n, 7), and whether there is one.
 
@@ -180,7 +172,6 @@ Growth = namedtuple("Growth", ["bends", "directions", "lengths", "weight"])
 """Primitives of a segment, as bends, directions and lengths; and the weight of what a node may still cost."""
 
 
-@kernel
 def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
     """Lay out the scratch in `buffer`, for a robot with these `limits` (n, 7)."""
     n = limits.shape[0]
@@ -199,7 +190,6 @@ def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
     return Search(tree, work, sums)
 
 
-@kernel
 def lay_up(tree: Tree, node: int, frames: Array, q: Array) -> None:
     """Write the segments that lead to a node to `q` (n, 3), and their `frames` (n + 1, 12)."""
     while tree.depth[node] > 0:
@@ -210,7 +200,6 @@ def lay_up(tree: Tree, node: int, frames: Array, q: Array) -> None:
         node = tree.parent[node]
 
 
-@kernel
 def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
     """Put segments `first` and after of `q` (n, 3) on the single arc to the goal, whatever their limits.
 
@@ -226,7 +215,6 @@ def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
         put_vec(q, k, 0, (share * bend * nx, share * bend * ny, share * length))
 
 
-@kernel
 def expand(
     problem: Problem,
     check: Check,
@@ -263,7 +251,6 @@ def expand(
     return size, open_nodes
 
 
-@kernel
 def grow(
     problem: Problem, check: Check, scratch: Search, options: Array, level: int, answer: Answer
 ) -> tuple[int, bool]:
@@ -303,7 +290,6 @@ def grow(
     return looked + effort, False
 
 
-@kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:

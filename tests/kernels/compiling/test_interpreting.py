@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling import interpreting, store
+from sinuous.kernels.compiling import interpreting
 from sinuous.kernels.maths.shapes import first_of, shaped
 from sinuous.kernels.maths.vectors import Array
 from tests.kernels.compiling import parts
@@ -81,7 +81,7 @@ def test_a_kernel_stays_the_function_that_it_is() -> None:
     assert parts.twice_the_norm.interpreted(3.0, 4.0) == 10.0  # type: ignore[attr-defined]
     assert norm.__code__.co_filename == parts.__file__
     assert norm.__code__.co_firstlineno == 13
-    assert store.KERNELS[parts.__name__, "norm"]().py_func is not norm
+    assert compiling.compiled_form(parts.norm).py_func is not norm
 
 
 def process(*command: str, mode: str = "interpreted") -> subprocess.CompletedProcess[str]:

@@ -87,7 +87,7 @@ def _copy(function: Any) -> Any:
 
 
 def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
-    norm = store.KERNELS[parts.__name__, "norm"]()
+    norm = compiling.compiled_form(parts.norm)
 
     def twice(x: float) -> float:
         return float(2.0 * norm(x, 4.0))
@@ -102,7 +102,7 @@ def test_entries_call_the_machine_code_of_a_shared_kernel() -> None:
     thrice, both = (compiling.entry(one.py_func) for one in (parts.thrice_the_longest, parts.longest_and_norm))  # type: ignore[attr-defined]
     assert thrice(3.0, 4.0) == 27.0
     assert both(3.0, 4.0) == 14.0
-    (result,) = store.KERNELS[parts.__name__, "longest"]().overloads.values()
+    (result,) = compiling.compiled_form(parts.longest).overloads.values()
     for entry in (thrice, both):
         (made,) = entry.overloads.values()
         assert made.library.parts == [result.library]
@@ -135,7 +135,7 @@ def test_a_kernel_apart_is_called_not_copied() -> None:
 
 def test_code_that_numba_compiles_by_itself_can_call_what_calls_shared_kernels() -> None:
     """Numba may keep it on disk, for processes that have no shared kernel: it is in that code, as everything is."""
-    longest = store.KERNELS[parts.__name__, "longest"]()
+    longest = compiling.compiled_form(parts.longest)
 
     def twice(x: float) -> float:
         return float(2.0 * longest(x, 4.0) + parts.thrice_the_longest(x, 4.0))
@@ -151,7 +151,7 @@ def test_code_that_numba_compiles_by_itself_can_call_what_calls_shared_kernels()
 def test_names_are_the_same_in_every_process() -> None:
     """Numba numbers functions as they come; kernels are called by what they depend on."""
     parts.twice_the_norm(3.0, 4.0)
-    (result,) = store.KERNELS[parts.__name__, "norm"]().overloads.values()
+    (result,) = compiling.compiled_form(parts.norm).overloads.values()
     name = store.Store(parts.norm, "inner").name
     assert re.fullmatch("inner[0-9a-f]{16}", name)
     assert name != store.Store(parts.square, "inner").name

@@ -1,7 +1,7 @@
 """Where obstacles that move are, and how they go on, as a proof needs it: from poses at times to drifts."""
 
 from sinuous.kernels.between.drift import BEGIN, TURN, TURNED, VELOCITY
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.rotations import exponential
 from sinuous.kernels.maths.vectors import (
     Array,
@@ -23,7 +23,6 @@ is turned (9, row by row); and the rotation vector (3) to the next pose of the c
 POSE_WIDTH = ONWARD + 3
 
 
-@kernel
 def _step_at(poses: Array, first: int, last: int, t: float) -> int:
     """The last pose from `first` to the one before `last` that is not later than t; `first` where there is none."""
     low, high = first, max(first, last - 1)
@@ -36,14 +35,12 @@ def _step_at(poses: Array, first: int, last: int, t: float) -> int:
     return low
 
 
-@kernel
 def _share_at(poses: Array, i: int, t: float) -> float:
     """How much of the way from pose i to the next is over at t, 0 to 1."""
     begin, end = poses[i, TIME], poses[i + 1, TIME]
     return min(1.0, max(0.0, (t - begin) / (end - begin)))
 
 
-@kernel
 def _place_at(poses: Array, i: int, share: float) -> Vec:
     """The place after this share of the way from pose i to the next: exactly that of a pose at its end."""
     if share >= 1.0:
@@ -69,7 +66,6 @@ def fill_drifts(poses: Array, times: Array, rows: Array) -> None:
         first = last + 1
 
 
-@kernel
 def _fill_drift(poses: Array, first: int, last: int, begin: float, end: float, row: Array, e: int) -> None:
     """Fill in how the obstacle of row e moves between two times; its poses are those from `first` to `last`."""
     turned = get_mat(poses, first, ROTATION)

@@ -11,7 +11,6 @@ Hence what is proved of the scene as it is half-way through an interval holds fo
 """
 
 from sinuous.kernels.between.sweep import Motion, Sweep
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.rotations import exponential
 from sinuous.kernels.maths.vectors import (
     Vec,
@@ -37,7 +36,6 @@ SPEED, SPIN, AT = 0, 1, 2
 """Columns of a pace: |v| and |w|, 0 of what stands still, and c (3) at the time that the scene is of."""
 
 
-@kernel
 def place_obstacles(motion: Motion, t: float, sweep: Sweep) -> None:
     """Put all obstacles that move where they are at time t, in the rows of the scene."""
     drifts, table = motion.drifts, motion.scene.table
@@ -55,7 +53,6 @@ def place_obstacles(motion: Motion, t: float, sweep: Sweep) -> None:
             put_mat(table, i, PLACE + POSE_ROTATION, rotation)
 
 
-@kernel
 def measure_paces(motion: Motion, base: Vec, reach: float, sweep: Sweep) -> tuple[float, float]:
     """Fill the paces of all obstacles.
 
@@ -75,7 +72,6 @@ def measure_paces(motion: Motion, base: Vec, reach: float, sweep: Sweep) -> tupl
     return most, far
 
 
-@kernel
 def drift_of(sweep: Sweep, i: int, h: float, place: Vec, reach: float) -> float:
     """How much the distance to obstacle `i` may change within h / 2, for what is within `reach` of a place."""
     speed, spin = sweep.paces[i, SPEED], sweep.paces[i, SPIN]

@@ -28,19 +28,16 @@ from sinuous.kernels.body.self_proof import PAIR_LOOKS
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add, norm, sub
 from sinuous.kernels.tables import SELF_RADIUS
 
 
-@kernel
 def _most_curved(qa: Array, qb: Array, k: int) -> float:
     """Largest curvature of segment `k` on its way: at an end, for bends are convex in time, and lengths linear."""
     first = math.hypot(qa[k, 0], qa[k, 1]) / max(qa[k, 2], NO_LENGTH)
     return max(first, math.hypot(qb[k, 0], qb[k, 1]) / max(qb[k, 2], NO_LENGTH))
 
 
-@kernel
 def passed_over(limits: Array, qa: Array, qb: Array) -> float:
     """Lower bound of the gaps of pairs of one run that turn by less than pi, at all times; see `self_pairs`."""
     n = limits.shape[0]
@@ -54,7 +51,6 @@ def passed_over(limits: Array, qa: Array, qb: Array) -> float:
     return low
 
 
-@kernel
 def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
     """Whether the body turns so little from base to tip, at all times, that no two places of it are looked at."""
     first = second = 0.0
@@ -67,7 +63,6 @@ def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
     return max(first, second) < enough
 
 
-@kernel
 def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
     """Lower bound of the gaps of segment `k` with itself; infinite where it never comes back to itself.
 
@@ -81,14 +76,12 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
     return arc_chord(bend / max(shortest, NO_LENGTH), shortest) - 2.0 * radius
 
 
-@kernel
 def _note(seen: Array, gap: float, when: float, i: int, s: float, j: int) -> None:
     """Keep the gap of two places in `seen` (6,), if it is the least so far."""
     if gap < seen[LEAST]:
         seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, i, s, j
 
 
-@kernel
 def _see_alone(swept: Swept, i: int, seen: Array) -> bool:
     """Keep the gap of segment `i` with itself at the ends of an interval; say whether it is an overlap."""
     least = math.inf
@@ -101,7 +94,6 @@ def _see_alone(swept: Swept, i: int, seen: Array) -> bool:
     return least < 0.0
 
 
-@kernel
 def _apart(swept: Swept, i: int, j: int) -> float:
     """Lower bound of the distance of segments i < j during an interval, from balls about them at both ends of it.
 
@@ -117,7 +109,6 @@ def _apart(swept: Swept, i: int, j: int) -> float:
     return 0.5 * (_balls(first, i, j) + _balls(last, i, j)) - lost
 
 
-@kernel
 def _balls(shape: Shape, i: int, j: int) -> float:
     """Lower bound of the distance between places of segments i and j, from balls about them."""
     first, second = add(frame(shape.frames, i)[1], frame(shape.frames, i + 1)[1]), frame(shape.frames, j)[1]
@@ -125,7 +116,6 @@ def _balls(shape: Shape, i: int, j: int) -> float:
     return middles - 0.5 * float(shape.q[i, 2] + shape.q[j, 2])
 
 
-@kernel
 def _never_concern(swept: Swept, i: int, j: int) -> bool:
     """Whether no two places of segments i < j concern each other during an interval."""
     first, last = swept.first, swept.last
@@ -134,7 +124,6 @@ def _never_concern(swept: Swept, i: int, j: int) -> bool:
     return bool(most < enough_between(first, i, j) or needed == 0.0)
 
 
-@kernel
 def list_pairs(sweep: Sweep) -> None:
     """List all pairs of segments."""
     n, count = sweep.q.shape[1], 0
@@ -145,7 +134,6 @@ def list_pairs(sweep: Sweep) -> None:
     sweep.left[0] = count
 
 
-@kernel
 def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Array) -> int:
     """Prove that the body does not run through itself during an interval; undecided pairs are left for its halves.
 
@@ -181,7 +169,6 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Arra
     return CLEAR if count == 0 else UNDECIDED
 
 
-@kernel
 def _judge(low: float, aim: Aim, seen: Array) -> int:
     """Keep a lower bound of gaps, if it is as good as it has to be."""
     if not good_enough(low, aim, seen):

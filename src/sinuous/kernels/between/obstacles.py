@@ -19,7 +19,6 @@ from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
 from sinuous.kernels.chain.kinematics import body_point, place_on
 from sinuous.kernels.chain.rates import bow
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, beside, look, price_of, slope, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import BOUND, EXACT
@@ -44,7 +43,6 @@ how far from there the body may be; whether that place is beyond the mount half-
 Corners = tuple[Vec, Vec, Vec, Vec]
 
 
-@kernel
 def wanted(aim: Aim, seen: Array) -> float:
     """The clearance from which on a bound is as good as it has to be, for what was `seen` (6,)."""
     if aim.slack >= 1.0 or seen[LEAST] == math.inf:
@@ -52,7 +50,6 @@ def wanted(aim: Aim, seen: Array) -> float:
     return max(0.0, (1.0 - aim.slack) * float(seen[LEAST]) - aim.finest)
 
 
-@kernel
 def good_enough(low: float, aim: Aim, seen: Array) -> bool:
     """Whether a lower bound of a clearance is as good as it has to be, for what was `seen` (6,)."""
     return bool(low > 0.0 and low >= wanted(aim, seen))
@@ -65,7 +62,6 @@ GRACE = 1.0 + 1e-9
 """By how much more than its length a segment is taken to reach."""
 
 
-@kernel
 def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None:
     """Leave out of the lists of obstacles what a segment (rows (n, 8)) cannot reach from the `base`.
 
@@ -83,7 +79,6 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
         sweep.reached[k] = count
 
 
-@kernel
 def measure_balls(motion: Motion, sweep: Sweep) -> None:
     """Fill the balls of spheres that stand still: center, and radius with what arithmetic may make of that distance.
 
@@ -100,7 +95,6 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
 
-@kernel
 def _begin_of(q: Array, k: int) -> float:
     """Length of the backbone before segment `k`."""
     along = 0.0
@@ -109,7 +103,6 @@ def _begin_of(q: Array, k: int) -> float:
     return along
 
 
-@kernel
 def _piece(
     sweep: Sweep,
     interval: Interval,
@@ -132,7 +125,6 @@ def _piece(
     return Piece(k, s, width, half, bend, radius, lag, reach, scale(0.5, add(here, there)), along >= mount)
 
 
-@kernel
 def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> Corners:
     """The ends of a piece when an interval begins, and when it ends."""
     qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
@@ -140,13 +132,11 @@ def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> Corners:
     return place_on(qa, fa, k, r), place_on(qa, fa, k, t), place_on(qb, fb, k, r), place_on(qb, fb, k, t)
 
 
-@kernel
 def _sagging(piece: Piece) -> float:
     """How far the body is from the chord of a piece, at most; infinite where it is bent by more than half a turn."""
     return sag(2.0 * piece.half, piece.bend) if piece.bend <= math.pi else math.inf
 
 
-@kernel
 def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece, reach: float) -> tuple[float, float, float]:
     """Lower bound of the distance of a piece to an obstacle, from its corners; what place and time leave open of it.
 
@@ -176,14 +166,12 @@ def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece, reach: flo
     return low - sagging - piece.lag, space, piece.lag + 0.5 * max(abs(g2 - g0), abs(g3 - g1))
 
 
-@kernel
 def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
     """Whether obstacle `i` is known to be farther from the center of a piece than what would change anything."""
     away, passed = sub(piece.center, get_vec(sweep.balls, i, 0)), sweep.balls[i, BALL] + enough
     return dot(away, away) > passed * passed
 
 
-@kernel
 def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: Aim, seen: Array) -> int:
     """Put those obstacles first that may be too near to a piece during an interval; return their number."""
     near, k = sweep.near, piece.k
@@ -204,7 +192,6 @@ def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: A
     return count
 
 
-@kernel
 def _decide(
     scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, count: int, aim: Aim, seen: Array
 ) -> tuple[int, float, float, int]:
@@ -249,7 +236,6 @@ def _decide(
     return verdict, space, time, looks
 
 
-@kernel
 def _free_from(sweep: Sweep, interval: Interval, k: int, aim: Aim, begins: tuple[float, float]) -> float:
     """Fraction of segment `k` from which on it is beyond the mount some time in an interval; `begins` as above."""
     return min(
@@ -258,7 +244,6 @@ def _free_from(sweep: Sweep, interval: Interval, k: int, aim: Aim, begins: tuple
     )
 
 
-@kernel
 def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> None:
     """Leave for the halves of an interval only the obstacles that may be too near to segment `k` in it."""
     begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
@@ -271,7 +256,6 @@ def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim
         sweep.counts[interval.level + 1, k] = _narrow(motion.scene, sweep, interval, whole, aim, seen)
 
 
-@kernel
 def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> int:
     """Prove segment `k` clear during an interval; the obstacles that cannot be decided are left for its halves.
 

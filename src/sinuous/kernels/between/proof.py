@@ -6,22 +6,11 @@ each interval is decided: for obstacles see `obstacles`, for those that move `dr
 
 import math
 
+from sinuous.kernels.between import sweep as w
 from sinuous.kernels.between.drift import measure_paces, place_obstacles
 from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
 from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment, narrow_segment
-from sinuous.kernels.between.sweep import (
-    FRACTION,
-    HALFWAY,
-    LEAST,
-    LEVELS,
-    LOW,
-    SEGMENT,
-    WHEN,
-    WHICH,
-    Motion,
-    Sweep,
-    knot,
-)
+from sinuous.kernels.between.sweep import Motion, Sweep, knot
 from sinuous.kernels.body.pieces import Scratch, following
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
 from sinuous.kernels.body.self_pairs import Shape, survey
@@ -30,7 +19,7 @@ from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel, shared
+from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array, norm
 from sinuous.kernels.tables import RADIUS, SELF_RADIUS
 
@@ -41,20 +30,18 @@ LOOKED = 0.1
 """Slack of the proof of a single configuration."""
 
 
-@kernel
 def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, which: int) -> None:
     """Keep the clearance of a configuration, or the most that it can be where `gap` is a lower bound, if it is less."""
     most = gap / (1.0 - LOOKED) if verdict == CLEAR else gap
-    if most < seen[LEAST]:
-        seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = most, t, k, s, which
+    if most < seen[w.LEAST]:
+        seen[w.LEAST], seen[w.WHEN], seen[w.SEGMENT], seen[w.FRACTION], seen[w.WHICH] = most, t, k, s, which
 
 
-@kernel
 def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> int:
     """Verdict about the configuration at time t."""
-    knot(motion, t, sweep, HALFWAY)
+    knot(motion, t, sweep, w.HALFWAY)
     place_obstacles(motion, t, sweep)
-    q, frames = sweep.q[HALFWAY], sweep.frames[HALFWAY]
+    q, frames = sweep.q[w.HALFWAY], sweep.frames[w.HALFWAY]
     verdict = CLEAR
     if motion.scene.table.shape[0] > 0:
         among = sweep.looked
@@ -64,12 +51,13 @@ def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> i
         )
         _note(seen[0], verdict, gap, t, k, s, which)
     if motion.avoids_itself and verdict == CLEAR:
-        verdict, gap, place = prove_self(Shape(motion.limits, q, frames, sweep.spans[HALFWAY]), aim.finest, sweep.clock)
+        verdict, gap, place = prove_self(
+            Shape(motion.limits, q, frames, sweep.spans[w.HALFWAY]), aim.finest, sweep.clock
+        )
         _note(seen[1], verdict, gap, t, place[0], place[1], place[2])
     return verdict
 
 
-@kernel
 def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """Whether the body is seen to touch something some time after `begin`, up to which it comes ever closer to it."""
     ahead = aim.finest / travel
@@ -82,7 +70,6 @@ def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, ai
     return False
 
 
-@kernel
 def list_obstacles(sweep: Sweep) -> None:
     """Let every segment look at all obstacles that it can reach."""
     for k in range(sweep.reached.shape[0]):
@@ -91,15 +78,13 @@ def list_obstacles(sweep: Sweep) -> None:
             sweep.near[k, e] = sweep.reach[k, e]
 
 
-@kernel
 def forget(seen: Array) -> None:
     """Know nothing of clearances."""
     for row in range(2):
-        seen[row, LOW] = seen[row, LEAST] = math.inf
-        seen[row, WHEN], seen[row, SEGMENT], seen[row, FRACTION], seen[row, WHICH] = 0.0, -1.0, 0.0, -1.0
+        seen[row, w.LOW] = seen[row, w.LEAST] = math.inf
+        seen[row, w.WHEN], seen[row, w.SEGMENT], seen[row, w.FRACTION], seen[row, w.WHICH] = 0.0, -1.0, 0.0, -1.0
 
 
-@kernel
 def narrow_obstacles(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> None:
     """Let every segment look only at the obstacles that it may touch some time in the motion, none of which moves."""
     list_obstacles(sweep)
@@ -110,14 +95,12 @@ def narrow_obstacles(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> Non
         narrow_segment(motion, sweep, Interval(0, 0.0, 1.0, 0, 1), k, aim, seen[0])
 
 
-@kernel
 def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """Whether the body is seen to touch something at time t, among the obstacles that `narrow_obstacles` left."""
     forget(seen)  # what overlaps less than something before would not be seen
     return bool(touches_too(motion, t, sweep, aim, seen))
 
 
-@kernel
 def touches_too(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """The same after looks at which nothing touched: `seen` has the least of all of them."""
     knot(motion, t, sweep, 0)
@@ -132,7 +115,6 @@ def touches_too(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -
     return bool(verdict == TOUCHING)
 
 
-@kernel
 def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """Verdict about obstacles, and until when everything is clear; `travel`: how far anything comes nearer, at most."""
     n = motion.q0.shape[0]
@@ -160,14 +142,13 @@ def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, s
         if not undecided:
             level, piece = following(level, piece)
             a, b = b, a
-        elif h * travel < aim.finest or level == LEVELS:
+        elif h * travel < aim.finest or level == w.LEVELS:
             return UNDECIDED, interval.begin
         else:
             level, piece = level + 1, 2 * piece
     return CLEAR, 1.0
 
 
-@kernel
 def _shape(motion: Motion, t: float, sweep: Sweep, at: int) -> Shape:
     """The shape at time t, in a place of the sweep."""
     knot(motion, t, sweep, at)
@@ -176,13 +157,12 @@ def _shape(motion: Motion, t: float, sweep: Sweep, at: int) -> Shape:
     return shape
 
 
-@kernel
 def _clear_of_itself(
     motion: Motion, travel: float, end: float, sweep: Sweep, aim: Aim, seen: Array
 ) -> tuple[int, float]:
     """Verdict about the body and itself until the time `end`, and until when everything is clear."""
-    seen[LOW] = passed_over(motion.limits, motion.q0, motion.q1) - aim.rounding
-    if not seen[LOW] > 0.0:
+    seen[w.LOW] = passed_over(motion.limits, motion.q0, motion.q1) - aim.rounding
+    if not seen[w.LOW] > 0.0:
         return UNDECIDED, 0.0
     if cannot_meet(motion.limits, motion.q0, motion.q1):
         return CLEAR, 1.0
@@ -202,14 +182,13 @@ def _clear_of_itself(
         if verdict == CLEAR:
             level, piece = following(level, piece)
             first, a, b = last, b, a
-        elif (verdict == TOUCHING and not aim.prefix) or h * travel < aim.finest or level == LEVELS:
+        elif (verdict == TOUCHING and not aim.prefix) or h * travel < aim.finest or level == w.LEVELS:
             return verdict, begin
         else:
             level, piece = level + 1, 2 * piece
     return CLEAR, 1.0
 
 
-@kernel
 def _thickest(limits: Array) -> float:
     """Largest radius of a body, whatever it has to be free of."""
     radius = 0.0
@@ -218,7 +197,6 @@ def _thickest(limits: Array) -> float:
     return radius
 
 
-@kernel
 def _measure(motion: Motion, sweep: Sweep, aim: Aim) -> tuple[Aim, float]:
     """The aim with what arithmetic may be wrong by, and how far anything comes nearer in the motion, at most."""
     travel = measure_rates(motion.q0, motion.q1, sweep.rates)
@@ -230,20 +208,18 @@ def _measure(motion: Motion, sweep: Sweep, aim: Aim) -> tuple[Aim, float]:
     return Aim(aim.slack, aim.finest, rounding, aim.mount, aim.prefix), travel + nearing
 
 
-@kernel
 def bound_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, row: int) -> bool:
     """Bound again, by what `seen` (2, 6) has, how clear a motion is of obstacles (row 0) or of the body itself (row 1).
 
     The other row is left as it is. The motion is proved clear; returns whether that could be bounded again in time.
     """
     own, travel = _measure(motion, sweep, aim)
-    seen[row, LOW] = math.inf
+    seen[row, w.LOW] = math.inf
     if row == 0:
         return bool(_clear_of_obstacles(motion, travel, sweep, own, seen[0])[0] == CLEAR)
     return bool(_clear_of_itself(motion, travel, 1.0, sweep, own, seen[1])[0] == CLEAR)
 
 
-@kernel
 def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """Prove a motion clear, or find where it is not.
 
@@ -256,18 +232,16 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
     return prove_again(motion, sweep, aim, seen)
 
 
-@kernel
 def prove_from(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, clear: float, apart: float) -> tuple[int, float]:
     """The same where both ends are proved to be so far from obstacles and from the body itself.
 
     Then no configuration has to be looked at to know what bounds are worth having: that is most of a short motion.
     """
     forget(seen)
-    seen[0, LEAST], seen[1, LEAST] = clear, apart
+    seen[0, w.LEAST], seen[1, w.LEAST] = clear, apart
     return _prove_all(motion, sweep, aim, seen, False)
 
 
-@kernel
 def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """The same where `seen` has the least that was seen of this motion before: bounds are as tight as that wants it.
 
@@ -279,10 +253,12 @@ def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[in
 @shared
 def _prove_all(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, looks: bool) -> tuple[int, float]:
     """The same; `looks`: whether the first configuration is looked at, where tight bounds are wanted."""
-    seen[0, LOW] = seen[1, LOW] = math.inf
+    seen[0, w.LOW] = seen[1, w.LOW] = math.inf
     own, travel = _measure(motion, sweep, aim)
     solid = motion.avoids_itself and _thickest(motion.limits) > 0.0
-    unknown = (motion.scene.table.shape[0] > 0 and seen[0, LEAST] == math.inf) or (solid and seen[1, LEAST] == math.inf)
+    unknown = (motion.scene.table.shape[0] > 0 and seen[0, w.LEAST] == math.inf) or (
+        solid and seen[1, w.LEAST] == math.inf
+    )
     if looks and own.slack < 1.0 and unknown:  # then a bound has to be known from the beginning that is worth having
         verdict = _look_at(motion, 0.0, sweep, own, seen)
         if verdict != CLEAR:

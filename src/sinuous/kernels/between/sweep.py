@@ -9,7 +9,6 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.chain.rates import RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 
@@ -33,26 +32,7 @@ Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself", "
 body must not run through itself, and how obstacles move meanwhile (c, 31), see `drift`: the rows of these in the scene
 are written as time goes on. `Sweep.still` (0, 31) says that none does."""
 
-Sweep = namedtuple(
-    "Sweep",
-    [
-        "q",
-        "frames",
-        "reach",
-        "reached",
-        "near",
-        "counts",
-        "rates",
-        "spans",
-        "looked",
-        "pairs",
-        "left",
-        "paces",
-        "balls",
-        "still",
-        "clock",
-    ],
-)
+Sweep = namedtuple("Sweep", "q frames reach reached near counts rates spans looked pairs left paces balls still clock")
 """Scratch of a proof of n segments among m obstacles: configurations (3, n, 3) and their frames (3, n + 1, 12), whose
 first rows are the base; of every segment the obstacles that it can reach at all (n, m) int64, and how many they are
 (n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
@@ -70,7 +50,6 @@ def sweep_size(segments: int, obstacles: int) -> int:
     return own + segments * each + (1 + PACE_WIDTH + BALL_WIDTH) * obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
 
 
-@kernel
 def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12).
 
@@ -120,7 +99,6 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     )
 
 
-@kernel
 def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:
     """Fill `out` (n, 3) with the configuration at time t."""
     for k in range(q0.shape[0]):
@@ -128,7 +106,6 @@ def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:
             out[k, j] = (1.0 - t) * q0[k, j] + t * q1[k, j]
 
 
-@kernel
 def knot(motion: Motion, t: float, sweep: Sweep, at: int) -> None:
     """Put the configuration at time t into a place of the sweep, with its frames."""
     at_time(motion.q0, motion.q1, t, sweep.q[at])

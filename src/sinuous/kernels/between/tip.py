@@ -8,7 +8,7 @@ import math
 
 from sinuous.kernels.between.sweep import at_time
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, sub
 from sinuous.kernels.problem import read_robot
 
@@ -16,7 +16,6 @@ LOOKS = 8
 """Pieces of a step between whose ends the tip's way is looked at, where the bound alone is not enough."""
 
 
-@kernel
 def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
     """Bound of the tip's acceleration in a motion that takes a unit of time; `lever`: how far the tool is off."""
     total = turning = 0.0
@@ -28,7 +27,6 @@ def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
     return total + lever * turning * turning
 
 
-@kernel
 def _distance(p: Vec, a: Vec, along: Vec) -> float:
     """Distance of a place from the straight line that begins at `a`."""
     square, away = dot(along, along), sub(p, a)

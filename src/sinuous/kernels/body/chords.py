@@ -7,7 +7,6 @@ a circle of curvature k that are as far apart along it, up to once around (Schur
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
 
 PARALLEL = 1e-14
@@ -16,7 +15,6 @@ PARALLEL = 1e-14
 TINY = 1e-300
 
 
-@kernel
 def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]:
     """Lower bound of the distance between the straight lines `ab` and `cd`, and the fractions of both where it is.
 
@@ -39,13 +37,11 @@ def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]
     return norm(add_scaled(add_scaled(w, s, u), -t, v)) - loss, s, t
 
 
-@kernel
 def sag(length: float, bend: float) -> float:
     """Upper bound of how far an arc that bends by at most half a turn is from its chord."""
     return 0.125 * length * bend
 
 
-@kernel
 def arc_chord(curvature: float, length: float) -> float:
     """Distance between the ends of an arc; 0 when that is a whole circle or more."""
     half = 0.5 * curvature * length

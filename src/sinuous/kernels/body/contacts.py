@@ -7,7 +7,6 @@ from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, 
 from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, slope_known
 from sinuous.kernels.maths.vectors import Vec, scale
 from sinuous.kernels.tables import RADIUS
@@ -26,7 +25,6 @@ Look = namedtuple("Look", ["margin", "wish", "depth", "mode"])
 segment is halved where it may be too near, and the mode of the distances, STEP or EXACT."""
 
 
-@kernel
 def contacts(
     body: Body, scene: Scene | None, k: int, mount: float, look: Look, scratch: Scratch, rows: Rows, at: int
 ) -> tuple[int, float]:
@@ -69,7 +67,6 @@ def contacts(
     return at, least
 
 
-@kernel
 def _contact(body: Body, scene: Scene, i: int, place: Place, distances: Vec, mode: int, rows: Rows, at: int) -> int:
     """Write the row of a place near obstacle `i`.
 

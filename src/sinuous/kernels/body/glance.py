@@ -3,14 +3,12 @@
 import math
 
 from sinuous.kernels.chain.arc import point
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import nearest
 from sinuous.kernels.maths.vectors import ZERO, Mat, Vec, add, mat_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import RADIUS
 
 
-@kernel
 def deepest(
     problem: Problem, rotation: Mat, position: Vec, q: Vec, k: int, travel: float, looks: int
 ) -> tuple[float, int, Vec]:

@@ -3,7 +3,7 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene, look, price_of
 from sinuous.kernels.fields.solids import BOUND
 from sinuous.kernels.maths.vectors import Array, Vec
@@ -15,7 +15,6 @@ Scratch = namedtuple("Scratch", ["among", "clock"])
 look_here = inline(look)
 
 
-@kernel
 def free_part(q: Array, k: int, mount: float) -> float:
     """Fraction of segment `k` that lies within the mount; `mount` is what is left of it where the segment begins."""
     if mount <= 0.0:
@@ -25,7 +24,6 @@ def free_part(q: Array, k: int, mount: float) -> float:
     return mount / q[k, 2]
 
 
-@kernel
 def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
     count, rest = 0, math.inf
@@ -40,7 +38,6 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     return count, rest
 
 
-@kernel
 def price_among(scene: Scene, among: Array, count: int) -> int:
     """Looks that the distance to the first `count` obstacles costs that `among` lists."""
     looks = 0
@@ -49,7 +46,6 @@ def price_among(scene: Scene, among: Array, count: int) -> int:
     return looks
 
 
-@kernel
 def following(level: int, piece: int) -> tuple[int, int]:
     """Piece that comes after this one, as large as its place allows; (0, 1) when there is none.
 
@@ -61,7 +57,6 @@ def following(level: int, piece: int) -> tuple[int, int]:
     return level, piece
 
 
-@kernel
 def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: int) -> tuple[float, float, int]:
     """Least distance of `p` to the first `count` obstacles that `among` lists, an upper bound of it, and the obstacle.
 

@@ -18,7 +18,7 @@ from sinuous.kernels.body.chords import sag
 from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, look_here, near, price_among
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel, shared
+from sinuous.kernels.compile import shared
 from sinuous.kernels.fields.distances import Scene, beside, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import BOUND, EXACT
@@ -36,13 +36,11 @@ CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 """Verdicts."""
 
 
-@kernel
 def _decided(sure: float, least: float, slack: float) -> bool:
     """Whether a bound proves something, and as much as is worth proving when `least` is the best that can be true."""
     return sure > 0.0 and sure >= (1.0 - slack) * least
 
 
-@kernel
 def rounding_of(q: Array, frames: Array) -> float:
     """What arithmetic may make of a place of the body (length unit), for how far it is from the origin of the world."""
     far = norm(frame(frames, 0)[1])
@@ -51,13 +49,11 @@ def rounding_of(q: Array, frames: Array) -> float:
     return ROUNDING * far
 
 
-@kernel
 def _exact(scene: Scene, i: int, d: float, most: float) -> bool:
     """Whether nothing but arithmetic is between a lower bound of the distance to obstacle `i` and an upper one."""
     return bool(i >= 0 and most - d <= 1.01 * scene.table[i, ROUNDOFF])
 
 
-@kernel
 def _by_tangents(
     scene: Scene,
     among: Array,

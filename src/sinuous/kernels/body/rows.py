@@ -5,7 +5,6 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.chain.kinematics import body_columns, frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, put_vec, sub
 
@@ -26,13 +25,11 @@ Place = tuple[int, float, Vec]
 """A place of the backbone: segment, fraction of it, and where that is."""
 
 
-@kernel
 def rows_size(segments: int, capacity: int) -> int:
     """Numbers that one set of rows takes from a buffer."""
     return segments + 1 + 28 * capacity
 
 
-@kernel
 def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
     """Lay out `count` sets of rows in the beginning of `buffer`; every array has one more axis in front."""
     c, n, m = count, segments + 1, capacity
@@ -49,7 +46,6 @@ def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
     )
 
 
-@kernel
 def pick_rows(rows: Rows, i: int) -> Rows:
     """Set number `i` of several."""
     return Rows(
@@ -64,7 +60,6 @@ def pick_rows(rows: Rows, i: int) -> Rows:
     )
 
 
-@kernel
 def put_body_row(
     rows: Rows, at: int, q: Array, frames: Array, place: Place, force: Vec, kind: int, value: float
 ) -> int:

@@ -9,7 +9,7 @@ import math
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
 from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
 from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
-from sinuous.kernels.compile import kernel, shared
+from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
@@ -38,7 +38,6 @@ Meeting = tuple[int, float, int, float]
 """Two places of the body: segment and fraction of it, segment and fraction."""
 
 
-@kernel
 def pair_width(segments: int) -> int:
     """Numbers of one self-contact."""
     return WEIGHTS + 3 * segments
@@ -80,7 +79,6 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
             count = max(count, at + 1)
 
 
-@kernel
 def _place_for(pairs: Array, count: int, value: float) -> int:
     """The next free row, else that of the self-contact that asks for least; -1 where all ask for more than `value`."""
     if count < pairs.shape[0]:
@@ -92,7 +90,6 @@ def _place_for(pairs: Array, count: int, value: float) -> int:
     return least if pairs[least, VALUE] < value else -1
 
 
-@kernel
 def pull_along(columns: Array, k: int, torque: Vec, force: Vec) -> Vec:
     """What a force does along the three coordinates of segment `k`, as if it held on to what lies beyond it."""
     return (
@@ -102,7 +99,6 @@ def pull_along(columns: Array, k: int, torque: Vec, force: Vec) -> Vec:
     )
 
 
-@kernel
 def pull_at(shape: Shape, origin: Vec, k: int, s: float, torque: Vec, force: Vec) -> Vec:
     """What a force at the fraction `s` of segment `k` does along the three coordinates of that segment."""
     x, y, z = body_columns(shape.q, shape.frames, origin, k, s)
@@ -113,7 +109,6 @@ def pull_at(shape: Shape, origin: Vec, k: int, s: float, torque: Vec, force: Vec
     )
 
 
-@kernel
 def _put_weights(shape: Shape, columns: Array, places: Meeting, unit: float, pairs: Array, at: int) -> None:
     """Write `c`: how the distance of two places, in units of `unit`, changes with every coordinate.
 

@@ -25,7 +25,6 @@ from collections import namedtuple
 
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import SELF_RADIUS
 
@@ -45,7 +44,6 @@ HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
 NO_LENGTH = 1e-300
 
 
-@kernel
 def survey(shape: Shape) -> tuple[float, float]:
     """Fill `shape.spans`; return the bound of the gaps that are passed over, and the largest radius.
 
@@ -76,7 +74,6 @@ def survey(shape: Shape) -> tuple[float, float]:
     return min(most, least_of_run(limits[n - 1, SELF_RADIUS], along - begun, tightest)), thickest
 
 
-@kernel
 def least_of_run(radius: float, length: float, curvature: float) -> float:
     """Lower bound of the gap of places pi radii apart along a run of this length and of no more than this curvature."""
     apart = math.pi * radius
@@ -85,19 +82,16 @@ def least_of_run(radius: float, length: float, curvature: float) -> float:
     return arc_chord(curvature, apart) - 2.0 * radius
 
 
-@kernel
 def enough_between(shape: Shape, i: int, j: int) -> float:
     """Turn (rad) between places of segments i < j from which on these are looked at."""
     return HALF_TURN if shape.spans[i, RUN] == shape.spans[j, RUN] else QUARTER_TURN
 
 
-@kernel
 def _middle(frames: Array, k: int) -> Vec:
     """Middle of the chord of segment k, from which no point of it is farther than half its length."""
     return scale(0.5, add(frame(frames, k)[1], frame(frames, k + 1)[1]))
 
 
-@kernel
 def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tuple[int, int, float]:
     """The first pair of segments after (i, j), i <= j, that may have a gap below `level`; (n, n): there is none.
 
@@ -131,7 +125,6 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             j += 1
 
 
-@kernel
 def meets_itself(shape: Shape, i: int) -> bool:
     """Whether segment `i` alone turns far enough to come back to itself."""
     radius = shape.limits[i, SELF_RADIUS]
@@ -139,7 +132,6 @@ def meets_itself(shape: Shape, i: int) -> bool:
     return bool(radius > 0.0 and turn >= HALF_TURN and shape.q[i, 2] >= math.pi * radius)
 
 
-@kernel
 def own_gap(shape: Shape, i: int) -> tuple[float, float]:
     """Least gap between the beginning of segment `i` and another place of it, and the fraction of that place."""
     radius, length, curvature = shape.limits[i, SELF_RADIUS], shape.q[i, 2], shape.spans[i, CURVATURE]

@@ -17,7 +17,6 @@ from sinuous.kernels.body.pieces import following
 from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Shape, enough_between
 from sinuous.kernels.chain.kinematics import frame, place_on, tangent
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, bow_from
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import SELF_RADIUS
 
@@ -54,13 +53,11 @@ Nearest = tuple[float, float, float, float, float, int]
 segments and the time where that was; and how many pairs of pieces were looked at."""
 
 
-@kernel
 def at_rest(shape: Shape) -> Swept:
     """A body that stays where it is."""
     return Swept(shape, shape, shape.q, 0.0, 0.0)
 
 
-@kernel
 def _good_enough(aim: Aim, low: float, least: float) -> bool:
     """Whether a lower bound of gaps is as good as it has to be where `least` is the least gap that is known."""
     wanted = aim.unseen
@@ -69,7 +66,6 @@ def _good_enough(aim: Aim, low: float, least: float) -> bool:
     return bool(low > aim.least and low >= wanted)
 
 
-@kernel
 def _joint(rates: Array, i: int, j: int) -> int:
     """The joint between segments i < j, with about as much turning before it as after: the segment that it begins."""
     half = 0.5 * (rates[i, TURNING] + rates[j, TURNING] + rates[j, BEND_RATE])
@@ -79,13 +75,11 @@ def _joint(rates: Array, i: int, j: int) -> int:
     return joint
 
 
-@kernel
 def _longest(swept: Swept, k: int) -> float:
     """Largest length of segment `k` in the interval."""
     return max(swept.first.q[k, 2], swept.last.q[k, 2])
 
 
-@kernel
 def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
     """W and A past the segments from `begin` on, up to `end` without that one."""
     rates = swept.rates
@@ -96,7 +90,6 @@ def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
     return turning, bowing
 
 
-@kernel
 def pair_of(swept: Swept, i: int, j: int) -> Pair:
     """Put together what is known of segments i < j in an interval."""
     first, last = swept.first, swept.last
@@ -112,7 +105,6 @@ def pair_of(swept: Swept, i: int, j: int) -> Pair:
     return Pair(i, j, needed, enough_between(first, i, j), tightest, stepped, joint, back, ahead)
 
 
-@kernel
 def _every_second_bit(x: int) -> int:
     """The bits of `x` at even places, put together."""
     x &= 0x5555555555555555
@@ -123,7 +115,6 @@ def _every_second_bit(x: int) -> int:
     return (x | (x >> 16)) & 0x00000000FFFFFFFF
 
 
-@kernel
 def _pieces_of(level: int, piece: int) -> Pieces:
     """The pieces after `level` halvings, of the first segment and the second in turn; `piece` has a bit for each."""
     newer, older = _every_second_bit(piece), _every_second_bit(piece >> 1)
@@ -133,7 +124,6 @@ def _pieces_of(level: int, piece: int) -> Pieces:
     return u * older, u, v * newer, v
 
 
-@kernel
 def _amount_between(shape: Shape, pair: Pair, column: int, s: float, t: float) -> float:
     """How much of a column of the spans lies between the fractions s and t of the segments of a pair."""
     spans, i, j = shape.spans, pair.i, pair.j
@@ -141,13 +131,11 @@ def _amount_between(shape: Shape, pair: Pair, column: int, s: float, t: float) -
     return float(spans[j, column] + t * (spans[j + 1, column] - spans[j, column]) - begin)
 
 
-@kernel
 def _most_between(swept: Swept, pair: Pair, column: int, s: float, t: float) -> float:
     """The most of that in the interval: it is at an end of it, for turns are convex in time, lengths linear."""
     return max(_amount_between(swept.first, pair, column, s, t), _amount_between(swept.last, pair, column, s, t))
 
 
-@kernel
 def _by_circle(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     """Lower bound of the gap of two pieces, from the curvature between them."""
     a, _, b, v = pieces
@@ -158,7 +146,6 @@ def _by_circle(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     return min(arc_chord(pair.tightest, far), arc_chord(pair.tightest, pair.enough / pair.tightest)) - pair.needed
 
 
-@kernel
 def _seen(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
     """A place of the body, as it is seen from the joint of a pair."""
     place = place_on(shape.q, shape.frames, k, s)
@@ -168,14 +155,12 @@ def _seen(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
     return vec_mat(sub(place, position), rotation)
 
 
-@kernel
 def _seen_tangent(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
     """The tangent at a place of the body, as it is seen from the joint of a pair."""
     along = tangent(shape.q, shape.frames, k, s)
     return along if pair.joint < 0 else vec_mat(along, frame(shape.frames, pair.joint)[0])
 
 
-@kernel
 def _lag(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     """How far differences of places of two pieces may be from the chords of their paths."""
     if pair.joint < 0:
@@ -186,14 +171,12 @@ def _lag(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     return float(0.125 * swept.h * swept.h * (pair.back[1] + back + pair.ahead[1] + ahead))
 
 
-@kernel
 def _bend(swept: Swept, k: int) -> float:
     """Largest bend (rad) of segment `k` in the interval."""
     first, last = swept.first.spans, swept.last.spans
     return float(max(first[k + 1, TURNED] - first[k, TURNED], last[k + 1, TURNED] - last[k, TURNED]))
 
 
-@kernel
 def _by_corners(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, float, float, float]:
     """Lower bound of the gap of two pieces; what place and time leave open of it; where they seem to be nearest."""
     a, u, b, v = pieces
@@ -222,7 +205,6 @@ def _by_corners(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float,
     return low - sags - lag - pair.needed, space, lag + 0.5 * moved, a + s * u, b + t * v
 
 
-@kernel
 def _ahead(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, float]:
     """Lower bound of how far places of two pieces lie ahead of each other; what place and time leave open of it.
 
@@ -247,7 +229,6 @@ def _ahead(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, floa
     return center - space - time, space, time
 
 
-@kernel
 def _across(shape: Shape, pair: Pair, pieces: Pieces) -> Vec:
     """From the middle of the chord of one piece to that of the other."""
     a, u, b, v = pieces
@@ -255,7 +236,6 @@ def _across(shape: Shape, pair: Pair, pieces: Pieces) -> Vec:
     return scale(0.5, sub(add(_seen(shape, pair, pair.j, b), _seen(shape, pair, pair.j, b + v)), first))
 
 
-@kernel
 def _concern(shape: Shape, pair: Pair, s: float, t: float) -> bool:
     """Whether the fractions s and t of the segments of a pair concern each other."""
     if _amount_between(shape, pair, TURNED, s, t) < pair.enough:
@@ -267,7 +247,6 @@ def _concern(shape: Shape, pair: Pair, s: float, t: float) -> bool:
     return bool(dot(across, here) <= 0.0 or dot(across, there) <= 0.0)
 
 
-@kernel
 def _look(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tuple[float, float, float, float]:
     """Least gap between the fractions s and t of two segments at the ends of an interval, where that is and when.
 
@@ -289,7 +268,6 @@ def _look(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tuple
     return least, at, on, when
 
 
-@kernel
 def _bound(
     swept: Swept, pair: Pair, pieces: Pieces, aim: Aim, known: float
 ) -> tuple[float, float, float, float, float]:
@@ -312,7 +290,6 @@ def _bound(
     return sure, space, time, s, t
 
 
-@kernel
 def nearest_places(swept: Swept, pair: Pair, aim: Aim, least: float) -> Nearest:
     """Bound the gaps of two segments, of those places that concern each other, during an interval.
 

@@ -11,7 +11,6 @@ point `(l G ux, l G uy, l S)`, rotation `I + S W + G W^2`, left Jacobian of the 
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Mat, Vec, add, cross, mat_vec, sub
 
 Twist = tuple[Vec, Vec]
@@ -23,7 +22,6 @@ SERIES_H = tuple((-1) ** k / math.factorial(2 * k + 3) for k in range(TERMS))
 SERIES_D = tuple((-1) ** (k + 1) * (2 * k + 2) / math.factorial(2 * k + 4) for k in range(TERMS))
 
 
-@kernel
 def _series(x: float, terms: tuple[float, ...]) -> float:
     """Sum of `terms[k] x^k`, an odd number of them: even and odd powers apart, so that each waits for half as many."""
     square = x * x
@@ -33,7 +31,6 @@ def _series(x: float, terms: tuple[float, ...]) -> float:
     return terms[0] + square * even + x * odd
 
 
-@kernel
 def coefficients(x: float) -> tuple[float, float, float, float]:
     """S, G, H and D at `x = t^2`: power series to a little beyond t = pi, quicker there; above, closed forms."""
     if x < SERIES_END:
@@ -47,7 +44,6 @@ def coefficients(x: float) -> tuple[float, float, float, float]:
     return S, G, (1.0 - S) / x, (S - 2.0 * G) / x
 
 
-@kernel
 def pose(ux: float, uy: float, length: float) -> tuple[Mat, Vec]:
     """Rotation and position of the end of an arc in the frame of its beginning."""
     x = ux * ux + uy * uy
@@ -55,7 +51,6 @@ def pose(ux: float, uy: float, length: float) -> tuple[Mat, Vec]:
     return _pose(ux, uy, length, x, S, G)
 
 
-@kernel
 def _pose(ux: float, uy: float, length: float, x: float, S: float, G: float) -> tuple[Mat, Vec]:
     xy = -G * ux * uy
     rotation = (
@@ -66,7 +61,6 @@ def _pose(ux: float, uy: float, length: float, x: float, S: float, G: float) -> 
     return rotation, (length * G * ux, length * G * uy, length * S)
 
 
-@kernel
 def point(ux: float, uy: float, length: float) -> Vec:
     """Position of the end of an arc in the frame of its beginning."""
     x = ux * ux + uy * uy
@@ -77,7 +71,6 @@ def point(ux: float, uy: float, length: float) -> Vec:
     return length * G * ux, length * G * uy, length * S
 
 
-@kernel
 def pose_and_columns(ux: float, uy: float, length: float) -> tuple[Mat, Vec, Twist, Twist, Vec]:
     """The pose of the end, and what a change of `ux`, `uy` and `length` does to it, as twists about the beginning.
 
@@ -102,7 +95,6 @@ def pose_and_columns(ux: float, uy: float, length: float) -> tuple[Mat, Vec, Twi
     )
 
 
-@kernel
 def carry(rotation: Mat, position: Vec, omega: Vec, v: Vec) -> Twist:
     """A twist about the origin of the frame `(rotation, position)`, seen from the frame that this one stands in."""
     turned = mat_vec(rotation, omega)

@@ -11,7 +11,6 @@ Layouts, all float64 and C-contiguous:
 import math
 
 from sinuous.kernels.chain.arc import Twist, carry, point, pose, pose_and_columns
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
@@ -28,25 +27,21 @@ from sinuous.kernels.maths.vectors import (
 )
 
 
-@kernel
 def compose(rotation: Mat, position: Vec, inner_rotation: Mat, inner_position: Vec) -> tuple[Mat, Vec]:
     """The product of two poses."""
     return mat_mat(rotation, inner_rotation), add(position, mat_vec(rotation, inner_position))
 
 
-@kernel
 def frame(frames: Array, k: int) -> tuple[Mat, Vec]:
     """Rotation and position that row `k` holds."""
     return get_mat(frames, k, 0), get_vec(frames, k, 9)
 
 
-@kernel
 def put_frame(frames: Array, k: int, rotation: Mat, position: Vec) -> None:
     put_mat(frames, k, 0, rotation)
     put_vec(frames, k, 9, position)
 
 
-@kernel
 def forward(q: Array, frames: Array) -> None:
     """Fill rows 1 to n of `frames`; row 0 holds the base."""
     rotation, position = frame(frames, 0)
@@ -56,14 +51,12 @@ def forward(q: Array, frames: Array) -> None:
         put_frame(frames, k + 1, rotation, position)
 
 
-@kernel
 def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
     """Position of the backbone at the fraction `s` of segment `k`."""
     rotation, position = frame(frames, k)
     return add(position, mat_vec(rotation, point(s * q[k, 0], s * q[k, 1], s * q[k, 2])))
 
 
-@kernel
 def place_on(q: Array, frames: Array, k: int, s: float) -> Vec:
     """The same; at the ends of a segment the frames know it, so nothing is computed."""
     if s <= 0.0:
@@ -71,7 +64,6 @@ def place_on(q: Array, frames: Array, k: int, s: float) -> Vec:
     return frame(frames, k + 1)[1] if s >= 1.0 else body_point(q, frames, k, s)
 
 
-@kernel
 def tangent(q: Array, frames: Array, k: int, s: float) -> Vec:
     """Unit tangent of the backbone at the fraction `s` of segment `k`, towards the tip."""
     bend = math.hypot(q[k, 0], q[k, 1])
@@ -79,7 +71,6 @@ def tangent(q: Array, frames: Array, k: int, s: float) -> Vec:
     return mat_vec(frame(frames, k)[0], (aside * q[k, 0], aside * q[k, 1], math.cos(s * bend)))
 
 
-@kernel
 def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tuple[Twist, Twist, Twist]:
     """Spatial Jacobian of the backbone at the fraction `s` of segment `k`, in the three coordinates of that segment.
 
@@ -95,7 +86,6 @@ def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tupl
     )
 
 
-@kernel
 def forward_with_columns(q: Array, frames: Array, columns: Array) -> None:
     """Fill rows 1 to n of `frames`, and `columns` for the ends of all segments, about the base."""
     rotation, position = frame(frames, 0)

@@ -9,7 +9,6 @@ of duration h a place stays within `h^2 A / 8` of the chord of its path.
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 
 TURNING, STRETCHING, BOWING, BEND_RATE, LENGTH_RATE = range(5)
@@ -19,7 +18,6 @@ it bends (rad) and changes its length in the whole motion."""
 RATES_WIDTH = 5
 
 
-@kernel
 def measure_rates(q0: Array, q1: Array, rates: Array) -> float:
     """Fill `rates` (n, 5); return a bound of how far any place of the body travels."""
     turning = stretching = bowing = travel = 0.0
@@ -34,14 +32,12 @@ def measure_rates(q0: Array, q1: Array, rates: Array) -> float:
     return travel
 
 
-@kernel
 def bow(rates: Array, k: int, length: float, s: float) -> float:
     """The acceleration A of places up to the fraction `s` of segment `k`, of no more than this length."""
     own = bow_from(rates[k, TURNING], rates[k, BEND_RATE], rates[k, LENGTH_RATE], length, s)
     return float(rates[k, BOWING] + own)
 
 
-@kernel
 def bow_from(turning: float, bend: float, stretch: float, length: float, s: float) -> float:
     """What a segment adds to A up to its fraction `s`: W where it begins, its rates, and its largest length."""
     squares = turning * turning + s * turning * bend + s * s * bend * bend / 3.0

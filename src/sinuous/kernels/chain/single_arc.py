@@ -5,8 +5,6 @@ The chord makes half the bend with the first tangent, and is `sin(half) / half` 
 
 import math
 
-from sinuous.kernels.compile import kernel
-
 STRAIGHT = 1e-9
 """Half a bend up to which chord and arc have the same length, in rad."""
 
@@ -14,13 +12,11 @@ MOST_HALF_BEND = math.pi - 1e-6
 """A point straight behind has no arc; what is nearly closed has one of this half bend, in rad."""
 
 
-@kernel
 def arc_length(chord: float, half: float) -> float:
     """Length of the arc over a chord of this length, where `half` (rad) is half its bend."""
     return chord * half / math.sin(half) if half > STRAIGHT else chord
 
 
-@kernel
 def arc_to(aside: float, ahead: float) -> tuple[float, float]:
     """Half the bend (rad) and the length of the arc to a point so far aside of the first tangent, and ahead along it.
 

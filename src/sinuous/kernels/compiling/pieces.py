@@ -52,11 +52,11 @@ FEW = 30_000
 """Numbers of which work is soon done, interpreted."""
 
 PIECES = (
-    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 16),
-    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 25),
+    Piece("single solves", 4, ("kernels.solve.search.search" + FREE,), 12),
+    Piece("single solves among obstacles", 8, ("kernels.solve.search.search",), 18),
     Piece(
         "routes among obstacles",
-        40,
+        30,
         (
             "kernels.fitting.lines.measure_line",
             "kernels.fitting.lines.respace_line",
@@ -75,8 +75,8 @@ PIECES = (
             "kernels.fitting.settle.settle_chain",
         ),
     ),
-    Piece("batches of solves", 1, ("kernels.solve.search.search_many" + FREE,), 16, waits=True),
-    Piece("batches of solves among obstacles", 1, ("kernels.solve.search.search_many",), 25, waits=True),
+    Piece("batches of solves", 1, ("kernels.solve.search.search_many" + FREE,), 12, waits=True),
+    Piece("batches of solves among obstacles", 1, ("kernels.solve.search.search_many",), 18, waits=True),
     Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
     Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
     Piece("starts of a memory", 1, ("kernels.solve.recall.recall", "kernels.solve.recall.compare"), most=FEW),

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from numba import typeof
 from numba.core import serialize
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
@@ -53,8 +54,8 @@ def find_cache() -> Path:
 
 CACHE = find_cache()
 
-KERNELS: dict[tuple[str, str], Callable[[], Any]] = {}
-"""What is compiled for inner kernels, by module and qualified name: what a kernel that is read from the disk calls."""
+COPIES: dict[tuple[str, str], Callable[..., Any]] = {}
+"""Kernels that are copied into their callers, by module and qualified name: their own files do not have them."""
 
 ENTRIES: dict[tuple[str, str], Any] = {}
 """Entries by module and qualified name: what a helper is asked to compile."""
@@ -218,10 +219,10 @@ def _files_in(folder: Path) -> Iterator[tuple[float, int, Path]]:
 
 def _part(module: str, name: str, types: tuple[Any, ...], symbol: str) -> Any:
     """Code of an inner kernel for these types, under this symbol; `None` where there is no such kernel."""
-    made = KERNELS.get((module, name))
-    if made is None:
+    function = COPIES.get((module, name)) or getattr(sys.modules.get(module), name, None)
+    if function is None:
         return None
-    kernel = made()
+    kernel = typeof(function).dispatcher
     kernel.compile(types)
     found = kernel.overloads[types]
     return found.library if found.fndesc.mangled_name == symbol else None

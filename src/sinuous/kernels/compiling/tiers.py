@@ -23,7 +23,7 @@ from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
 from sinuous.kernels.compiling.store import ENTRIES, Store, begun
 from sinuous.work_time import TooLongError, no_work
 
-FIRST = 60
+FIRST = 45
 """Seconds that compiling takes about for somebody who begins."""
 
 PATIENCE = 4.0

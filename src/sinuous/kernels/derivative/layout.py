@@ -11,7 +11,6 @@ from collections import namedtuple
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array
 
@@ -51,25 +50,7 @@ were more active rows than there is room for; preferences have chosen the answer
 MOST_ACTIVE = 256
 """Most rows of limits and contacts."""
 
-Desk = namedtuple(
-    "Desk",
-    [
-        "q",
-        "frames",
-        "columns",
-        "near",
-        "spans",
-        "pairs",
-        "rows",
-        "about",
-        "sides",
-        "forces",
-        "system",
-        "moved",
-        "way",
-        "values",
-    ],
-)
+Desk = namedtuple("Desk", "q frames columns near spans pairs rows about sides forces system moved way values")
 """A configuration (n, 3), frames (n + 1, 12), columns (n, 18); numbers of obstacles (m,) int64; spans and self-contacts
 as `body.self_contacts` has them; rows (r, 3 n), what is known about them (r, 12), and their right sides (r, p); what
 becomes of these while the system is solved (r, p); the triangular factor of the system (r, r); what a unit of each
@@ -93,7 +74,6 @@ def desk_size(segments: int, obstacles: int, targets: int, columns: int) -> int:
     return 36 * n + 12 + obstacles + SPAN_WIDTH * (n + 1) + MOST_PAIRS * (1 + 3 * n) + r * (r + 1 + columns)
 
 
-@kernel
 def carve_desk(buffer: Array, answer: Array, base: Array, obstacles: int, sizes: tuple[int, int, int]) -> Desk:
     """Lay out a workspace in `buffer`, and the answer behind its header; `base` (1, 12).
 

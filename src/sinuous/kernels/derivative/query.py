@@ -12,7 +12,7 @@ all rows of the targets alone would leave it as it is. Else the answer has a kin
 import math
 
 from sinuous.kernels.chain.kinematics import forward_with_columns
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.derivative import layout as d
 from sinuous.kernels.derivative.layout import Desk, carve_desk
 from sinuous.kernels.derivative.rows import add_contacts, add_limits, add_self_contacts, add_targets, normalise
@@ -36,14 +36,12 @@ CONVERGED = 1e-9
 """Residual (rad, robot lengths) of the targets below which the way to where they are met makes no difference."""
 
 
-@kernel
 def weight(limits: Array, i: int) -> float:
     """Entry `i` of the metric's inverse: squares of rad, and of lengths."""
     scale = limits[i // 3, BEND_SCALE] if i % 3 < 2 else limits[i // 3, LENGTH_SCALE]
     return float(scale * scale)
 
 
-@kernel
 def factorise(limits: Array, desk: Desk, count: int, targets: int) -> int:
     """Fill the lower triangle of `desk.system` with the root of A W A'.
 
@@ -66,7 +64,6 @@ def factorise(limits: Array, desk: Desk, count: int, targets: int) -> int:
     return dependent
 
 
-@kernel
 def _is_idle(sides: Array, moved: Array, count: int, c: int) -> bool:
     """Whether a parameter asks for nothing and moves nothing: of many obstacles few are touched."""
     used = False
@@ -77,7 +74,6 @@ def _is_idle(sides: Array, moved: Array, count: int, c: int) -> bool:
     return not used
 
 
-@kernel
 def settle(limits: Array, desk: Desk, count: int, targets: int, sides: Array, moved: Array) -> float:
     """Add to the motions `moved` (3 n, p) the least ones with which the rows have their right sides (r, p).
 
@@ -109,7 +105,6 @@ def settle(limits: Array, desk: Desk, count: int, targets: int, sides: Array, mo
     return most
 
 
-@kernel
 def _find_rows(problem: Problem, desk: Desk) -> tuple[int, int, float, int]:
     """Fill the rows at `desk.q`; returns all, those of targets, their largest residual, and bits of a status."""
     forward_with_columns(desk.q, desk.frames, desk.columns)
@@ -122,7 +117,6 @@ def _find_rows(problem: Problem, desk: Desk) -> tuple[int, int, float, int]:
     return count, targets, residual, told | more
 
 
-@kernel
 def _correct(problem: Problem, desk: Desk, count: int, targets: int) -> None:
     """Go on to where the targets are met: one Newton step that keeps all other rows."""
     for a in range(count):
@@ -134,7 +128,6 @@ def _correct(problem: Problem, desk: Desk, count: int, targets: int) -> None:
         desk.q[i // 3, i % 3] += desk.way[i, 0]
 
 
-@kernel
 def _largest(sides: Array) -> float:
     most = 0.0
     for a in range(sides.shape[0]):
@@ -143,7 +136,6 @@ def _largest(sides: Array) -> float:
     return most
 
 
-@kernel
 def _lay_out(
     robot: Array,
     scene: Array | None,
@@ -162,7 +154,6 @@ def _lay_out(
     return problem, desk
 
 
-@kernel
 def _follow(problem: Problem, asked: Array, lines: Array, desk: Desk, count: int, targets: int) -> int:
     """Move `desk.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
     status = 0

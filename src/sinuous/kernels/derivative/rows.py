@@ -8,20 +8,8 @@ from sinuous.kernels.body.pieces import free_part, look_here, near
 from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS, pull_along, pull_at, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
-from sinuous.kernels.compile import kernel
-from sinuous.kernels.derivative.layout import (
-    FACTOR,
-    FULL,
-    KIND,
-    KINK,
-    OTHER,
-    SEGMENT,
-    SIDE,
-    SLACK,
-    TARGET_ROW,
-    WRENCH,
-    Desk,
-)
+from sinuous.kernels.derivative import layout as v
+from sinuous.kernels.derivative.layout import Desk
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.solids import BOUND
 from sinuous.kernels.maths.vectors import (
@@ -73,35 +61,31 @@ SAME = 1e-6
 """Difference of fractions of a segment up to which two places are one."""
 
 
-@kernel
 def _begin(desk: Desk, at: int, kind: int, segment: int, other: int, side: int, slack: float) -> None:
     """Begin row `at` with no weights and no wrench."""
     about, rows = desk.about, desk.rows
-    about[at, KIND], about[at, SEGMENT], about[at, OTHER] = kind, segment, other
-    about[at, SIDE], about[at, SLACK] = side, slack
-    put_vec(about, at, WRENCH, ZERO)
-    put_vec(about, at, WRENCH + 3, ZERO)
+    about[at, v.KIND], about[at, v.SEGMENT], about[at, v.OTHER] = kind, segment, other
+    about[at, v.SIDE], about[at, v.SLACK] = side, slack
+    put_vec(about, at, v.WRENCH, ZERO)
+    put_vec(about, at, v.WRENCH + 3, ZERO)
     for i in range(rows.shape[1]):
         rows[at, i] = 0.0
 
 
-@kernel
 def _put_end(desk: Desk, at: int, k: int, torque: Vec, force: Vec) -> None:
     """Put in what a wrench about the base does at the end of segment `k`."""
-    put_vec(desk.about, at, WRENCH, torque)
-    put_vec(desk.about, at, WRENCH + 3, force)
+    put_vec(desk.about, at, v.WRENCH, torque)
+    put_vec(desk.about, at, v.WRENCH + 3, force)
     for j in range(k + 1):
         put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
 
 
-@kernel
 def _target_row(desk: Desk, at: int, i: int, k: int, torque: Vec, force: Vec, value: float) -> int:
-    _begin(desk, at, TARGET_ROW, k, i, 0, value)
+    _begin(desk, at, v.TARGET_ROW, k, i, 0, value)
     _put_end(desk, at, k, torque, force)
     return at + 1
 
 
-@kernel
 def add_targets(problem: Problem, desk: Desk) -> tuple[int, float]:
     """Write the rows of all targets; returns their number, and the largest residual (robot lengths, rad).
 
@@ -136,13 +120,11 @@ def add_targets(problem: Problem, desk: Desk) -> tuple[int, float]:
     return at, worst
 
 
-@kernel
 def _is_active(slack: float, size: float, near_by: float) -> bool:
     """Whether nothing is left of a limit whose gradient has this size in the metric."""
     return size > 0.0 and slack <= near_by * size
 
 
-@kernel
 def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
     """Write a row for every limit of a segment or an actuator of which at most `near_by` is left, from row `first` on.
 
@@ -153,7 +135,7 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
     limits, q, at, room, told = problem.limits, desk.q, first, desk.rows.shape[0], 0
     for k in range(q.shape[0]):
         if at + 4 > room:
-            return at, FULL
+            return at, v.FULL
         turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
         low, high = q[k, 2] - limits[k, t.MIN_LENGTH], limits[k, t.MAX_LENGTH] - q[k, 2]
         if _is_active(low, stretching, near_by):
@@ -169,7 +151,7 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
         if turning == 0.0:
             continue
         if cap <= near_by:
-            told |= KINK
+            told |= v.KINK
             continue
         inverse, most = -1.0 / max(bend, 1e-300), limits[k, t.MAX_CURVATURE]
         nx, ny = inverse * q[k, 0], inverse * q[k, 1]
@@ -185,7 +167,6 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
     return at, told | full
 
 
-@kernel
 def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
     limits, table, at = problem.limits, problem.actuation, first
     for j in range(table.shape[0]):
@@ -202,7 +183,7 @@ def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> 
             slack = table[j, t.MAX_VALUE] - value if side == 1 else value - table[j, t.MIN_VALUE]
             if _is_active(slack, math.sqrt(square), near_by):
                 if at == desk.rows.shape[0]:
-                    return at, FULL
+                    return at, v.FULL
                 _begin(desk, at, ACTUATOR, last, j, side, slack)
                 for k in range(begin, last + 1):
                     put_vec(desk.rows, at, 3 * k, scale(1.0 - 2.0 * side, weights))
@@ -210,7 +191,6 @@ def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> 
     return at, 0
 
 
-@kernel
 def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, keep: float) -> tuple[int, int]:
     """Write a row for every place of the body whose gap to an obstacle is about `keep` or less, from row `first` on.
 
@@ -244,7 +224,7 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
                     if ended and d <= least:
                         at -= 1
                 if at == desk.rows.shape[0]:
-                    return at, FULL
+                    return at, v.FULL
                 before, ended, least = piece, b - s < SAME, d
                 _begin(desk, at, CLEARANCE, k, i, 0, d - radius - keep)
                 _put_contact(problem, desk, at, k, s, p, g)
@@ -252,20 +232,18 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
     return at, 0
 
 
-@kernel
 def _put_contact(problem: Problem, desk: Desk, at: int, k: int, s: float, p: Vec, force: Vec) -> None:
     """Put in how the place `p`, at the fraction `s` of segment `k`, moves along the unit vector `force`."""
     origin = frame(desk.frames, 0)[1]
     torque = cross(sub(p, origin), force)
-    put_vec(desk.about, at, WRENCH, torque)
-    put_vec(desk.about, at, WRENCH + 3, force)
+    put_vec(desk.about, at, v.WRENCH, torque)
+    put_vec(desk.about, at, v.WRENCH + 3, force)
     for j in range(k):
         put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
     shape = Shape(problem.limits, desk.q, desk.frames, desk.spans)
     put_vec(desk.rows, at, 3 * k, pull_at(shape, origin, k, s, torque, force))
 
 
-@kernel
 def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> tuple[int, int]:
     """The same for the body and itself."""
     if not problem.avoids_itself:
@@ -276,7 +254,7 @@ def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> 
     at = first
     for a in range(found):
         if at == desk.rows.shape[0]:
-            return at, FULL
+            return at, v.FULL
         gap, begin, end = ahead - desk.pairs[a, VALUE] * problem.unit, -1, -1
         for k in range(desk.q.shape[0]):
             weights = get_vec(desk.pairs, a, WEIGHTS + 3 * k)
@@ -289,7 +267,6 @@ def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> 
     return at, 0
 
 
-@kernel
 def normalise(limits: Array, desk: Desk, count: int) -> None:
     """Bring the first `count` rows to length 1 in the metric: rad, and mean lengths of the segment.
 
@@ -302,6 +279,6 @@ def normalise(limits: Array, desk: Desk, count: int) -> None:
             x, y, z = turning * desk.rows[at, 3 * k], turning * desk.rows[at, 3 * k + 1], desk.rows[at, 3 * k + 2]
             square += x * x + y * y + (stretching * z) ** 2
         factor = 1.0 / math.sqrt(square) if square > 0.0 else 1.0
-        desk.about[at, FACTOR] = factor
+        desk.about[at, v.FACTOR] = factor
         for i in range(desk.rows.shape[1]):
             desk.rows[at, i] *= factor

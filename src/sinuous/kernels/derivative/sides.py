@@ -6,7 +6,6 @@ the derivative of that by the parameter. World axes; a twist is `(omega, v)`.
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.derivative import layout as d
 from sinuous.kernels.derivative.layout import Desk
 from sinuous.kernels.fields.distances import Scene
@@ -24,14 +23,12 @@ COLUMN, RADIUS_OF, NUMBER = range(3)
 circle (length), and the number of the actuator."""
 
 
-@kernel
 def _nothing(table: Array) -> None:
     for i in range(table.shape[0]):
         for j in range(table.shape[1]):
             table[i, j] = 0.0
 
 
-@kernel
 def place_of(scene: Scene, i: int) -> Vec:
     """The place that an obstacle turns about: its center, or the origin of the frame that it is described in."""
     kind = scene.table[i, t.KIND]
@@ -42,7 +39,6 @@ def place_of(scene: Scene, i: int) -> Vec:
     return 0.0, 0.0, 0.0
 
 
-@kernel
 def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array, desk: Desk, count: int) -> None:
     """Fill `desk.sides` for the first `count` rows."""
     sides, about = desk.sides[:count], desk.about
@@ -60,7 +56,6 @@ def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array
             sides[at, c] *= about[at, d.FACTOR]
 
 
-@kernel
 def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
     """Fill `moved` (3 n, p) with what parameters move by themselves.
 
@@ -76,7 +71,6 @@ def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
                     moved[3 * k + i, asked[d.INITIAL] + 3 * k + i] = 1.0
 
 
-@kernel
 def _of_target(problem: Problem, asked: Array, desk: Desk, at: int, wrench: tuple[Vec, Vec]) -> None:
     sides, targets, i = desk.sides, problem.targets, int(desk.about[at, d.OTHER])
     torque, force = wrench
@@ -95,14 +89,12 @@ def _of_target(problem: Problem, asked: Array, desk: Desk, at: int, wrench: tupl
             put_vec(sides, at, asked[d.TOOL], scale(-1.0, _across(torque, rotation)))
 
 
-@kernel
 def _across(a: Vec, m: Mat) -> Vec:
     """The transpose of a matrix times a vector."""
     x, y, z = mat_vec(((m[0][0], m[1][0], m[2][0]), (m[0][1], m[1][1], m[2][1]), (m[0][2], m[1][2], m[2][2])), a)
     return x, y, z
 
 
-@kernel
 def _of_constraint(
     scene: Scene | None,
     problem: Problem,
@@ -139,7 +131,6 @@ def _of_constraint(
         put_vec(sides, at, first + 3, force)
 
 
-@kernel
 def _of_actuator(
     problem: Problem, asked: Array, lines: Array, desk: Desk, at: int, which: tuple[int, int], upper: bool
 ) -> None:

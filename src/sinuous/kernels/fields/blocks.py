@@ -7,7 +7,7 @@ takes several at a time. No loop over the points branches.
 
 import math
 
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.discs import AXIS, CENTER, HALF, RADIUS
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.fields.triangles import read
@@ -28,7 +28,6 @@ WORKSPACE = 6 * LANES
 TINY = 1e-300
 
 
-@kernel
 def _boxes(store: Array, at: int, work: Array) -> int:
     """How many points may have something closer in the box at `at`."""
     x0, y0, z0, x1, y1, z1 = store[at], store[at + 1], store[at + 2], store[at + 3], store[at + 4], store[at + 5]
@@ -41,7 +40,6 @@ def _boxes(store: Array, at: int, work: Array) -> int:
     return count
 
 
-@kernel
 def _discs(discs: Array, node: int, work: Array) -> int:
     """How many points may have something closer in a disc; without any root.
 
@@ -60,7 +58,6 @@ def _discs(discs: Array, node: int, work: Array) -> int:
     return count
 
 
-@kernel
 def _ball(store: Array, at: int, item: int, work: Array) -> None:
     """See `_take`; the ball is at `at`."""
     x0, y0, z0, radius = store[at], store[at + 1], store[at + 2], store[at + 3]
@@ -75,7 +72,6 @@ def _ball(store: Array, at: int, item: int, work: Array) -> None:
         work[REACH + i] = outside * outside + TINY
 
 
-@kernel
 def _triangle(store: Array, at: int, item: int, work: Array) -> None:
     """The same for the triangle at `at`: of points beyond its edges by these, of others by its plane."""
     a, b, c = read(store, at), read(store, at + 3), read(store, at + 6)
@@ -110,7 +106,6 @@ _boxes_here, _discs_here = inline(_boxes), inline(_discs)
 _ball_here, _triangle_here = inline(_ball), inline(_triangle)
 
 
-@kernel
 def _open(store: Array, tree: Tree, discs: Array, node: int, work: Array) -> int:
     """How many points may have something closer in a node."""
     if tree.kind == BALLS:
@@ -118,7 +113,6 @@ def _open(store: Array, tree: Tree, discs: Array, node: int, work: Array) -> int
     return _discs_here(discs, node, work)
 
 
-@kernel
 def _take(store: Array, tree: Tree, item: int, work: Array) -> None:
     """Let a primitive be the closest of those points that it is closer to."""
     if tree.kind == BALLS:
@@ -127,7 +121,6 @@ def _take(store: Array, tree: Tree, item: int, work: Array) -> None:
         _triangle_here(store, tree.items + TRIANGLE_SIZE * item, item, work)
 
 
-@kernel
 def closest(store: Array, tree: Tree, discs: Array, seed: int, work: Array) -> None:
     """Find the primitive that is closest to each point of a block.
 

@@ -8,7 +8,7 @@ ends as soon as all that follow are too far.
 
 import math
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import trees, triangles
 from sinuous.kernels.fields.grids import Grid, grid_of
 from sinuous.kernels.fields.primitives import Patch, patch_size
@@ -38,19 +38,16 @@ WORK = 4
 """Rows that a list is made in: numbers and distances of triangles, those of a block, then those of a cell."""
 
 
-@kernel
 def middle(grid: Grid, i: float, j: float, k: float) -> Vec:
     """Middle of a cell."""
     return grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing
 
 
-@kernel
 def _index(x: float, count: int) -> int:
     """Cell of a coordinate, in cells from the middle of the first one; -1: none."""
     return min(int(x + 0.5), count - 1) if -0.5 < x < count - 0.5 else -1  # also where it is NaN
 
 
-@kernel
 def cell_of(grid: Grid, p: Vec) -> tuple[int, float]:
     """Where the cell of `p` is in the store (-1: `p` is in none), and how far `p` is from its middle."""
     per = 1.0 / grid.spacing
@@ -63,20 +60,17 @@ def cell_of(grid: Grid, p: Vec) -> tuple[int, float]:
     return grid.at + CELL_SIZE * number, norm(sub(p, middle(grid, i, j, k)))
 
 
-@kernel
 def span(grid: Grid) -> float:
     """More than any triangle of a list is away from the middle of its cell."""
     return grid.spacing * (grid.shape[0] + grid.shape[1] + grid.shape[2] + 4)
 
 
-@kernel
 def listed(entry: float, span: float) -> tuple[int, float]:
     """Return the triangle of an entry, and how far it is from the middle of the cell: hardly less than that."""
     item = int(entry)
     return item, (entry - item) * span
 
 
-@kernel
 def closest(store: Array, tree: Tree, grid: Grid, cell: tuple[int, float], p: Vec, best: float) -> tuple[int, float]:
     """Find the triangle closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is.
 
@@ -97,7 +91,6 @@ def closest(store: Array, tree: Tree, grid: Grid, cell: tuple[int, float], p: Ve
     return (found, best) if other < 0 else (other, d)
 
 
-@kernel
 def beside(store: Array, tree: Tree, grid: Grid, patch: Patch) -> tuple[float, Vec]:
     """Lower bound of the distance of a patch from the surface; -inf: none known.
 
@@ -124,7 +117,6 @@ def beside(store: Array, tree: Tree, grid: Grid, patch: Patch) -> tuple[float, V
     return min(least, unlisted - far - size), g
 
 
-@kernel
 def _near(store: Array, tree: Tree, p: Vec, radius: float, count: int, work: Array, row: int) -> int:
     """Put those of `count` triangles into two rows of `work` that may be the closest within `radius` of `p`.
 
@@ -143,7 +135,6 @@ def _near(store: Array, tree: Tree, p: Vec, radius: float, count: int, work: Arr
     return number
 
 
-@kernel
 def _sort(work: Array, row: int, count: int) -> None:
     """Put the first `count` triangles of two rows in the order of their distances."""
     for a in range(1, count):
@@ -154,7 +145,6 @@ def _sort(work: Array, row: int, count: int) -> None:
         work[row, b], work[row + 1, b] = item, d
 
 
-@kernel
 def _fill(work: Array, count: int, most: float, cell: Array, lists: Array) -> int:
     """Fill the number of a cell (3,), and its list, of the `count` triangles in the last two rows; say how many fit.
 

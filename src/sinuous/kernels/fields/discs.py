@@ -7,7 +7,6 @@ discs have to be opened. They are made for sampling alone, because they take mor
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, put_vec, scale, sub
@@ -19,7 +18,6 @@ CENTER, AXIS, RADIUS, HALF = 0, 3, 6, 7
 DISC_SIZE = 8
 
 
-@kernel
 def _axis(store: Array, tree: Tree, first: int, last: int) -> Vec:
     """Mean normal of the triangles `first` up to, without it, `last`: a unit vector."""
     total = (0.0, 0.0, 0.0)
@@ -29,7 +27,6 @@ def _axis(store: Array, tree: Tree, first: int, last: int) -> Vec:
     return scale(1.0 / size, total) if size > 0.0 else (0.0, 0.0, 1.0)
 
 
-@kernel
 def enclose(store: Array, tree: Tree, discs: Array) -> None:
     """Fill `discs` (2 << levels, 8) with one for every node of a tree in the store (s,), lengths in the length unit."""
     for node in range(1, 2 << tree.levels):

@@ -7,33 +7,14 @@ import math
 from collections import namedtuple
 from typing import Any
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.clock import TREE_LOOKS
-from sinuous.kernels.compile import apart, entry, kernel
+from sinuous.kernels.compile import apart, entry
 from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
-from sinuous.kernels.tables import (
-    CENTER,
-    EXTENT,
-    FIRST_CELL,
-    FIRST_SAMPLE,
-    KIND,
-    OBSTACLE_WIDTH,
-    PLACE,
-    PLACED,
-    POSE_POSITION,
-    POSE_ROTATION,
-    ROUNDING,
-    ROUNDOFF,
-    SAMPLES,
-    SCENE_HEADER,
-    SIGN,
-    SPACING,
-    SPHERE,
-    TREE,
-)
 
 MANY_HALVES = 4.0
 """How much longer than what it may lose a patch is that is worth a walk in a tree."""
@@ -45,67 +26,61 @@ Where there is nothing, `None` may stand for it: that is another type, for which
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
 
 
-@kernel
 def read_scene(scene: Array | None) -> Any:
     """Take the group of a scene apart: a `Scene`, or `None` for `None`."""
     if scene is None:
         return None
-    end = SCENE_HEADER + OBSTACLE_WIDTH * int(scene[0])
-    return Scene(shaped(scene[SCENE_HEADER:end], (int(scene[0]), OBSTACLE_WIDTH)), scene[end:])
+    end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(scene[0])
+    return Scene(shaped(scene[t.SCENE_HEADER : end], (int(scene[0]), t.OBSTACLE_WIDTH)), scene[end:])
 
 
-@kernel
 def _own(scene: Scene, i: int, p: Vec) -> Vec:
     """The point `p` in the frame in which obstacle `i`, which is in the store, is described."""
-    if scene.table[i, PLACED] == 0.0:
+    if scene.table[i, t.PLACED] == 0.0:
         return p
-    away = sub(p, get_vec(scene.table, i, PLACE + POSE_POSITION))
-    return vec_mat(away, get_mat(scene.table, i, PLACE + POSE_ROTATION))
+    away = sub(p, get_vec(scene.table, i, t.PLACE + t.POSE_POSITION))
+    return vec_mat(away, get_mat(scene.table, i, t.PLACE + t.POSE_ROTATION))
 
 
 @apart
 def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
-    if scene.table[i, KIND] >= TREE:
+    if scene.table[i, t.KIND] >= t.TREE:
         return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
-    away, far = sub(p, get_vec(scene.table, i, CENTER)), reach + scene.table[i, EXTENT]
+    away, far = sub(p, get_vec(scene.table, i, t.CENTER)), reach + scene.table[i, t.EXTENT]
     if 0.0 < far < math.inf and dot(away, away) >= far * far:
         to_center = norm(away)
-        return to_center - scene.table[i, EXTENT], to_center
+        return to_center - scene.table[i, t.EXTENT], to_center
     d, _ = primitive(scene.table, i, p)
     return d, d
 
 
-@kernel
 def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
 
     `mode` is one of STEP, BOUND, EXACT and ABOVE of `solids`; primitives are always exact. What is not less than
     `reach` need not be exact: any lower bound that is not less than `reach` either will do.
     """
-    if scene.table[i, KIND] != SPHERE:
+    if scene.table[i, t.KIND] != t.SPHERE:
         return _look_at_other(scene, i, p, reach, mode)
-    d = scene.table[i, SIGN] * (norm(sub(p, get_vec(scene.table, i, CENTER))) - scene.table[i, ROUNDING])
+    d = scene.table[i, t.SIGN] * (norm(sub(p, get_vec(scene.table, i, t.CENTER))) - scene.table[i, t.ROUNDING])
     return d, d
 
 
-@kernel
 def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
     return slope_known(scene, i, p, reach, mode, math.inf)
 
 
-@kernel
 def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
     """The same, where the distance in this mode is `known` already, which saves a search; infinite where it is not."""
-    if scene.table[i, KIND] >= TREE:
+    if scene.table[i, t.KIND] >= t.TREE:
         d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode, known)
-        if scene.table[i, PLACED] != 0.0:
-            g = mat_vec(get_mat(scene.table, i, PLACE + POSE_ROTATION), g)
+        if scene.table[i, t.PLACED] != 0.0:
+            g = mat_vec(get_mat(scene.table, i, t.PLACE + t.POSE_ROTATION), g)
         return d, g
     return primitive(scene.table, i, p)
 
 
-@kernel
 def tangents_pay(scene: Scene, i: int, d: float, size: float, room: float) -> bool:
     """Whether tangents may prove a patch, and sooner than its halves would: its center is at the distance `d`.
 
@@ -113,32 +88,30 @@ def tangents_pay(scene: Scene, i: int, d: float, size: float, room: float) -> bo
     are soon asked; in a tree all parts are met that are near a patch, and beside many parts, as beside a ball, a
     tangent at the center loses some `size * size / (2 d)`. Halves without tangents end no longer than `room`.
     """
-    if scene.table[i, KIND] < TREE:
+    if scene.table[i, t.KIND] < t.TREE:
         return True
-    if room <= 0.0 or scene.table[i, FIRST_CELL] >= 0.0:
+    if room <= 0.0 or scene.table[i, t.FIRST_CELL] >= 0.0:
         return room > 0.0
     return bool(size > MANY_HALVES * room and size * size < 2.0 * d * room)
 
 
-@kernel
 def beside(scene: Scene, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
 
     One point of all that has to be known to be free. Also the gradient, at the center, of the distance to what decides.
     What is not less than `reach` need not be exact.
     """
-    if scene.table[i, KIND] < TREE:
+    if scene.table[i, t.KIND] < t.TREE:
         return primitives.beside(scene.table, i, patch, aside)
-    if scene.table[i, PLACED] == 0.0:
+    if scene.table[i, t.PLACED] == 0.0:
         return solids.beside(scene.table, scene.store, i, patch, aside, reach)
-    turn = get_mat(scene.table, i, PLACE + POSE_ROTATION)
+    turn = get_mat(scene.table, i, t.PLACE + t.POSE_ROTATION)
     along, onward, twist = vec_mat(patch.along, turn), vec_mat(patch.onward, turn), vec_mat(patch.twist, turn)
     own = Patch(_own(scene, i, patch.center), along, onward, twist)
     low, g = solids.beside(scene.table, scene.store, i, own, aside, reach)
     return low, mat_vec(turn, g)
 
 
-@kernel
 def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples.
 
@@ -147,7 +120,6 @@ def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
     return slope_known(scene, i, p, math.inf, STEP, known)
 
 
-@kernel
 def number_of(scene: Scene | None) -> int:
     """How many obstacles there are."""
     if scene is None:
@@ -155,25 +127,22 @@ def number_of(scene: Scene | None) -> int:
     return int(scene.table.shape[0])
 
 
-@kernel
 def coarseness(scene: Scene | None) -> float:
     """Largest spacing of samples that stand in for something exact; 0 without any."""
     if scene is None:
         return 0.0
     spacing = 0.0
     for i in range(scene.table.shape[0]):
-        if scene.table[i, KIND] >= TREE and scene.table[i, FIRST_SAMPLE] >= 0.0:
-            spacing = max(spacing, scene.table[i, SPACING])
+        if scene.table[i, t.KIND] >= t.TREE and scene.table[i, t.FIRST_SAMPLE] >= 0.0:
+            spacing = max(spacing, scene.table[i, t.SPACING])
     return spacing
 
 
-@kernel
 def price_of(scene: Scene, i: int) -> int:
     """Looks that the distance to obstacle `i` costs, see `kernels.clock`."""
-    return TREE_LOOKS if scene.table[i, KIND] >= TREE else 1
+    return TREE_LOOKS if scene.table[i, t.KIND] >= t.TREE else 1
 
 
-@kernel
 def price(scene: Scene) -> int:
     """Looks that the distance to the scene costs."""
     looks = 0
@@ -182,7 +151,6 @@ def price(scene: Scene) -> int:
     return looks
 
 
-@kernel
 def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none).
 
@@ -196,13 +164,11 @@ def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
     return least, which
 
 
-@kernel
 def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none)."""
     return closest(scene, p, math.inf, EXACT)
 
 
-@kernel
 def at_most(scene: Scene, p: Vec, reach: float) -> float:
     """Upper bound of the distance of the point `p` to the scene, whatever arithmetic does to that.
 
@@ -210,17 +176,16 @@ def at_most(scene: Scene, p: Vec, reach: float) -> float:
     """
     least = reach
     for i in range(scene.table.shape[0]):
-        roundoff = scene.table[i, ROUNDOFF]
+        roundoff = scene.table[i, t.ROUNDOFF]
         least = min(least, look(scene, i, p, least - roundoff, ABOVE)[0] + roundoff)
     return least
 
 
-@kernel
 def most_roundoff(scene: Scene) -> float:
     """What arithmetic may make any distance to the scene wrong by; see `tables.ROUNDOFF`."""
     most = 0.0
     for i in range(scene.table.shape[0]):
-        most = max(most, scene.table[i, ROUNDOFF])
+        most = max(most, scene.table[i, t.ROUNDOFF])
     return most
 
 
@@ -235,7 +200,7 @@ def many(
     scene = Scene(table, store)
     uncertain = False
     for i in range(table.shape[0]):
-        uncertain = uncertain or table[i, KIND] == SAMPLES
+        uncertain = uncertain or table[i, t.KIND] == t.SAMPLES
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
         values[j], which[j] = nearest(scene, p)
@@ -258,7 +223,7 @@ def least_gap(table: Array, store: Array, points: Array, radii: Array, above: bo
     scene = Scene(table, store)
     sure = True
     for i in range(table.shape[0]):
-        sure = sure and table[i, KIND] != SAMPLES
+        sure = sure and table[i, t.KIND] != t.SAMPLES
     least, place, which = math.inf, -1, -1
     seen, there = -math.inf, (0.0, 0.0, 0.0)
     for j in range(points.shape[0]):

@@ -13,7 +13,6 @@ which is off by no more than some h^2 / d away from kinks, where the first bound
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.tables import ORIGIN, SHAPE, SPACING
 
@@ -27,7 +26,6 @@ ROUNDOFF = 1e-13
 """Of a squared spacing: more than rounding adds to a difference of squares; its root is a millionth of a spacing."""
 
 
-@kernel
 def grid_of(table: Array, i: int, first: int) -> Grid:
     """Grid of obstacle `i`, whose first place in the store column `first` says."""
     return Grid(
@@ -38,7 +36,6 @@ def grid_of(table: Array, i: int, first: int) -> Grid:
     )
 
 
-@kernel
 def _cell(x: float, count: int) -> tuple[int, float]:
     """Cell of a coordinate (in spacings from the first point), clamped to the grid, and the place in it, 0 to 1."""
     x = x if x > 0.0 else 0.0  # also where it is NaN
@@ -46,7 +43,6 @@ def _cell(x: float, count: int) -> tuple[int, float]:
     return i, min(x - i, 1.0)
 
 
-@kernel
 def look_up(store: Array, grid: Grid, p: Vec) -> tuple[Corners, Vec, Vec]:
     """Corners of the cell of `p`, the place in that cell, and how far `p` is out of the grid along every axis."""
     nx, ny, nz = grid.shape
@@ -77,7 +73,6 @@ def look_up(store: Array, grid: Grid, p: Vec) -> tuple[Corners, Vec, Vec]:
     return corners, (tx, ty, tz), beyond
 
 
-@kernel
 def _beyond(x: float, count: int) -> float:
     """How far a coordinate is out of the grid, with its sign."""
     if x < 0.0:
@@ -85,12 +80,10 @@ def _beyond(x: float, count: int) -> float:
     return max(x - (count - 1), 0.0)
 
 
-@kernel
 def _mix(a: float, b: float, t: float) -> float:
     return a + t * (b - a)
 
 
-@kernel
 def value(v: Corners, t: Vec) -> float:
     """Trilinear interpolation."""
     near = _mix(_mix(v[0], v[1], t[2]), _mix(v[2], v[3], t[2]), t[1])
@@ -98,7 +91,6 @@ def value(v: Corners, t: Vec) -> float:
     return _mix(near, far, t[0])
 
 
-@kernel
 def slope(v: Corners, t: Vec, spacing: float) -> Vec:
     """Gradient of the interpolation."""
     x0, x1 = _mix(v[0], v[1], t[2]), _mix(v[2], v[3], t[2])
@@ -113,7 +105,6 @@ def slope(v: Corners, t: Vec, spacing: float) -> Vec:
     )
 
 
-@kernel
 def _ways(t: Vec, spacing: float) -> Corners:
     """Distances to the corners."""
     x0, x1 = t[0] * t[0], (1.0 - t[0]) * (1.0 - t[0])
@@ -132,21 +123,18 @@ def _ways(t: Vec, spacing: float) -> Corners:
     )
 
 
-@kernel
 def at_least(v: Corners, t: Vec, spacing: float) -> float:
     """Lower bound of any distance with these samples."""
     w = _ways(t, spacing)
     return max(v[0] - w[0], v[1] - w[1], v[2] - w[2], v[3] - w[3], v[4] - w[4], v[5] - w[5], v[6] - w[6], v[7] - w[7])
 
 
-@kernel
 def at_most(v: Corners, t: Vec, spacing: float) -> float:
     """Upper bound of any distance with these samples."""
     w = _ways(t, spacing)
     return min(v[0] + w[0], v[1] + w[1], v[2] + w[2], v[3] + w[3], v[4] + w[4], v[5] + w[5], v[6] + w[6], v[7] + w[7])
 
 
-@kernel
 def at_most_below(v: Corners, t: Vec, spacing: float, exact_below: float) -> float:
     """The same where samples from a value on are lower bounds alone; infinite where none of them bounds it.
 
@@ -160,13 +148,11 @@ def at_most_below(v: Corners, t: Vec, spacing: float, exact_below: float) -> flo
     return least
 
 
-@kernel
 def _outer(v: float) -> float:
     """Square of the distance to a set, which is 0 within it."""
     return v * v if v > 0.0 else 0.0
 
 
-@kernel
 def set_distance(v: Corners, t: Vec, spacing: float) -> float:
     """Lower bound of the distance to a set with these samples."""
     squares = (

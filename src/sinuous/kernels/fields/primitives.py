@@ -7,7 +7,6 @@ a kind of its own because it is so common.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, dot, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING, SIGN, SPHERE
 
@@ -19,7 +18,6 @@ Patch = namedtuple("Patch", ["center", "along", "onward", "twist"])
 a and b of -1 to 1. All of it lies between its four corners. A chord at rest has no `onward` and no `twist`."""
 
 
-@kernel
 def sphere(p: Vec) -> tuple[float, Vec]:
     """Distance to the origin and its gradient (up where it has none)."""
     d = norm(p)
@@ -28,7 +26,6 @@ def sphere(p: Vec) -> tuple[float, Vec]:
     return d, scale(1.0 / d, p)
 
 
-@kernel
 def box(p: Vec, half: Vec) -> tuple[float, Vec]:
     """Distance to an axis-aligned box about the origin and its gradient (Quilez)."""
     x, y, z = abs(p[0]) - half[0], abs(p[1]) - half[1], abs(p[2]) - half[2]
@@ -44,7 +41,6 @@ def box(p: Vec, half: Vec) -> tuple[float, Vec]:
     return z, (0.0, 0.0, sz)
 
 
-@kernel
 def cylinder(p: Vec, radius: float, half: float) -> tuple[float, Vec]:
     """Distance to a flat-ended cylinder about the z axis and its gradient: a box in the plane of radius and height."""
     rho = math.hypot(p[0], p[1])
@@ -54,7 +50,6 @@ def cylinder(p: Vec, radius: float, half: float) -> tuple[float, Vec]:
     return d, (g[0] * p[0] / rho, g[0] * p[1] / rho, g[2])
 
 
-@kernel
 def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
     local = vec_mat(p, rotation)
     if kind == BOX:
@@ -66,14 +61,12 @@ def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
     return d, mat_vec(rotation, g)
 
 
-@kernel
 def axis_of(table: Array, i: int, axis: int) -> Vec:
     """Unit vector along an axis of the primitive in row `i` of a scene (m, 33)."""
     at = AXES + axis
     return table[i, at], table[i, at + 3], table[i, at + 6]
 
 
-@kernel
 def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
     """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 33), and its gradient."""
     local = sub(p, get_vec(table, i, CENTER))
@@ -85,20 +78,17 @@ def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
     return sign * (d - table[i, ROUNDING]), scale(sign, g)
 
 
-@kernel
 def patch_size(patch: Patch) -> float:
     """No point of a patch is farther from its center than that."""
     return norm(patch.along) + norm(patch.onward) + norm(patch.twist)
 
 
-@kernel
 def lean(g: Vec, patch: Patch) -> float:
     """Least of a linear function with the gradient `g` on a patch, of which it is 0 at the center: at a corner."""
     a, b, c = dot(g, patch.along), dot(g, patch.onward), dot(g, patch.twist)
     return min(c - a - b, a - b - c, b - a - c, a + b + c)
 
 
-@kernel
 def beside(table: Array, i: int, patch: Patch, aside: float) -> tuple[float, Vec]:
     """Lower bound of the distance to primitive `i` of all that is within `aside` of a patch; -inf: none known.
 

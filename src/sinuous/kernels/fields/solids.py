@@ -10,26 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels import tables
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import blocks, candidates, discs, grids, trees
 from sinuous.kernels.fields.grids import Grid, grid_of
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, item_slope, lift, tree_of, unlift
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
-from sinuous.kernels.tables import (
-    CUBES,
-    EXACT_BELOW,
-    FIRST_CELL,
-    FIRST_SAMPLE,
-    KIND,
-    NODE_SIZE,
-    NORMALS,
-    ROUNDING,
-    SAMPLES,
-    SIGN,
-    TREE,
-    TRIANGLES,
-)
 
 MODES: Any = np.arange(4)
 STEP, BOUND, EXACT, ABOVE = MODES
@@ -40,15 +27,13 @@ KNOWN = 1e-9
 """What a distance that is known may be wrong by, as a share of it."""
 
 
-@kernel
 def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
-    d, g = item_slope(store, tree_of(table, i), item, p, int(table[i, NORMALS]))
-    sign = table[i, SIGN]
-    return sign * (d - table[i, ROUNDING]), scale(sign, g)
+    d, g = item_slope(store, tree_of(table, i), item, p, int(table[i, tables.NORMALS]))
+    sign = table[i, tables.SIGN]
+    return sign * (d - table[i, tables.ROUNDING]), scale(sign, g)
 
 
-@kernel
 def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float) -> tuple[int, float, bool]:
     """Find the primitive closest to `p`, if it is closer than `reach`; its signed distance may be `known` (else inf).
 
@@ -57,29 +42,29 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float
     be left out for being far.
     """
     tree = tree_of(table, i)
-    away = reach + table[i, ROUNDING]
-    if table[i, FIRST_CELL] >= 0.0:
-        cells = grid_of(table, i, FIRST_CELL)
+    away = reach + table[i, tables.ROUNDING]
+    if table[i, tables.FIRST_CELL] >= 0.0:
+        cells = grid_of(table, i, tables.FIRST_CELL)
         cell, far = candidates.cell_of(cells, p)
         if cell >= 0:
             return _find_in_cell(table, store, i, p, reach, known, (cells, cell, far))
-    if table[i, FIRST_SAMPLE] < 0.0:
+    if table[i, tables.FIRST_SAMPLE] < 0.0:
         # Out of the box of everything a point is free, whatever it is to.
-        free = table[i, NORMALS] < 0.0 or (
-            table[i, SIGN] > 0.0 and box_distance(store, tree.nodes + NODE_SIZE, p) > 0.0
+        free = table[i, tables.NORMALS] < 0.0 or (
+            table[i, tables.SIGN] > 0.0 and box_distance(store, tree.nodes + tables.NODE_SIZE, p) > 0.0
         )
         item, d = closest(store, tree, p, lift(away) if free else math.inf)
         return item, d, free
-    grid = grid_of(table, i, FIRST_SAMPLE)
+    grid = grid_of(table, i, tables.FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     gap = norm(beyond)
-    low = _lowest(table[i, SIGN], corners, t, beyond, grid.spacing)
+    low = _lowest(table[i, tables.SIGN], corners, t, beyond, grid.spacing)
     if low >= reach:
         return -1, lift(away), True
     most = gap + grids.at_most(corners, t, grid.spacing)
-    if tree.kind == TRIANGLES:
+    if tree.kind == tables.TRIANGLES:
         most = gap + _most_surface(corners, t, grid.spacing)
-    most += table[i, ROUNDING]
+    most += table[i, tables.ROUNDING]
     most += 1e-9 * abs(most)
     free = low > 0.0
     item, d = closest(store, tree, p, lift(min(most, away) if free else most))
@@ -88,34 +73,31 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float
     return item, d, free
 
 
-@kernel
 def _find_in_cell(
     table: Array, store: Array, i: int, p: Vec, reach: float, known: float, where: tuple[Grid, int, float]
 ) -> tuple[int, float, bool]:
     """The same by a list; `where`: the grid of cells, that of `p` in the store, and how far `p` is from its middle."""
     grid, cell, far = where
     tree = tree_of(table, i)
-    away, middle = reach + table[i, ROUNDING], store[cell + candidates.DISTANCE]
+    away, middle = reach + table[i, tables.ROUNDING], store[cell + candidates.DISTANCE]
     slack = candidates.SLACK * (abs(middle) + far)
-    low = table[i, SIGN] * (middle - table[i, ROUNDING]) - far - slack
+    low = table[i, tables.SIGN] * (middle - table[i, tables.ROUNDING]) - far - slack
     if low >= reach:
         return -1, lift(away), True
-    surface = abs(table[i, SIGN] * known + table[i, ROUNDING])
+    surface = abs(table[i, tables.SIGN] * known + table[i, tables.ROUNDING])
     most = min(abs(middle) + far + slack, (1.0 + KNOWN) * surface + slack)
-    free = table[i, NORMALS] < 0.0 or low > 0.0
+    free = table[i, tables.NORMALS] < 0.0 or low > 0.0
     item, d = candidates.closest(store, tree, grid, (cell, far), p, lift(min(most, away) if free else most))
     if item < 0 and not (free and away <= most):
         item, d = closest(store, tree, p, math.inf)
     return item, d, free
 
 
-@kernel
 def _most_surface(v: grids.Corners, t: Vec, spacing: float) -> float:
     """Upper bound of the distance to the surface, whichever side it is on."""
     return max(grids.at_most(v, t, spacing), -grids.at_least(v, t, spacing))
 
 
-@kernel
 def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> float:
     """Lower bound by the samples, also out of their grid, which holds the whole obstacle.
 
@@ -128,7 +110,6 @@ def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: f
     return math.hypot(max(low, 0.0), gap) if sign > 0.0 else low - gap
 
 
-@kernel
 def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> tuple[float, Vec]:
     """Distance and gradient by the samples, also out of their grid (see `_lowest`)."""
     d, g = grids.value(corners, t), grids.slope(corners, t, spacing)
@@ -147,32 +128,30 @@ def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spaci
     return far, scale(1.0 / far, add(beyond, scale(d, along)))
 
 
-@kernel
 def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Distance of `p` to obstacle `i`, asked in this mode, and an upper bound of it: the same where it is exact.
 
     What is not less than `reach` need not be exact: any lower bound that is not less than `reach` either will do.
     """
     exact = mode in (EXACT, ABOVE)
-    if table[i, FIRST_SAMPLE] < 0.0 or (exact and table[i, KIND] == TREE):
+    if table[i, tables.FIRST_SAMPLE] < 0.0 or (exact and table[i, tables.KIND] == tables.TREE):
         item, d, free = _find(table, store, i, p, reach, math.inf)
         if item < 0:
             return reach, math.inf
-        exact_one = unlift(d) - table[i, ROUNDING] if free else at_item(table, store, i, item, p)[0]
+        exact_one = unlift(d) - table[i, tables.ROUNDING] if free else at_item(table, store, i, item, p)[0]
         return exact_one, exact_one
-    grid = grid_of(table, i, FIRST_SAMPLE)
+    grid = grid_of(table, i, tables.FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
-    if table[i, KIND] == SAMPLES:
-        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode, table[i, EXACT_BELOW])
+    if table[i, tables.KIND] == tables.SAMPLES:
+        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode, table[i, tables.EXACT_BELOW])
         return d, d
     if mode == STEP:
-        d, _ = _interpolate(table[i, SIGN], corners, t, beyond, grid.spacing)
+        d, _ = _interpolate(table[i, tables.SIGN], corners, t, beyond, grid.spacing)
         return d, d
-    low = _lowest(table[i, SIGN], corners, t, beyond, grid.spacing)
+    low = _lowest(table[i, tables.SIGN], corners, t, beyond, grid.spacing)
     return low, grids.at_most(corners, t, grid.spacing) + norm(beyond)
 
 
-@kernel
 def _look_at_samples(
     corners: grids.Corners, t: Vec, gap: float, spacing: float, mode: int, exact_below: float
 ) -> float:
@@ -183,25 +162,23 @@ def _look_at_samples(
     return grids.at_least(corners, t, spacing) - gap
 
 
-@kernel
 def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
     """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`.
 
     `known` is that distance, where it is known already, else infinite.
     """
-    kind = table[i, KIND]
-    if table[i, FIRST_SAMPLE] < 0.0 or (mode == EXACT and kind == TREE):
+    kind = table[i, tables.KIND]
+    if table[i, tables.FIRST_SAMPLE] < 0.0 or (mode == EXACT and kind == tables.TREE):
         item, _, _ = _find(table, store, i, p, reach, known)
         return at_item(table, store, i, item, p) if item >= 0 else (reach, (0.0, 0.0, 1.0))
-    grid = grid_of(table, i, FIRST_SAMPLE)
+    grid = grid_of(table, i, tables.FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
-    d, g = _interpolate(table[i, SIGN] if kind == TREE else -1.0, corners, t, beyond, grid.spacing)
+    d, g = _interpolate(table[i, tables.SIGN] if kind == tables.TREE else -1.0, corners, t, beyond, grid.spacing)
     if mode == EXACT:
         d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT, math.inf)
     return d, g
 
 
-@kernel
 def beside(table: Array, store: Array, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
 
@@ -209,13 +186,13 @@ def beside(table: Array, store: Array, i: int, patch: Patch, aside: float, reach
     center, of the distance to what decides. What is not less than `reach` need not be exact.
     """
     tree, g = tree_of(table, i), (0.0, 0.0, 1.0)
-    if table[i, KIND] != TREE or (table[i, SIGN] < 0.0 and tree.kind != TRIANGLES):
+    if table[i, tables.KIND] != tables.TREE or (table[i, tables.SIGN] < 0.0 and tree.kind != tables.TRIANGLES):
         return -math.inf, g
-    if table[i, FIRST_CELL] >= 0.0:
-        away, g = candidates.beside(store, tree, grid_of(table, i, FIRST_CELL), patch)
+    if table[i, tables.FIRST_CELL] >= 0.0:
+        away, g = candidates.beside(store, tree, grid_of(table, i, tables.FIRST_CELL), patch)
     else:
-        away, g = trees.beside(store, tree, patch, reach + table[i, ROUNDING] + aside)
-    low = away - table[i, ROUNDING] - aside
+        away, g = trees.beside(store, tree, patch, reach + table[i, tables.ROUNDING] + aside)
+    low = away - table[i, tables.ROUNDING] - aside
     return (low if low > 0.0 else -math.inf), g
 
 
@@ -231,8 +208,8 @@ def sample(table: Array, store: Array, own: Array, work: Array, first: int, last
 
     Of a mesh `own` (2 << levels, 8) are the discs, else (0, 8). `work` (blocks.WORKSPACE,) is overwritten.
     """
-    tree, grid = tree_of(table, 0), grid_of(table, 0, FIRST_SAMPLE)
-    if tree.kind == CUBES:
+    tree, grid = tree_of(table, 0), grid_of(table, 0, tables.FIRST_SAMPLE)
+    if tree.kind == tables.CUBES:
         _sample_by_point(table, store, tree, grid, first, last, out)
         return
     seed, edge = 0, blocks.EDGE
@@ -251,12 +228,10 @@ def sample(table: Array, store: Array, own: Array, work: Array, first: int, last
                             out[a, b, c], _ = at_item(table, store, 0, item, _point(grid, a, b, c))
 
 
-@kernel
 def _point(grid: Grid, i: int, j: int, k: int) -> Vec:
     return (grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing)
 
 
-@kernel
 def _sample_by_point(table: Array, store: Array, tree: Tree, grid: Grid, first: int, last: int, out: Array) -> None:
     """The same, point by point.
 

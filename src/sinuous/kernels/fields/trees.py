@@ -11,52 +11,37 @@ order and saves most of the roots.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import entry, inline, kernel
+from sinuous.kernels import tables as t
+from sinuous.kernels.compile import entry, inline
 from sinuous.kernels.fields import triangles
 from sinuous.kernels.fields.primitives import FLAT, Patch, box, lean, patch_size
 from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, scale, sub
-from sinuous.kernels.tables import (
-    COUNT,
-    CUBE_HALF,
-    CUBES,
-    ITEM_KIND,
-    ITEMS,
-    LEVELS,
-    NODE_SIZE,
-    NODES,
-    TRIANGLE_SIZE,
-    TRIANGLES,
-)
 
 Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 """Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
 
 
-@kernel
 def tree_of(table: Array, i: int) -> Tree:
     """Tree of obstacle `i`."""
     return Tree(
-        int(table[i, NODES]),
-        int(table[i, LEVELS]),
-        int(table[i, ITEMS]),
-        int(table[i, COUNT]),
-        int(table[i, ITEM_KIND]),
-        table[i, CUBE_HALF],
+        int(table[i, t.NODES]),
+        int(table[i, t.LEVELS]),
+        int(table[i, t.ITEMS]),
+        int(table[i, t.COUNT]),
+        int(table[i, t.ITEM_KIND]),
+        table[i, t.CUBE_HALF],
     )
 
 
-@kernel
 def lift(d: float) -> float:
     return d * d if d > 0.0 else d
 
 
-@kernel
 def unlift(d: float) -> float:
     return math.sqrt(d) if d > 0.0 else d
 
 
-@kernel
 def _lifted(x: float, y: float, z: float) -> float:
     """Lifted distance to a box of a point that is so far beyond its nearer face along each axis (negative: inside)."""
     most = max(x, y, z)
@@ -66,7 +51,6 @@ def _lifted(x: float, y: float, z: float) -> float:
     return x * x + y * y + z * z
 
 
-@kernel
 def box_distance(store: Array, at: int, p: Vec) -> float:
     """Lifted distance of `p` to the box at `at`."""
     return _lifted(
@@ -76,18 +60,16 @@ def box_distance(store: Array, at: int, p: Vec) -> float:
     )
 
 
-@kernel
 def cube_distance(local: Vec, half: float) -> float:
     """Lifted distance to a cube about the origin."""
     return _lifted(abs(local[0]) - half, abs(local[1]) - half, abs(local[2]) - half)
 
 
-@kernel
 def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
     """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
-    if tree.kind == TRIANGLES:
-        return triangles.square_distance(store, tree.items + TRIANGLE_SIZE * i, p, best)
-    if tree.kind == CUBES:
+    if tree.kind == t.TRIANGLES:
+        return triangles.square_distance(store, tree.items + t.TRIANGLE_SIZE * i, p, best)
+    if tree.kind == t.CUBES:
         return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
     at = tree.items + 4 * i
     away, radius = sub(p, read(store, at)), store[at + 3]
@@ -98,7 +80,6 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
     return lift(math.sqrt(square) - radius)
 
 
-@kernel
 def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) -> tuple[int, int]:
     """Go down from a node, or on from node 0, to the next leaf whose box is closer to `p` than `best` (lifted).
 
@@ -106,7 +87,7 @@ def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) ->
     The root's bit is 1. From a leaf it goes on to the next.
     """
     first_leaf = 1 << tree.levels
-    descend = node == 0 and box_distance(store, tree.nodes + NODE_SIZE, p) < best
+    descend = node == 0 and box_distance(store, tree.nodes + t.NODE_SIZE, p) < best
     if node == 0:
         node = due = 1
     while True:
@@ -118,11 +99,11 @@ def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) ->
                 return 0, due
             due ^= 1
             node ^= 1
-            descend = box_distance(store, tree.nodes + NODE_SIZE * node, p) < best
+            descend = box_distance(store, tree.nodes + t.NODE_SIZE * node, p) < best
         if node >= first_leaf:
             return node, due
-        left = box_distance(store, tree.nodes + 2 * NODE_SIZE * node, p)
-        right = box_distance(store, tree.nodes + 2 * NODE_SIZE * node + NODE_SIZE, p)
+        left = box_distance(store, tree.nodes + 2 * t.NODE_SIZE * node, p)
+        right = box_distance(store, tree.nodes + 2 * t.NODE_SIZE * node + t.NODE_SIZE, p)
         descend = min(left, right) < best
         if descend:
             node = 2 * node + (1 if right < left else 0)
@@ -132,7 +113,6 @@ def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) ->
 _leaf_here = inline(_leaf)
 
 
-@kernel
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
     """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
     found, node, due = -1, 0, 1
@@ -147,12 +127,11 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
                 found, best = i, d
 
 
-@kernel
 def item_slope(store: Array, tree: Tree, i: int, p: Vec, normals: int) -> tuple[float, Vec]:
     """Distance of `p` to primitive `i`, and its gradient; of a triangle signed where `normals` begin in the store."""
-    if tree.kind == TRIANGLES:
-        return triangles.signed(store, tree.items + TRIANGLE_SIZE * i, normals, i, p)
-    if tree.kind == CUBES:
+    if tree.kind == t.TRIANGLES:
+        return triangles.signed(store, tree.items + t.TRIANGLE_SIZE * i, normals, i, p)
+    if tree.kind == t.CUBES:
         return box(sub(p, read(store, tree.items + 3 * i)), (tree.half, tree.half, tree.half))
     at = tree.items + 4 * i
     away = sub(p, read(store, at))
@@ -160,14 +139,12 @@ def item_slope(store: Array, tree: Tree, i: int, p: Vec, normals: int) -> tuple[
     return far - store[at + 3], (scale(1.0 / far, away) if far > 0.0 else (0.0, 0.0, 1.0))
 
 
-@kernel
 def item_beside(store: Array, tree: Tree, i: int, patch: Patch, size: float) -> tuple[float, Vec]:
     """Lower bound of the distance of a patch to primitive `i`, by the tangent at its center, and the gradient there."""
     d, g = item_slope(store, tree, i, patch.center, -1)
     return d + (lean(g, patch) if size < FLAT * d else -size), g
 
 
-@kernel
 def beside(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, Vec]:
     """Lower bound of the distance of a patch to all primitives, if it is less than `best`, else that.
 
@@ -186,7 +163,6 @@ def beside(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, 
                 best, g = low, own
 
 
-@kernel
 def _select(order: Array, centers: Array, axis: int, first: int, last: int, middle: int) -> None:
     """Put in place `middle` of order[first:last] what belongs there, no greater before it, no less after it (Hoare)."""
     low, high = first, last - 1
@@ -210,7 +186,6 @@ def _select(order: Array, centers: Array, axis: int, first: int, last: int, midd
             return
 
 
-@kernel
 def _longest_axis(order: Array, centers: Array, first: int, last: int) -> int:
     longest, extent = 0, -1.0
     for axis in range(3):
@@ -256,5 +231,5 @@ def enclose(lows: Array, highs: Array, order: Array, levels: int, nodes: Array) 
                 for axis in range(3):
                     nodes[node, axis] = min(nodes[node, axis], nodes[child, axis])
                     nodes[node, axis + 3] = max(nodes[node, axis + 3], nodes[child, axis + 3])
-    for axis in range(NODE_SIZE):
+    for axis in range(t.NODE_SIZE):
         nodes[0, axis] = 0.0

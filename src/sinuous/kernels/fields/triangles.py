@@ -1,19 +1,16 @@
 """The point of a triangle that is closest to another one, the part that it lies on, and on which side the other is."""
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, norm, scale, sub
 from sinuous.kernels.tables import NORMALS_SIZE, TRIANGLE_NORMAL, TRIANGLE_OFFSET
 
 INSIDE, AB, BC, CA, A, B, C = range(7)
 
 
-@kernel
 def read(store: Array, at: int) -> Vec:
     """Read three numbers."""
     return (store[at], store[at + 1], store[at + 2])
 
 
-@kernel
 def offset(store: Array, at: int, p: Vec) -> tuple[Vec, int]:  # noqa: PLR0911
     """Vector from the closest point of the triangle at `at` to `p`, and the part that this point lies on.
 
@@ -46,7 +43,6 @@ def offset(store: Array, at: int, p: Vec) -> tuple[Vec, int]:  # noqa: PLR0911
     return scale(dot(n, ap), n), INSIDE
 
 
-@kernel
 def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
     """Square of the distance of `p` to the triangle at `at`; at least `best` where it is not less than that."""
     height = dot(read(store, at + TRIANGLE_NORMAL), p) - store[at + TRIANGLE_OFFSET]
@@ -56,7 +52,6 @@ def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
     return dot(away, away)
 
 
-@kernel
 def signed(store: Array, at: int, normals: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Distance of `p` to triangle `item` at `at`, and its gradient: signed where `normals` begin in the store, else -1.
 

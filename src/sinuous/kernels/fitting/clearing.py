@@ -9,7 +9,6 @@ import math
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import closest, obstacle, price
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.fitting.curve import Curve, closest_on, length_of
@@ -39,7 +38,6 @@ MU = 1e-5
 """Damping of the steps."""
 
 
-@kernel
 def _wished(problem: Problem, curve: Curve, k: int, share: float, p: Vec) -> float:
     """Distance from the obstacles that the place `p` of segment `k` should have."""
     radius = problem.limits[k, RADIUS]
@@ -48,7 +46,6 @@ def _wished(problem: Problem, curve: Curve, k: int, share: float, p: Vec) -> flo
     return radius + min(ROOM * radius, max(problem.margin, SHARE * (d - radius)))
 
 
-@kernel
 def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
     """Linearise: rows that push places off the walls, and the targets.
 
@@ -87,7 +84,6 @@ def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
     return least, pushed
 
 
-@kernel
 def clear(problem: Problem, states: State, at: int, work: Work, curve: Curve) -> int:
     """Move the chain of state `at` off the walls, as far as the time allows; returns the state that holds the result.
 

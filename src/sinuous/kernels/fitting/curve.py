@@ -3,14 +3,12 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, scale, sub
 
 Curve = namedtuple("Curve", ["points", "spacing"])
 """Points (K, 3) of a route, and the distance between neighbours along it."""
 
 
-@kernel
 def curve_through(points: Array) -> Curve:
     """Return the curve through points (K, 3) that are evenly spaced, or nearly so."""
     length, count = 0.0, points.shape[0]
@@ -19,13 +17,11 @@ def curve_through(points: Array) -> Curve:
     return Curve(points, length / (count - 1))
 
 
-@kernel
 def length_of(curve: Curve) -> float:
     """Length of the curve."""
     return curve.spacing * (curve.points.shape[0] - 1)
 
 
-@kernel
 def point_at(curve: Curve, along: float) -> Vec:
     """Point of the curve at the length `along`; beyond an end, that end."""
     count = curve.points.shape[0]
@@ -35,7 +31,6 @@ def point_at(curve: Curve, along: float) -> Vec:
     return add_scaled(a, x - i, sub(get_vec(curve.points, i + 1, 0), a))
 
 
-@kernel
 def closest_on(curve: Curve, p: Vec, along: float, window: float) -> tuple[Vec, Vec]:
     """Place on the curve closest to `p`, no farther than `window` from the length `along`: point and unit tangent."""
     points, spacing = curve.points, curve.spacing

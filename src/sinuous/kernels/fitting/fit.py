@@ -3,7 +3,7 @@
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
 from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fitting.clearing import clear
 from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
@@ -40,20 +40,17 @@ def fit_workspace_size(segments: int, actuators: int, obstacles: int, targets: i
     return workspace_size(segments, actuators, max(1, obstacles), targets)  # rows along the body in any scene
 
 
-@kernel
 def _part(problem: Problem, q: Array, k: int, sliding: bool) -> float:
     """Length of the part of segment `k`: that of the segment, or while the chain grows twice its mean."""
     return q[k, 2] if sliding else problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH]
 
 
-@kernel
 def _draw(problem: Problem, state: State, at: int, k: int, s: float, p: Vec, axis: Vec, pull: Vec) -> int:
     """Write row `at`, that draws the place `p`, fraction `s` of segment `k`, by the part of `pull` along `axis`."""
     force = scale(1.0 / problem.unit, axis)
     return put_body_row(state.rows, at, state.q, state.frames, (k, s, p), force, INNER, dot(force, pull))
 
 
-@kernel
 def _draw_segment(
     problem: Problem, state: State, curve: Curve, k: int, at: int, stretch: Stretch, sliding: bool
 ) -> int:
@@ -78,7 +75,6 @@ def _draw_segment(
     return at
 
 
-@kernel
 def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: bool) -> None:
     """Linearise: rows that draw the first `grown` segments to the route; `sliding`: only across it, and the targets."""
     q, rows = state.q, state.rows
@@ -99,7 +95,6 @@ def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: b
     close(state, at)
 
 
-@kernel
 def _pull(problem: Problem, states: State, at: int, work: Work, curve: Curve, grown: int, sliding: bool) -> int:
     """Take one step from state `at`; returns the state that holds the result."""
     state, other = pick(states, at), pick(states, 1 - at)
@@ -110,7 +105,6 @@ def _pull(problem: Problem, states: State, at: int, work: Work, curve: Curve, gr
     return 1 - at
 
 
-@kernel
 def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     """Fit the chain to the route, growing from the base, as far as the time allows; returns the state with the fit."""
     length = length_of(curve)

@@ -2,7 +2,7 @@
 
 import math
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.band import respace
@@ -43,7 +43,6 @@ def distances_along(scene: Array, points: Array, reach: float, distances: Array)
         distances[i], _ = closest(obstacles, get_vec(points, i, 0), reach, STEP)
 
 
-@kernel
 def _width_across(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
     """Most distance from the obstacles in the plane across a line; away from the nearest one it is looked first."""
     most, which = closest(scene, place, enough, STEP)

@@ -2,31 +2,12 @@
 
 import math
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.targets import backbone_end, distal_target, end_segment, tangent_back
-from sinuous.kernels.tables import (
-    MAX_BEND,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    QUERY_AXIS,
-    QUERY_BACK,
-    QUERY_FREE_LENGTH,
-    QUERY_GOAL,
-    QUERY_GOAL_RADIUS,
-    QUERY_GOAL_SLACK,
-    QUERY_LONGEST,
-    QUERY_ORIGIN,
-    QUERY_OTHER_LENGTH,
-    QUERY_RADIUS,
-    QUERY_SHORTEST,
-    QUERY_STRAIGHT_MAX,
-    QUERY_STRAIGHT_MIN,
-    QUERY_TURN,
-    RADIUS,
-)
 
 THINNEST = 1e-4
 """Least radius of the ball that routes are found for, in lengths of the robot: a smaller one would go along walls in
@@ -41,46 +22,43 @@ ball no pipe is narrow, and what helps in narrow places is not tried."""
 
 def ball_radius(limits: Array) -> float:
     """Radius of the ball that routes of segments (n, SEGMENT_WIDTH) are found for, see `THINNEST`; length unit."""
-    radius, least = math.inf, THINNEST * limits[:, MAX_LENGTH].sum()
+    radius, least = math.inf, THINNEST * limits[:, t.MAX_LENGTH].sum()
     for k in range(limits.shape[0]):
-        if limits[k, RADIUS] >= least:
-            radius = min(radius, limits[k, RADIUS])
-    return radius if radius < math.inf else ASSUMED * limits[:, MAX_LENGTH].sum()
+        if limits[k, t.RADIUS] >= least:
+            radius = min(radius, limits[k, t.RADIUS])
+    return radius if radius < math.inf else ASSUMED * limits[:, t.MAX_LENGTH].sum()
 
 
-_ball_radius = kernel(ball_radius)
-"""The same for kernels: what is compiled for these cannot be called from Python."""
-
-
-@kernel
 def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
     """Of the segments up to `last`: radius of the ball, least and greatest length, and radius of the tightest turn."""
     shortest, longest, turn = 0.0, 0.0, math.inf
     for k in range(last + 1):
-        low, high, bend = problem.limits[k, MIN_LENGTH], problem.limits[k, MAX_LENGTH], problem.limits[k, MAX_BEND]
+        low, high, bend = (
+            problem.limits[k, t.MIN_LENGTH],
+            problem.limits[k, t.MAX_LENGTH],
+            problem.limits[k, t.MAX_BEND],
+        )
         shortest += low
         longest += high
         if bend > 0.0 and high > 0.0:
             turn = min(turn, (low if low > 0.0 else high) / bend)
-    return _ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
+    return ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
 
 
-@kernel
 def _straight(problem: Problem, last: int) -> tuple[float, float, float]:
     """Of the first segments that cannot bend: least and greatest length; and the mean length of all others."""
     low = high = others = 0.0
     leading = True
     for k in range(last + 1):
-        leading = leading and problem.limits[k, MAX_BEND] == 0.0
+        leading = leading and problem.limits[k, t.MAX_BEND] == 0.0
         if leading:
-            low += problem.limits[k, MIN_LENGTH]
-            high += problem.limits[k, MAX_LENGTH]
+            low += problem.limits[k, t.MIN_LENGTH]
+            high += problem.limits[k, t.MAX_LENGTH]
         else:
-            others += 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])
+            others += 0.5 * (problem.limits[k, t.MIN_LENGTH] + problem.limits[k, t.MAX_LENGTH])
     return low, high, others
 
 
-@kernel
 def _put(query: Array, at: int, vector: Vec) -> None:
     query[at], query[at + 1], query[at + 2] = vector
 
@@ -99,19 +77,19 @@ def route_query(robot: Array, scene: Array, settings: Array, targets: Array, que
     last = end_segment(targets, which, problem.limits.shape[0])
     rotation, base = frame(problem.base, 0)
     goal, around = backbone_end(problem, which, last)
-    _put(query, QUERY_ORIGIN, base)
-    _put(query, QUERY_AXIS, (rotation[0][2], rotation[1][2], rotation[2][2]))
-    _put(query, QUERY_GOAL, goal)
-    _put(query, QUERY_BACK, tangent_back(targets, which) if around == 0.0 else ZERO)
-    query[QUERY_GOAL_RADIUS] = around
-    query[QUERY_GOAL_SLACK] = problem.position_tolerance + 1e-9 * problem.unit
+    _put(query, t.QUERY_ORIGIN, base)
+    _put(query, t.QUERY_AXIS, (rotation[0][2], rotation[1][2], rotation[2][2]))
+    _put(query, t.QUERY_GOAL, goal)
+    _put(query, t.QUERY_BACK, tangent_back(targets, which) if around == 0.0 else ZERO)
+    query[t.QUERY_GOAL_RADIUS] = around
+    query[t.QUERY_GOAL_SLACK] = problem.position_tolerance + 1e-9 * problem.unit
     radius, shortest, longest, turn = _body(problem, last)
-    query[QUERY_RADIUS], query[QUERY_SHORTEST], query[QUERY_LONGEST], query[QUERY_TURN] = (
+    query[t.QUERY_RADIUS], query[t.QUERY_SHORTEST], query[t.QUERY_LONGEST], query[t.QUERY_TURN] = (
         radius,
         shortest,
         longest,
         turn,
     )
-    query[QUERY_FREE_LENGTH] = problem.mount
-    query[QUERY_STRAIGHT_MIN], query[QUERY_STRAIGHT_MAX], query[QUERY_OTHER_LENGTH] = _straight(problem, last)
+    query[t.QUERY_FREE_LENGTH] = problem.mount
+    query[t.QUERY_STRAIGHT_MIN], query[t.QUERY_STRAIGHT_MAX], query[t.QUERY_OTHER_LENGTH] = _straight(problem, last)
     return True

@@ -6,7 +6,7 @@ pushed off to the wrong side of a wall.
 
 from sinuous.kernels.body.rows import END
 from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem, read_problem
@@ -27,7 +27,6 @@ MU = 2e-5
 """Damping of the steps."""
 
 
-@kernel
 def _hold_back(problem: Problem, state: State) -> None:
     """Ask less of a step than would meet the targets and end all overlaps."""
     n, rows = problem.limits.shape[0], state.rows
@@ -41,7 +40,6 @@ def _hold_back(problem: Problem, state: State) -> None:
             rows.value[i] = min(rows.value[i], reach / problem.unit)
 
 
-@kernel
 def settle(problem: Problem, states: State, at: int, work: Work) -> int:
     """Draw the chain of state `at` to the targets, as far as the time allows; returns the state with the result.
 

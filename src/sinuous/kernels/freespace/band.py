@@ -3,7 +3,6 @@
 import math
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.grid import Grid
@@ -19,7 +18,6 @@ FEWEST = 6
 """Points that a band has at least."""
 
 
-@kernel
 def span(points: Array, count: int) -> float:
     """Length of a line through the first `count` of `points` (m, 3)."""
     total = 0.0
@@ -28,7 +26,6 @@ def span(points: Array, count: int) -> float:
     return total
 
 
-@kernel
 def respace(points: Array, count: int, out: Array, wanted: int) -> float:
     """Put `wanted` points evenly on a line through `count` ones; returns the distance between them along the line."""
     spacing = span(points, count) / (wanted - 1)
@@ -49,7 +46,6 @@ def respace(points: Array, count: int, out: Array, wanted: int) -> float:
     return spacing
 
 
-@kernel
 def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
     """Move a point away from the nearest obstacle by no more than `most`, if that is nearer than `wanted`."""
     d, which = closest(scene, p, wanted, STEP)
@@ -59,7 +55,6 @@ def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
     return add_scaled(p, min(most, wanted - d), g)
 
 
-@kernel
 def tighten(scene: Scene, grid: Grid, route: Array, scratch: Array, clock: Array, count: int) -> None:
     """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
@@ -96,7 +91,6 @@ def tighten(scene: Scene, grid: Grid, route: Array, scratch: Array, clock: Array
                 put_vec(route, i, 0, get_vec(spare, i, 0))
 
 
-@kernel
 def points_wanted(length: float, cell: float, most: int) -> int:
     """How many points a band of this length has."""
     return max(FEWEST, min(most, math.ceil(length / cell) + 1))

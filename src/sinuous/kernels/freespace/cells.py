@@ -12,7 +12,7 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import inline
 from sinuous.kernels.freespace.keys import child_of
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import Array
@@ -62,7 +62,6 @@ def memory_size(most: int) -> int:
     return 14 * most + 5 * (most // 8) + most // 16 + 3 * LINE_POINTS + STACK + CLOCK_SIZE + 8
 
 
-@kernel
 def carve(buffer: Array, most: int) -> Memory:
     """Lay out the memory of a search in the beginning of `buffer`, see `memory_size`."""
     c, eighth = most, most >> 3
@@ -91,7 +90,6 @@ def carve(buffer: Array, most: int) -> Memory:
     return Memory(table, sides, points, stack, clock)
 
 
-@kernel
 def pick(sides: Side, i: int) -> Side:
     """Side 0 or 1."""
     return Side(
@@ -106,14 +104,12 @@ def pick(sides: Side, i: int) -> Side:
     )
 
 
-@kernel
 def home(table: CellTable, key: int) -> int:
     """Slot of the hash table where the search for a block begins."""
     # All numbers of a key count in the high bits of the product alone; in the low ones x does not.
     return int((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(44)) & (table.size[SLOTS] - 1)
 
 
-@kernel
 def find_slot(table: CellTable, key: int) -> int:
     """Slot of the block of a cell in the hash table, or the empty one where it belongs; one slot must be empty."""
     mask, at = table.size[SLOTS] - 1, home(table, key)
@@ -125,13 +121,11 @@ def find_slot(table: CellTable, key: int) -> int:
 find_slot_here = inline(find_slot)
 
 
-@kernel
 def block_of(table: CellTable, key: int) -> int:
     """Return the number of the block of a cell; NONE where it has none."""
     return int(table.index[find_slot_here(table, key)]) - 1
 
 
-@kernel
 def key_in(table: CellTable, cell: int) -> int:
     """Key of the cell with a number; of a half, that of the whole."""
     if table.cuts[cell >> 3] != NONE:
@@ -139,7 +133,6 @@ def key_in(table: CellTable, cell: int) -> int:
     return int(child_of(table.parents[cell >> 3], cell & 7))
 
 
-@kernel
 def add_block(memory: Memory, key: int, cut: int) -> int:
     """Give a cell a block of its own, of cells that nobody looked at; NONE where there is no place left.
 
@@ -162,7 +155,6 @@ def add_block(memory: Memory, key: int, cut: int) -> int:
     return int(block)
 
 
-@kernel
 def _grow(table: CellTable) -> None:
     """Take twice as many slots into use."""
     table.size[SLOTS] *= 2
@@ -172,7 +164,6 @@ def _grow(table: CellTable) -> None:
         table.index[find_slot(table, table.parents[block])] = block + 1
 
 
-@kernel
 def clear(memory: Memory) -> None:
     """Forget all cells."""
     table = memory.table
@@ -182,7 +173,6 @@ def clear(memory: Memory) -> None:
     restart(memory)
 
 
-@kernel
 def restart(memory: Memory) -> None:
     """Forget all routes, but keep the cells with their distances and penalties."""
     sides = memory.sides
@@ -193,7 +183,6 @@ def restart(memory: Memory) -> None:
             sides.cost[i, cell], sides.done[i, cell] = math.inf, 0
 
 
-@kernel
 def push(memory: Memory, which: int, priority: float, cell: int) -> None:
     """Put a cell into the heap of a side, if there is a place for it."""
     side = pick(memory.sides, which)
@@ -203,7 +192,6 @@ def push(memory: Memory, which: int, priority: float, cell: int) -> None:
     side.size[OPEN] = heap.push(side.priority, side.items, side.size[OPEN], priority, cell)
 
 
-@kernel
 def pop(side: Side) -> int:
     """Take out a cell of the least priority; there must be one."""
     cell, side.size[OPEN] = heap.pop(side.priority, side.items, side.size[OPEN])

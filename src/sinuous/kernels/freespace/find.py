@@ -1,7 +1,7 @@
 """The door: routes of a ball through free space, from one place to another, and the proof that there are none."""
 
 from sinuous.kernels.clock import allow, begin
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.cells import NONE, SEEN, Memory, carve, clear, restart
@@ -15,7 +15,6 @@ APART = 2
 """Cells on all sides of a route that are made dearer before the next one is searched for."""
 
 
-@kernel
 def _chain(memory: Memory, which: int, met: int) -> int:
     """How many cells lead from the one where both sides met to the end of a side; that one is not counted."""
     count, cell = 0, int(memory.sides.before[which, met])
@@ -24,7 +23,6 @@ def _chain(memory: Memory, which: int, met: int) -> int:
     return count
 
 
-@kernel
 def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
     """Write the line of the route through the cell `met` to `memory.points`; returns the number of its points.
 
@@ -52,7 +50,6 @@ def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
     return count + 2
 
 
-@kernel
 def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one through the cell `met`; returns how many points it has (0: too many cells)."""
     traced = _trace(memory, grid, met, query)
@@ -64,7 +61,6 @@ def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, ro
     return wanted
 
 
-@kernel
 def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
     """Prove that there is no route for any body of this radius, whatever its tangents."""
     clear(memory)
@@ -72,7 +68,6 @@ def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
     return ended == CLOSED
 
 
-@kernel
 def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
     """Fill `routes`: how many, and how the last search ended.
 

@@ -3,7 +3,6 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest
 from sinuous.kernels.freespace.keys import key_of, numbers_of
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
@@ -16,27 +15,8 @@ FINEST = 0.1
 
 Grid = namedtuple(
     "Grid",
-    [
-        "origin",
-        "cell",
-        "levels",
-        "clearance",
-        "ample",
-        "radius",
-        "room",
-        "reach",
-        "start",
-        "start_radius",
-        "axis",
-        "goal",
-        "goal_radius",
-        "back",
-        "turn",
-        "inflation",
-        "clearance_weight",
-        "longest",
-        "mode",
-    ],
+    "origin cell levels clearance ample radius room reach start start_radius axis goal goal_radius back turn "
+    "inflation clearance_weight longest mode",
 )
 """What one search is about; lengths in the length unit.
 
@@ -51,7 +31,6 @@ as much, after fewer cells. `clearance_weight` says how much dearer narrow place
 for in a mode of `solids`; a proof asks for upper bounds, because what can be passed must not be taken for a wall."""
 
 
-@kernel
 def middle(grid: Grid, key: int) -> Vec:
     """Middle of the cell `key`."""
     level, x, y, z = numbers_of(key)
@@ -60,7 +39,6 @@ def middle(grid: Grid, key: int) -> Vec:
     return o[0] + h * x + first, o[1] + h * y + first, o[2] + h * z + first
 
 
-@kernel
 def corners(grid: Grid, key: int) -> tuple[Vec, Vec]:
     """Low and high corner of the cell `key`."""
     level, _, _, _ = numbers_of(key)
@@ -68,7 +46,6 @@ def corners(grid: Grid, key: int) -> tuple[Vec, Vec]:
     return (p[0] - r, p[1] - r, p[2] - r), (p[0] + r, p[1] + r, p[2] + r)
 
 
-@kernel
 def cell_at(grid: Grid, p: Vec) -> int:
     """Key of the finest cell that the point `p` lies in."""
     o, h = grid.origin, grid.cell
@@ -76,7 +53,6 @@ def cell_at(grid: Grid, p: Vec) -> int:
     return key_of(0, x, y, math.floor(z))
 
 
-@kernel
 def behind(grid: Grid, p: Vec, place: Vec, axis: Vec, spread: float) -> int:
     """Whether what is nearer to `p` than `spread` is behind `place`: 0 nothing, 1 a part of it, 2 all.
 
@@ -89,7 +65,6 @@ def behind(grid: Grid, p: Vec, place: Vec, axis: Vec, spread: float) -> int:
     return 2 if ahead < -spread and off < grid.turn - spread else 1
 
 
-@kernel
 def walled(grid: Grid, scene: Scene, one: int, other: int) -> bool:
     """Whether a wall stands between two neighbours; to be asked where their own distances leave room for one.
 
@@ -107,7 +82,6 @@ def walled(grid: Grid, scene: Scene, one: int, other: int) -> bool:
     return False
 
 
-@kernel
 def price(grid: Grid, distance: float) -> float:
     """What a unit of length costs at this distance from the obstacles."""
     clear_by = distance - grid.radius

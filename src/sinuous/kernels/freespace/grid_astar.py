@@ -17,7 +17,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.distances import price as looks_of
 from sinuous.kernels.freespace.cells import (
@@ -69,7 +69,6 @@ Here = namedtuple("Here", ["which", "cell", "key", "cut", "level", "point", "pri
 the route enters it; and what a unit of length costs there."""
 
 
-@kernel
 def _end(grid: Grid, which: int) -> tuple[Vec, float]:
     """Where routes of a side begin: within a ball about a place."""
     if which == FROM_GOAL:
@@ -77,7 +76,6 @@ def _end(grid: Grid, which: int) -> tuple[Vec, float]:
     return grid.start, grid.start_radius
 
 
-@kernel
 def _clamp(p: Vec, low: Vec, high: Vec) -> Vec:
     """The point between two corners that is nearest to `p`."""
     return (
@@ -87,7 +85,6 @@ def _clamp(p: Vec, low: Vec, high: Vec) -> Vec:
     )
 
 
-@kernel
 def _begin(side: Side, cell: int, off: float, p: Vec) -> None:
     """Note of a cell that the point `p` of it is within the ball where a side begins, and how far it is from there."""
     if off < side.cost[cell]:
@@ -95,7 +92,6 @@ def _begin(side: Side, cell: int, off: float, p: Vec) -> None:
         put_vec(side.points, cell, 0, p)
 
 
-@kernel
 def _seed(memory: Memory, grid: Grid, scene: Scene, which: int) -> bool:
     """Open the cells in which there are middles in the ball where a side begins; say whether they are not too many."""
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
@@ -127,13 +123,11 @@ def _seed(memory: Memory, grid: Grid, scene: Scene, which: int) -> bool:
     return True
 
 
-@kernel
 def _gap(sides: Side, cell: int) -> float:
     """How far apart both routes enter a cell."""
     return norm(sub(get_vec(sides.points[FROM_GOAL], cell, 0), get_vec(sides.points[FROM_START], cell, 0)))
 
 
-@kernel
 def _through(memory: Memory, grid: Grid, cell: int) -> float:
     """Cost of the route through a cell that both sides have come to; infinite without one."""
     sides = memory.sides
@@ -143,7 +137,6 @@ def _through(memory: Memory, grid: Grid, cell: int) -> float:
     return sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] + own * _gap(sides, cell)
 
 
-@kernel
 def _joins(memory: Memory, grid: Grid, cell: int, met: int) -> bool:
     """Whether the route through `cell` is cheaper than that through `met`, and not too long."""
     sides = memory.sides
@@ -154,7 +147,6 @@ def _joins(memory: Memory, grid: Grid, cell: int, met: int) -> bool:
     return SMOOTHED * length <= grid.longest
 
 
-@kernel
 def _crossing(grid: Grid, scene: Scene, here: Here, key: int, half: tuple[int, int], aim: Vec) -> Vec:
     """Where a route enters the cell `key`: in its middle if it is one of the finest, else where it leads to `aim`.
 
@@ -180,7 +172,6 @@ def _crossing(grid: Grid, scene: Scene, here: Here, key: int, half: tuple[int, i
     return beside(scene, half[0], half[1], p, grid.clearance)
 
 
-@kernel
 def _arrive(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, key: int) -> None:
     """Note of a cell, if it is so, that it reaches to where routes of the other side begin."""
     aim, close = _end(grid, 1 - which)
@@ -195,7 +186,6 @@ def _arrive(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, key
 push_here = inline(push)
 
 
-@kernel
 def _reach(memory: Memory, grid: Grid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
     """See whether the route to the cell `new` is cheaper from here; returns the cell of the cheapest route so far."""
     table, side, other = memory.table, pick(memory.sides, here.which), pick(memory.sides, 1 - here.which)
@@ -227,7 +217,6 @@ def _reach(memory: Memory, grid: Grid, scene: Scene, here: Here, new: int, key: 
     return new if other.cost[new] < math.inf and _joins(memory, grid, new, met) else met
 
 
-@kernel
 def _reach_into(memory: Memory, grid: Grid, scene: Scene, here: Here, divided: int, met: int) -> int:
     """The same for all cells that can be passed in a larger one, `divided`, and touch the one here."""
     table, stack = memory.table, memory.stack
@@ -260,7 +249,6 @@ def _reach_into(memory: Memory, grid: Grid, scene: Scene, here: Here, divided: i
 block_of_here, reach_here = inline(block_of), inline(_reach)
 
 
-@kernel
 def _reach_halves(memory: Memory, grid: Grid, scene: Scene, here: Here, block: int, met: int) -> int:
     """The same for both halves of a cell that a wall cuts."""
     cost = memory.sides.cost
@@ -270,7 +258,6 @@ def _reach_halves(memory: Memory, grid: Grid, scene: Scene, here: Here, block: i
     return met
 
 
-@kernel
 def _reach_block(memory: Memory, grid: Grid, scene: Scene, here: Here, block: int, met: int) -> int:
     """The same for those of the eight cells of a block that touch the one here, which is as large as they are."""
     table, cost = memory.table, memory.sides.cost[here.which]
@@ -295,7 +282,6 @@ def _reach_block(memory: Memory, grid: Grid, scene: Scene, here: Here, block: in
 reach_block_here = inline(_reach_block)
 
 
-@kernel
 def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met: int) -> int:
     """Look at the neighbours of a cell; returns the cell that the cheapest route known so far leads through."""
     table, side = memory.table, pick(memory.sides, which)
@@ -321,13 +307,11 @@ def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met:
     return met
 
 
-@kernel
 def _least(side: Side) -> float:
     """Least priority of a side; infinite when it is dry."""
     return side.priority[0] if side.size[OPEN] > 0 else math.inf
 
 
-@kernel
 def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
     """Search from the cells about the goal and from those about the start; what was searched before is in the memory.
 
@@ -368,7 +352,6 @@ def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
         met = _widen(memory, grid, scene, which, cell, met)
 
 
-@kernel
 def penalize(memory: Memory, grid: Grid, scene: Scene, met: int, around: int) -> None:
     """Make the route through the cell `met`, and cells up to `around` cells from it, dearer: about large ones, one."""
     table = memory.table

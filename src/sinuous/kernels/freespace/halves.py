@@ -5,7 +5,6 @@ box all of it can be passed but for what is too near to the box, and nothing lea
 two halves, each a cell of its own in the search. That holds for a half-space too, of which one half is never reached.
 """
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, look
 from sinuous.kernels.freespace.cells import NONE
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, corners
@@ -16,7 +15,6 @@ THIN = 1.0
 """Least clearance, in edges of the finest cells, with which no cell on one side of a wall reaches to the other side."""
 
 
-@kernel
 def _axis_across(scene: Scene, i: int, p: Vec, edge: float, spare: float) -> int:
     """The axis of obstacle `i` along which it cuts a cube about `p` in two, with so much to spare; or NONE."""
     rotation = get_mat(scene.table, i, AXES)
@@ -37,7 +35,6 @@ def _axis_across(scene: Scene, i: int, p: Vec, edge: float, spare: float) -> int
     return 1 if spans[0] and spans[2] else NONE
 
 
-@kernel
 def cut_by(grid: Grid, scene: Scene, p: Vec, edge: float, which: int) -> int:
     """Say how obstacle `which`, the nearest to its middle `p`, cuts a cell in two: 3 times its number, and the axis.
 
@@ -56,7 +53,6 @@ def cut_by(grid: Grid, scene: Scene, p: Vec, edge: float, which: int) -> int:
     return 3 * which + axis
 
 
-@kernel
 def _normal(scene: Scene, cut: int) -> Vec:
     """Unit normal of a wall."""
     a, b, c = get_mat(scene.table, cut // 3, AXES)
@@ -66,7 +62,6 @@ def _normal(scene: Scene, cut: int) -> Vec:
     return (a[1], b[1], c[1]) if axis == 1 else (a[2], b[2], c[2])
 
 
-@kernel
 def beyond(scene: Scene, cut: int, side: int, p: Vec) -> float:
     """How far the point `p` is from the face of a wall on a side of it; negative on the other one, and in the wall."""
     i = cut // 3
@@ -75,20 +70,17 @@ def beyond(scene: Scene, cut: int, side: int, p: Vec) -> float:
     return (2.0 * side - 1.0) * off - thick - scene.table[i, ROUNDING]
 
 
-@kernel
 def side_of(scene: Scene, cut: int, p: Vec) -> int:
     """On which side of a wall a point is: 0 or 1."""
     return 1 if beyond(scene, cut, 1, p) > beyond(scene, cut, 0, p) else 0
 
 
-@kernel
 def beside(scene: Scene, cut: int, side: int, p: Vec, far: float) -> Vec:
     """The point on a side of a wall that is nearest to `p`, and so far from the wall."""
     lacking = far - beyond(scene, cut, side, p)
     return p if lacking <= 0.0 else add_scaled(p, (2.0 * side - 1.0) * lacking, _normal(scene, cut))
 
 
-@kernel
 def shared(grid: Grid, one: int, other: int) -> tuple[Vec, Vec]:
     """Low and high corner of what two cells that touch have in common."""
     a, b = corners(grid, one)
@@ -97,7 +89,6 @@ def shared(grid: Grid, one: int, other: int) -> tuple[Vec, Vec]:
     return low, (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
 
 
-@kernel
 def _open(grid: Grid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) -> bool:
     """Whether between two corners there is a point that can be passed, on a side of a wall."""
     a, b, c = _normal(scene, cut)
@@ -106,7 +97,6 @@ def _open(grid: Grid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) ->
     return beyond(scene, cut, side, scale(0.5, add(low, high))) + reach >= grid.clearance
 
 
-@kernel
 def linked(grid: Grid, scene: Scene, one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
     """Whether a route leads from one cell to another that it touches: each by its key, its cut, and the side of it.
 

@@ -18,7 +18,7 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, price, read_scene
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.freespace.band import respace
@@ -57,7 +57,6 @@ def homotopy_workspace_size(points: int) -> int:
     return CLOCK_SIZE + 3 * points + leashes // 8 + 1 + leashes + 2
 
 
-@kernel
 def _ray(scene: Scene, a: Vec, b: Vec, keep: float, looks: int, clock: Array) -> tuple[float, int]:
     """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NOTHING; LATE: no time).
 
@@ -80,14 +79,12 @@ def _ray(scene: Scene, a: Vec, b: Vec, keep: float, looks: int, clock: Array) ->
             return length, NOTHING
 
 
-@kernel
 def _free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
     """Whether the leash from `a` to `b` keeps this distance."""
     _, which = _ray(scene, a, b, keep, price(scene), clock)
     return which == NOTHING
 
 
-@kernel
 def _pull(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -> None:
     """Draw `curve` (N, 3) tight once: from point to point, as far as leashes to all that is left out stay clear."""
     last = curve.shape[0] - 1
@@ -102,7 +99,6 @@ def _pull(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -
     respace(spare, corners + 1, curve, last + 1)
 
 
-@kernel
 def _turn_round(curve: Array) -> None:
     """Let `curve` (N, 3) run the other way."""
     last = curve.shape[0] - 1
@@ -112,7 +108,6 @@ def _turn_round(curve: Array) -> None:
         put_vec(curve, last - i, 0, p)
 
 
-@kernel
 def _begin(clock: Array, seconds: float) -> None:
     """Begin a call from Python that has so many seconds."""
     begin(clock)
@@ -146,7 +141,6 @@ def draw_tight(scene: Array, curve: Array, keep: float, seconds: float, workspac
         keep *= EASED
 
 
-@kernel
 def _carve(workspace: Array, count: int) -> Leashes:
     """Lay out what is known of leashes behind clock and spare curve, all of it forgotten."""
     wide = 2 * int(WINDOW * count) + 1
@@ -159,7 +153,6 @@ def _carve(workspace: Array, count: int) -> Leashes:
     return Leashes(state, rest[bytes_:].view(np.int32))
 
 
-@kernel
 def _reach(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, clock: Array) -> bool:
     """Lead the leash on, both ends together where that goes; says whether it gets to the ends of both curves."""
     count, wide = leashes.state.shape
@@ -207,7 +200,6 @@ def deforms(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     return _reach(read_scene(scene), a, b, keep, _carve(workspace, a.shape[0]), clock)
 
 
-@kernel
 def _off(scene: Scene, p: Vec, keep: float) -> Vec:
     """Push a point off the obstacles, to this distance where that goes."""
     for _ in range(PUSHES):

@@ -4,8 +4,6 @@ Cells of level 0 are the finest. Their numbers (x, y, z) count them along the ax
 of level l has the numbers of those in it, shifted right by l. Its *key* is one number that says all that.
 """
 
-from sinuous.kernels.compile import kernel
-
 BITS = 19
 """Of a key, for each of the three numbers."""
 
@@ -18,40 +16,34 @@ MOST_LEVELS = 12
 """Highest level that a key can tell, with room for the cell that it lies in."""
 
 
-@kernel
 def key_of(level: int, x: int, y: int, z: int) -> int:
     """Key of a cell."""
     return (level << (3 * BITS)) | ((x + OFFSET) << (2 * BITS)) | ((y + OFFSET) << BITS) | (z + OFFSET)
 
 
-@kernel
 def numbers_of(key: int) -> tuple[int, int, int, int]:
     """Level and the three numbers of a cell."""
     x, y, z = (key >> (2 * BITS)) & MASK, (key >> BITS) & MASK, key & MASK
     return key >> (3 * BITS), x - OFFSET, y - OFFSET, z - OFFSET
 
 
-@kernel
 def parent_of(key: int) -> int:
     """Key of the cell one level up that a cell lies in."""
     level, x, y, z = numbers_of(key)
     return int(key_of(level + 1, x >> 1, y >> 1, z >> 1))
 
 
-@kernel
 def octant_of(x: int, y: int, z: int) -> int:
     """Which of its parent's eight children the cell with these numbers is."""
     return ((x & 1) << 2) | ((y & 1) << 1) | (z & 1)
 
 
-@kernel
 def child_of(key: int, octant: int) -> int:
     """Key of one of the eight children of a cell."""
     level, x, y, z = numbers_of(key)
     return int(key_of(level - 1, 2 * x + (octant >> 2), 2 * y + ((octant >> 1) & 1), 2 * z + (octant & 1)))
 
 
-@kernel
 def touch(one: int, other: int) -> bool:
     """Whether two cells have a face, an edge, a corner or more in common."""
     by, x, y, z = numbers_of(one)

@@ -8,7 +8,7 @@ the finest cells alone, at a price that goes by the surface of free space, not b
 """
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene, closest
 from sinuous.kernels.fields.distances import price as looks_of
 from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, NONE, SEEN, UNKNOWN, Memory, add_block, block_of
@@ -27,7 +27,6 @@ LEAF = -2
 """What `block_at` returns for a cell that is not divided, less its number."""
 
 
-@kernel
 def passable(grid: Grid, scene: Scene, key: int) -> tuple[float, int]:
     """Distance of the middle of a cell to the obstacles, if all of it can be passed; BLOCKED, or DIVIDED.
 
@@ -61,7 +60,6 @@ def passable(grid: Grid, scene: Scene, key: int) -> tuple[float, int]:
     return DIVIDED, cut_by(grid, scene, p, edge, which)
 
 
-@kernel
 def _halve(memory: Memory, grid: Grid, key: int, cut: int) -> None:
     """Give a cell two halves; in the open, for there is room in them."""
     block = add_block(memory, key, cut)
@@ -70,7 +68,6 @@ def _halve(memory: Memory, grid: Grid, key: int, cut: int) -> None:
             memory.table.distance[8 * block + side] = grid.radius + grid.room
 
 
-@kernel
 def look_at(memory: Memory, grid: Grid, scene: Scene, key: int, cell: int) -> float:
     """Distance of a cell as the table has it; a cell that nobody looked at is looked at now."""
     table = memory.table
@@ -86,7 +83,6 @@ def look_at(memory: Memory, grid: Grid, scene: Scene, key: int, cell: int) -> fl
 block_of_here = inline(block_of)
 
 
-@kernel
 def block_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
     """Number of the block of a cell, which is looked at, and given one, if need be; or of one that it lies in half of.
 
@@ -121,7 +117,6 @@ def block_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
     return block
 
 
-@kernel
 def leaf_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
     """Number of the cell that can be passed as a whole and in which the finest cell `key` lies; NONE without one."""
     block = block_at(memory, grid, scene, parent_of(key))
@@ -138,7 +133,6 @@ def leaf_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
     return cell if look_at(memory, grid, scene, key, cell) > DIVIDED else NONE
 
 
-@kernel
 def known_leaf(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
     """Number of the cell that was looked at, can be passed as a whole, and in which `key` lies; NONE without one."""
     table = memory.table

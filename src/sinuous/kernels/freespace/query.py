@@ -3,32 +3,11 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
+from sinuous.kernels import tables as t
 from sinuous.kernels.fields.distances import Scene, closest, most_roundoff
 from sinuous.kernels.fields.solids import ABOVE, STEP
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, norm, sub
-from sinuous.kernels.tables import (
-    QUERY_AXIS,
-    QUERY_BACK,
-    QUERY_CELL,
-    QUERY_CLEARANCE,
-    QUERY_FREE_LENGTH,
-    QUERY_GOAL,
-    QUERY_GOAL_RADIUS,
-    QUERY_GOAL_SLACK,
-    QUERY_LONGEST,
-    QUERY_MOST_CELLS,
-    QUERY_ORIGIN,
-    QUERY_OTHER_LENGTH,
-    QUERY_PROVE,
-    QUERY_RADIUS,
-    QUERY_ROOM,
-    QUERY_SHORTEST,
-    QUERY_STRAIGHT_MAX,
-    QUERY_STRAIGHT_MIN,
-    QUERY_TURN,
-)
 
 INFLATION = 2.0
 """See `grid.Grid`: among obstacles a route costs more than its length, and to find the cheapest one is far dearer."""
@@ -47,69 +26,46 @@ STRAIGHT_STEPS = 16
 
 Query = namedtuple(
     "Query",
-    [
-        "origin",
-        "axis",
-        "goal",
-        "back",
-        "goal_radius",
-        "goal_slack",
-        "radius",
-        "shortest",
-        "longest",
-        "turn",
-        "free_length",
-        "straight_min",
-        "straight_max",
-        "other_length",
-        "cell",
-        "clearance",
-        "room",
-        "most_cells",
-        "prove",
-    ],
+    "origin axis goal back goal_radius goal_slack radius shortest longest turn free_length straight_min "
+    "straight_max other_length cell clearance room most_cells prove",
 )
 """The numbers of a query by their names, see `sinuous.kernels.tables`."""
 
 
-@kernel
 def _vector(query: Array, at: int) -> Vec:
     return query[at], query[at + 1], query[at + 2]
 
 
-@kernel
 def read_query(query: Array) -> Query:
     """Take a query (27,) apart."""
     return Query(
-        _vector(query, QUERY_ORIGIN),
-        _vector(query, QUERY_AXIS),
-        _vector(query, QUERY_GOAL),
-        _vector(query, QUERY_BACK),
-        query[QUERY_GOAL_RADIUS],
-        query[QUERY_GOAL_SLACK],
-        query[QUERY_RADIUS],
-        query[QUERY_SHORTEST],
-        query[QUERY_LONGEST],
-        query[QUERY_TURN],
-        query[QUERY_FREE_LENGTH],
-        query[QUERY_STRAIGHT_MIN],
-        query[QUERY_STRAIGHT_MAX],
-        query[QUERY_OTHER_LENGTH],
-        query[QUERY_CELL],
-        query[QUERY_CLEARANCE],
-        query[QUERY_ROOM],
-        int(query[QUERY_MOST_CELLS]),
-        query[QUERY_PROVE] != 0.0,
+        _vector(query, t.QUERY_ORIGIN),
+        _vector(query, t.QUERY_AXIS),
+        _vector(query, t.QUERY_GOAL),
+        _vector(query, t.QUERY_BACK),
+        query[t.QUERY_GOAL_RADIUS],
+        query[t.QUERY_GOAL_SLACK],
+        query[t.QUERY_RADIUS],
+        query[t.QUERY_SHORTEST],
+        query[t.QUERY_LONGEST],
+        query[t.QUERY_TURN],
+        query[t.QUERY_FREE_LENGTH],
+        query[t.QUERY_STRAIGHT_MIN],
+        query[t.QUERY_STRAIGHT_MAX],
+        query[t.QUERY_OTHER_LENGTH],
+        query[t.QUERY_CELL],
+        query[t.QUERY_CLEARANCE],
+        query[t.QUERY_ROOM],
+        int(query[t.QUERY_MOST_CELLS]),
+        query[t.QUERY_PROVE] != 0.0,
     )
 
 
-@kernel
 def straight_length(query: Query, length: float) -> float:
     """How far a route of this length leaves straight."""
     return min(query.straight_max, max(query.straight_min, length - query.other_length))
 
 
-@kernel
 def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: float, radius: float) -> Vec:
     """The point farthest along `axis`, from `past` up to `most`, that a ball can reach straight."""
     reached = past
@@ -122,7 +78,6 @@ def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: flo
     return add_scaled(place, reached, axis)
 
 
-@kernel
 def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Grid:
     """The grid for routes that leave straight for so long, and with `barred` pass behind neither end.
 
@@ -159,7 +114,6 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
     )
 
 
-@kernel
 def proof_grid(query: Query, scene: Scene) -> Grid:
     """The grid for the proof that there is no route: whatever any body of this radius can pass, can be passed."""
     clearance = query.radius - HALF_DIAGONAL * query.cell - most_roundoff(scene)

@@ -4,7 +4,6 @@ import math
 
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.growing.guide import Guide
 from sinuous.kernels.maths.vectors import Mat, Vec, get_vec, mat_mat, mat_vec, norm, sub, transpose, vec_mat
 from sinuous.kernels.problem import Problem
@@ -42,20 +41,17 @@ THIN = 1e-3
 """Radius of a body that has none, in lengths of the robot."""
 
 
-@kernel
 def thickness(problem: Problem, k: int) -> float:
     """Radius of segment `k`, or what counts as one where the body has none."""
     return max(problem.limits[k, RADIUS], THIN * problem.unit)
 
 
-@kernel
 def end_of(start: Start, q: Vec) -> Start:
     """Pose of the end of an arc that begins with a pose."""
     turn, shift = pose(q[0], q[1], q[2])
     return compose(start[0], start[1], turn, shift)
 
 
-@kernel
 def start_of(end: Start, q: Vec) -> Start:
     """Pose with which an arc begins that ends with a pose."""
     turn, shift = pose(q[0], q[1], q[2])
@@ -63,7 +59,6 @@ def start_of(end: Start, q: Vec) -> Start:
     return rotation, sub(end[1], mat_vec(rotation, shift))
 
 
-@kernel
 def aimed(start: Start, target: Vec, length: float) -> tuple[float, float]:
     """Bend of the arc of this length on the circle that leads to a target."""
     p = vec_mat(sub(target, start[1]), start[0])
@@ -75,7 +70,6 @@ def aimed(start: Start, target: Vec, length: float) -> tuple[float, float]:
     return bend * p[0] / aside, bend * p[1] / aside
 
 
-@kernel
 def _aim(guide: Guide, start: Start, number: int, seen: int, length: float) -> Vec:
     """Place of the guide that arcs are aimed at: the point `seen`, or what is one or one and a half segments ahead."""
     last = guide.points.shape[0] - 1
@@ -86,13 +80,11 @@ def _aim(guide: Guide, start: Start, number: int, seen: int, length: float) -> V
     return get_vec(guide.points, min(ahead, last), 0)
 
 
-@kernel
 def _lengths_of(problem: Problem, k: int) -> int:
     """How many lengths of segment `k` are tried for each place that it is aimed at."""
     return SHARES if problem.limits[k, MAX_LENGTH] > problem.limits[k, MIN_LENGTH] else 1
 
 
-@kernel
 def count_of(problem: Problem, k: int) -> int:
     """How many arcs of segment `k` are tried beyond a chain."""
     lengths = _lengths_of(problem, k)
@@ -101,7 +93,6 @@ def count_of(problem: Problem, k: int) -> int:
     return LENGTHS if lengths > 1 else 1
 
 
-@kernel
 def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, share: float) -> Vec:
     """Arc number `which[1]` of segment `which[0]` beyond `start`: its bends (rad) and its length.
 

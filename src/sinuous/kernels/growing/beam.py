@@ -14,7 +14,6 @@ import numpy as np
 
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.growing.arcs import ARCS
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.shapes import shaped
@@ -48,7 +47,6 @@ def beam_size(obstacles: int, width: int) -> int:
     return LAZY * width * CHAIN_WIDTH + 5 * width * ARCS + 4 * width + CLOCK_SIZE + obstacles
 
 
-@kernel
 def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
     """Lay out the memory of a search, see `beam_size`."""
     width = levels.shape[1]
@@ -67,14 +65,12 @@ def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
     )
 
 
-@kernel
 def empty_buckets(beam: Beam) -> None:
     """Forget which chains end alike."""
     for i in range(beam.buckets.shape[0]):
         beam.buckets[i] = 0
 
 
-@kernel
 def _bucket(pose: tuple[Mat, Vec], edge: float, turns: float) -> int:
     """Number of the bucket of a chain: its end lies in the same cube and points into much the same direction."""
     r, p = pose
@@ -84,7 +80,6 @@ def _bucket(pose: tuple[Mat, Vec], edge: float, turns: float) -> int:
     return key | 1
 
 
-@kernel
 def differs(beam: Beam, pose: tuple[Mat, Vec], edge: float, turns: float) -> bool:
     """Whether no chain was noted yet that ends alike; this one is noted from then on.
 
@@ -101,13 +96,11 @@ def differs(beam: Beam, pose: tuple[Mat, Vec], edge: float, turns: float) -> boo
     return True
 
 
-@kernel
 def _put(level: Array, to: int, chains: Array, i: int) -> None:
     for j in range(CHAIN_WIDTH):
         level[to, j] = chains[i, j]
 
 
-@kernel
 def keep(beam: Beam, k: int, count: int, segment: float) -> int:
     """Keep the best of the `count` chains that were made as those of `k` segments; returns how many.
 

@@ -14,7 +14,6 @@ import math
 
 from sinuous.kernels.body.pieces import closest, near
 from sinuous.kernels.chain.arc import point, pose_and_columns
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import obstacle
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.growing.arcs import Start, end_of, thickness
@@ -66,7 +65,6 @@ DAMPING = 3e-3
 """Damping of a step, in squares of the length of the arc."""
 
 
-@kernel
 def _row(start: Start, q: Vec, s: float, p: Vec, g: Vec) -> tuple[float, float]:
     """Derivatives of the distance of a place `p`, whose gradient is `g`, by the bends of an arc that it is fixed to.
 
@@ -77,7 +75,6 @@ def _row(start: Start, q: Vec, s: float, p: Vec, g: Vec) -> tuple[float, float]:
     return s * dot(force, add(x[1], cross(x[0], own))), s * dot(force, add(y[1], cross(y[0], own)))
 
 
-@kernel
 def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec) -> tuple[float, float, float, float]:
     """Solve the symmetric system of blocks `a` (xx, xy, yy), `b` (rows) and `c`, with the right sides `g` and `h`."""
     det = a[0] * a[2] - a[1] * a[1]
@@ -97,7 +94,6 @@ def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec
     return w0 - u0 * x - v0 * y, w1 - u1 * x - v1 * y, x, y
 
 
-@kernel
 def _press(
     problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
 ) -> tuple[float, float, float, tuple[float, float, float, float]]:
@@ -150,7 +146,6 @@ def _press(
     return fits, deepest, pressure, change
 
 
-@kernel
 def _relieve(
     problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
 ) -> tuple[Two, float, float, float]:
@@ -179,7 +174,6 @@ def _relieve(
     return two, fits, deepest, pressure
 
 
-@kernel
 def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, among: Array) -> tuple[Two, float, float]:
     """Bend an arc off the obstacles, if need be with the one before it, and cut it to the part that fits.
 

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, price, read_scene
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.band import respace
@@ -38,7 +38,6 @@ def detours_size(count: int) -> int:
     return CLOCK_SIZE + count + 3 * (count + 1)
 
 
-@kernel
 def _aside(guide: Guide, numbers: Array, missing: float) -> Vec:
     """Return a place beside the guide, given random numbers (4,) from 0 to 1."""
     at = get_vec(guide.points, int(numbers[0] * guide.points.shape[0]), 0)
@@ -48,7 +47,6 @@ def _aside(guide: Guide, numbers: Array, missing: float) -> Vec:
     return add_scaled(at, off, (level * math.cos(turn), level * math.sin(turn), height))
 
 
-@kernel
 def _longest(guide: Guide, away: Array, missing: float) -> tuple[int, int]:
     """Points between which a detour adds most, but no more than is missing; (0, 0): there is none.
 

@@ -10,7 +10,7 @@ import math
 
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, price
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.growing.arcs import ARCS, Start, count_of, end_of, start_of, thickness, tried
@@ -67,7 +67,6 @@ LOOKS = 100
 growing_size = beam_size
 
 
-@kernel
 def _lengths(problem: Problem, first: int, last: int) -> tuple[float, float]:
     """Least and greatest length of the segments from `first` to `last`."""
     low = high = 0.0
@@ -77,12 +76,10 @@ def _lengths(problem: Problem, first: int, last: int) -> tuple[float, float]:
     return low, high
 
 
-@kernel
 def _tangent(start: Start) -> Vec:
     return start[0][0][2], start[0][1][2], start[0][2][2]
 
 
-@kernel
 def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     """What is amiss with a chain whose segment `k` is the last and ends with this pose."""
     mean = problem.unit / problem.limits.shape[0]
@@ -95,7 +92,6 @@ def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     return SHORT * short + LONG * long
 
 
-@kernel
 def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     """Put the arcs that continue the `count` chains of `k` segments into the heap, by the scores that they promise.
 
@@ -116,7 +112,6 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     return size
 
 
-@kernel
 def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: int) -> bool:
     """Make number `made` of the new chains, by an arc that continues one of `k` segments; False where it cannot be."""
     level, new, i = beam.levels[k], beam.made, item // ARCS
@@ -145,7 +140,6 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     return True
 
 
-@kernel
 def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
     """Look at the `size` arcs in the heap, the most promising first; returns how many chains that makes."""
     count, left, looks = 0, PATIENCE * beam.made.shape[0], LOOKS * price(problem.scene)
@@ -159,7 +153,6 @@ def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
     return count
 
 
-@kernel
 def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, open_from: float) -> bool:
     """Whether one of the `count` chains of `k` segments ends so far from the obstacles, in radii; notes how far."""
     level, found = beam.levels[k], False

@@ -4,7 +4,6 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.single_arc import arc_length
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, look
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, norm, scale, sub
@@ -29,7 +28,6 @@ Guide = namedtuple("Guide", ["points", "spacing", "back", "radius", "turn"])
 at its end (zero: from anywhere); the radius of the body and of its tightest turn."""
 
 
-@kernel
 def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     """Whether the line from `p` to point `i` of the guide is free.
 
@@ -52,7 +50,6 @@ def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     return True
 
 
-@kernel
 def sighted(scene: Scene, guide: Guide, p: Vec, since: int) -> int:
     """Point of the guide farthest along it that is seen from `p`, sought from point `since` on; -1: none is seen."""
     i, last = since, guide.points.shape[0] - 1
@@ -75,7 +72,6 @@ def sighted(scene: Scene, guide: Guide, p: Vec, since: int) -> int:
     return i
 
 
-@kernel
 def _back(guide: Guide, i: int) -> Vec:
     """Where the guide comes from at its point `i`; zero where it may come from anywhere."""
     if i == guide.points.shape[0] - 1:
@@ -83,7 +79,6 @@ def _back(guide: Guide, i: int) -> Vec:
     return sub(get_vec(guide.points, i, 0), get_vec(guide.points, i + 1, 0))
 
 
-@kernel
 def _turning(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
     """Length of backbone that leads from `p`, along a unit tangent, to point `i` of the guide and there into it."""
     line = sub(get_vec(guide.points, i, 0), p)
@@ -103,7 +98,6 @@ def _turning(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
     return length
 
 
-@kernel
 def needed(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
     """Length of backbone that is needed from `p`, with a unit tangent, by point `i` of the guide to its end."""
     return _turning(guide, p, tangent, i) + (guide.points.shape[0] - 1 - i) * guide.spacing

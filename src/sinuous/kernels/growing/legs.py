@@ -4,7 +4,6 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.kinematics import compose, frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.growing.arcs import Start, thickness
 from sinuous.kernels.growing.guide import Guide
 from sinuous.kernels.maths.vectors import ZERO, Array, dot, get_vec, norm, sub
@@ -23,7 +22,6 @@ Leg = namedtuple("Leg", ["guide", "target", "first", "last", "around"])
 how far from the end of the guide the backbone ends, because of a tool."""
 
 
-@kernel
 def _target(problem: Problem, number: int) -> tuple[int, int]:
     """The target that leg `number` leads to, and the segment that it concerns; targets are in the order of those."""
     n = problem.limits.shape[0]
@@ -37,7 +35,6 @@ def _target(problem: Problem, number: int) -> tuple[int, int]:
     return found, min(last, n - 1)
 
 
-@kernel
 def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
     """Leg `number`, from segment `first` on, along points (K, 3), which are evenly spaced, or nearly so."""
     limits, length = problem.limits, 0.0
@@ -55,7 +52,6 @@ def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
     return Leg(Guide(points, length / (points.shape[0] - 1), back, radius, turn), target, first, last, around)
 
 
-@kernel
 def missed(problem: Problem, leg: Leg, end: Start) -> float:
     """How far a chain that ends with this pose is from the target of the leg, as a length."""
     n = problem.limits.shape[0]

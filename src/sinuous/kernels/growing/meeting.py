@@ -4,7 +4,6 @@ import math
 
 from sinuous.kernels.chain.arc import point
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.growing.arcs import Start
 from sinuous.kernels.growing.beam import LAST, LENGTH, PARENT
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, get_vec, mat_vec, norm, sub
@@ -18,7 +17,6 @@ Arc = tuple[Start, Vec, float]
 """Where an arc begins, its bends and length, and the length of the chain up to there."""
 
 
-@kernel
 def _at(arc: Arc, piece: int) -> Vec:
     """Where piece number `piece` of an arc begins."""
     (rotation, position), q, _ = arc
@@ -26,7 +24,6 @@ def _at(arc: Arc, piece: int) -> Vec:
     return add(position, mat_vec(rotation, point(s * q[0], s * q[1], s * q[2])))
 
 
-@kernel
 def _from_chord(p: Vec, a: Vec, b: Vec) -> float:
     """Distance of a point from a chord."""
     line = sub(b, a)
@@ -35,7 +32,6 @@ def _from_chord(p: Vec, a: Vec, b: Vec) -> float:
     return norm(sub(p, add_scaled(a, s, line)))
 
 
-@kernel
 def _meet(one: Arc, other: Arc, apart: float, near: float) -> bool:
     """Whether places of `one` that are farther than `apart` along the body from a chord of `other` come too near."""
     for a in range(PIECES):
@@ -48,7 +44,6 @@ def _meet(one: Arc, other: Arc, apart: float, near: float) -> bool:
     return False
 
 
-@kernel
 def meets_itself(problem: Problem, levels: Array, k: int, i: int, start: Start, q: Vec) -> bool:
     """Whether segment `k`, with the coordinates `q`, beyond chain `i` comes nearer to that chain than their radii.
 

@@ -8,7 +8,6 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 
 Buckets = namedtuple("Buckets", ["first", "after", "items", "state", "low", "per"])
@@ -24,7 +23,6 @@ MORE = 3
 """Numbers that a queue takes beside one for each bucket and two for each item."""
 
 
-@kernel
 def carve(buffer: Array, buckets: int, low: float, high: float) -> Buckets:
     """Lay out an empty queue of so many buckets in `buffer` (n,) int64: for priorities from `low` to `high`, mostly."""
     items = (buffer.shape[0] - buckets - MORE) // 2
@@ -37,7 +35,6 @@ def carve(buffer: Array, buckets: int, low: float, high: float) -> Buckets:
     return Buckets(first, after, buffer[buckets + items : buckets + 2 * items], state, low, per)
 
 
-@kernel
 def push(queue: Buckets, priority: float, item: int) -> bool:
     """Put in an item; False where there is no room."""
     state, link = queue.state, queue.state[SPARE]
@@ -55,7 +52,6 @@ def push(queue: Buckets, priority: float, item: int) -> bool:
     return True
 
 
-@kernel
 def pop(queue: Buckets) -> int:
     """Take out an item of the first bucket that has one; -1: there is none."""
     state, count = queue.state, queue.first.shape[0]

@@ -2,19 +2,16 @@
 
 import numpy as np
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 
 
-@kernel
 def cut(buffer: Array, rows: int, columns: int) -> tuple[Array, Array]:
     """The beginning of a `buffer` (w,) as an array (rows, columns), and the rest of the buffer."""
     size = rows * columns
     return shaped(buffer[:size], (rows, columns)), buffer[size:]
 
 
-@kernel
 def cut_whole(buffer: Array, count: int) -> tuple[Array, Array]:
     """The beginning of a `buffer` (w,) as an array (count,) int64, and the rest of the buffer."""
     return buffer[:count].view(np.int64), buffer[count:]

@@ -6,11 +6,9 @@ An item may be in the heap several times, with different priorities.
 
 import numpy as np
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 
 
-@kernel
 def push(priority: Array, items: Array, size: int, urgency: float, item: int) -> int:
     """Put in an item with the priority `urgency`; there must be a place for it. Returns the new size."""
     at = size
@@ -24,7 +22,6 @@ def push(priority: Array, items: Array, size: int, urgency: float, item: int) ->
     return size + 1
 
 
-@kernel
 def pop(priority: Array, items: Array, size: int) -> tuple[int, int]:
     """Take out an item of the least priority; there must be one. Returns the item and the new size."""
     top = int(np.int64(items[0]))

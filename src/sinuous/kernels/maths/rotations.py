@@ -2,11 +2,9 @@
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Mat, Vec, norm
 
 
-@kernel
 def exponential(w: Vec) -> Mat:
     """The rotation about `w` by its norm, rad (Rodrigues)."""
     angle = norm(w)

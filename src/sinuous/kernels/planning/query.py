@@ -6,7 +6,7 @@ from sinuous.kernels.between.obstacles import keep_reachable, measure_balls
 from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import DEADLINE, allow, begin, resume
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
@@ -51,7 +51,6 @@ def plan_size(segments: int, nodes: int) -> int:
     return segments + 2 * SEEN_WIDTH + 3 * q + 2 * nodes * (q + 1) + 2
 
 
-@kernel
 def _carve_trees(buffer: Array, n: int) -> Trees:
     """Lay out both trees in a buffer, with as many nodes as fit."""
     q = 3 * n
@@ -75,7 +74,6 @@ def nodes_of(workspace: Array, segments: int, side: int = 0) -> Array:
     return trees[side * nodes * q :][: nodes * q].reshape(nodes, segments, 3)[:count][parents != GONE]
 
 
-@kernel
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
     for i in range(goals.shape[0]):
@@ -86,7 +84,6 @@ def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: 
     return 0
 
 
-@kernel
 def _finish(
     space: Space, path: Path, count: int, asked: Asked, exact: Exactness, pair: Array, sure: bool
 ) -> tuple[int, int]:
@@ -103,7 +100,6 @@ def _finish(
     return count, wrong
 
 
-@kernel
 def _grow_path(space: Space, trees: Trees, path: Path, asked: Asked, exact: Exactness, pair: Array) -> int:
     """Let trees grow until there is a path between them that is clear; return how many knots it has, or 0."""
     _, unit, _, seed, at, last, _ = asked
@@ -127,7 +123,6 @@ def _grow_path(space: Space, trees: Trees, path: Path, asked: Asked, exact: Exac
     return 0
 
 
-@kernel
 def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace: Array) -> tuple[Space, Array, Array]:
     """Make the space of a robot in a scene; returns it, scratch (2, n, 3), and what is left of the workspace."""
     mount, _, seconds, _, _, _, _ = asked
@@ -144,7 +139,6 @@ def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace:
     return Space(own, around, mount, levers, sweep, seen), pair, rest[6 * n :]
 
 
-@kernel
 def _exactness(unit: float) -> Exactness:
     return Exactness(SLACK, OF_EDGES, FINEST * unit, FINE * unit, LOOSE * unit)
 

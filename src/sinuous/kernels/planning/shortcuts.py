@@ -10,7 +10,6 @@ from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import LEAST, LOW, SEEN_WIDTH, at_time
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import late
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.planning.space import (
     Space,
@@ -31,14 +30,12 @@ Exactness = namedtuple("Exactness", ["slack", "of_edges", "finest", "coarse", "l
 which a proof is not halved; the one for looks before a proof; and the one where it is not known what a proof says."""
 
 
-@kernel
 def forget_edges(path: Path, count: int) -> None:
     """Know nothing about the edges between `count` configurations."""
     for i in range(count - 1):
         path.answers[i, VERDICT] = UNDECIDED
 
 
-@kernel
 def path_length(space: Space, path: Path, count: int) -> float:
     """Length of the first `count` configurations of a path."""
     total = 0.0
@@ -47,7 +44,6 @@ def path_length(space: Space, path: Path, count: int) -> float:
     return total
 
 
-@kernel
 def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
     """Prove an edge that is thought to be clear, and fill its answer (14,): first that it is, then how clear."""
     verdict, until = prove_edge(space, p, q, 1.0, exact.finest)
@@ -59,7 +55,6 @@ def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> 
     return clear
 
 
-@kernel
 def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
     """Fill an answer (14,) with what was proved last; say whether it is CLEAR."""
     answer[VERDICT], answer[UNTIL] = verdict, until
@@ -69,7 +64,6 @@ def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
     return verdict == CLEAR
 
 
-@kernel
 def joins(space: Space, p: Array, q: Array, exact: Exactness, slack: float, answer: Array) -> bool:
     """Whether an edge is proved clear, with bounds `slack` below the truth; its answer (14,) is filled then."""
     if not looks_clear(space, p, q, exact.coarse):
@@ -78,7 +72,6 @@ def joins(space: Space, p: Array, q: Array, exact: Exactness, slack: float, answ
     return verdict == CLEAR and _keep(space, verdict, until, answer)
 
 
-@kernel
 def _least_clear(path: Path, count: int, seen: int) -> int:
     """The edge whose bound is the least, of those that are proved; the answer has that from column `seen` on."""
     least, at = math.inf, -1
@@ -88,7 +81,6 @@ def _least_clear(path: Path, count: int, seen: int) -> int:
     return at
 
 
-@kernel
 def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
     """Bound more tightly the edges that decide how clear a path of `count` configurations is.
 
@@ -108,7 +100,6 @@ def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
                 path.answers[i, seen + column] = space.seen[row, column]
 
 
-@kernel
 def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness) -> bool:
     """Whether edge `i` is bounded less tightly than it is to be, and another proof may change that."""
     low, least = path.answers[i, SEEN + row * SEEN_WIDTH + LOW], path.answers[i, SEEN + row * SEEN_WIDTH + LEAST]
@@ -117,7 +108,6 @@ def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness
     return bool(low < (1.0 - exact.slack) * best_bound(space, path.q[i], path.q[i + 1], row))
 
 
-@kernel
 def _recall(space: Space, answer: Array) -> None:
     """Let the space have `seen` what an answer (14,) says."""
     for row in range(2):
@@ -125,7 +115,6 @@ def _recall(space: Space, answer: Array) -> None:
             space.seen[row, column] = answer[SEEN + row * SEEN_WIDTH + column]
 
 
-@kernel
 def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> tuple[int, int]:
     """Leave out configurations where the motion past them is clear, and prove the rest.
 
@@ -156,7 +145,6 @@ def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> 
     return kept + 1, -1
 
 
-@kernel
 def _place(space: Space, path: Path, count: int, along: float, out: Array) -> int:
     """Fill `out` (n, 3) with the configuration at a length along the path; return the edge that it is on."""
     for i in range(count - 1):
@@ -168,14 +156,12 @@ def _place(space: Space, path: Path, count: int, along: float, out: Array) -> in
     return 0
 
 
-@kernel
 def _move(path: Path, i: int, to: int) -> None:
     """Put configuration `i`, and the answer of the edge that begins there, in another place."""
     copy(path.q[i], path.q[to])
     copy(path.answers[i : i + 1], path.answers[to : to + 1])
 
 
-@kernel
 def _replace(path: Path, count: int, a: int, b: int, ends: Array, answer: Array) -> int:
     """Put an edge, `ends` (2, n, 3), in the place of what lies between edges `a` < `b`; return the number then.
 
@@ -197,7 +183,6 @@ def _replace(path: Path, count: int, a: int, b: int, ends: Array, answer: Array)
     return count + moved
 
 
-@kernel
 def shorten(space: Space, path: Path, count: int, tries: int, seed: int, exact: Exactness, ends: Array) -> int:
     """Join random places of a path of `count` configurations, so often as there are `tries`.
 

@@ -22,7 +22,6 @@ from sinuous.kernels.between.proof import (
 )
 from sinuous.kernels.between.sweep import Motion, at_time
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.solve.starts import scattered, uniform
 from sinuous.kernels.step.actuation import share
@@ -42,7 +41,6 @@ Space = namedtuple("Space", ["robot", "scene", "mount", "levers", "sweep", "seen
 the proof, and what it saw (2, 6)."""
 
 
-@kernel
 def measure_levers(limits: Array, levers: Array) -> None:
     """Fill the squares of the levers (n,) of segments (n, 8) of mean length."""
     beyond = 0.0
@@ -52,7 +50,6 @@ def measure_levers(limits: Array, levers: Array) -> None:
         beyond += length
 
 
-@kernel
 def squared_distance(p: Array, q: Array, levers: Array, most: float) -> float:
     """Square of the distance of two configurations (n, 3); of what is above `most` only that it is."""
     total = 0.0
@@ -64,26 +61,22 @@ def squared_distance(p: Array, q: Array, levers: Array, most: float) -> float:
     return total
 
 
-@kernel
 def distance(p: Array, q: Array, levers: Array) -> float:
     """Distance of two configurations (n, 3), in the length unit."""
     return math.sqrt(squared_distance(p, q, levers, math.inf))
 
 
-@kernel
 def random(index: int, seed: int, which: int) -> float:
     """A number in [0, 1): random number `which`, of 2, for each index and seed."""
     return uniform(np.uint64(seed) * np.uint64(0x9E3779B1) + np.uint64(2 * index + which) * np.uint64(0x85EBCA77))
 
 
-@kernel
 def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     """Fill `out` (n, 3) with random configuration number `index`: within all limits when `start` (n, 3) is."""
     scattered(space.robot.limits, index, seed, 2.0 * math.pi, out)
     at_time(start, out, share(space.robot.actuation, start, out), out)
 
 
-@kernel
 def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, float]:
     """Whether the motion from `p` to `q` (n, 3) is proved clear, and until when it is; see `prove_between`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
@@ -91,7 +84,6 @@ def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, 
     return verdict == CLEAR, until
 
 
-@kernel
 def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first.
 
@@ -110,7 +102,6 @@ def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     return True
 
 
-@kernel
 def look_along(space: Space, p: Array, q: Array, back: float, least: float, finest: float) -> float:
     """Until when the way from `p` to `q` (n, 3) may be worth a step; 0: it is not.
 
@@ -141,7 +132,6 @@ def look_along(space: Space, p: Array, q: Array, back: float, least: float, fine
     return max(0.0, min(clear, touching - back))
 
 
-@kernel
 def _look_between(space: Space, motion: Motion, aim: Aim, clear: float, touching: float) -> tuple[float, float]:
     """Look between a time when nothing touches and one when something does; return two such times that are near."""
     while True:
@@ -155,28 +145,24 @@ def _look_between(space: Space, motion: Motion, aim: Aim, clear: float, touching
             return clear, touching
 
 
-@kernel
 def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
     """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `prove_between`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return prove_between(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)
 
 
-@kernel
 def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
     """The same for a motion that was looked at last, or proved without a tight bound; see `prove_again`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return prove_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)
 
 
-@kernel
 def bound_edge_again(space: Space, p: Array, q: Array, slack: float, finest: float, row: int) -> bool:
     """Bound one row of what is `seen` of a motion that is proved clear more tightly; see `bound_again`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return bound_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen, row)
 
 
-@kernel
 def best_bound(space: Space, p: Array, q: Array, row: int) -> float:
     """What the lower bound of a row of `seen` is no greater than, however tight it is for the motion from `p` to `q`.
 

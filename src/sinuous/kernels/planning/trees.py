@@ -12,7 +12,6 @@ from collections import namedtuple
 from sinuous.kernels.between.sweep import at_time
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.planning.space import (
     Space,
@@ -50,7 +49,6 @@ ALONE = 0.75
 """Share of its draws in which only a run of segments moves. Of all directions at once hardly any leads out of there."""
 
 
-@kernel
 def plant(trees: Trees, side: int, q: Array) -> None:
     """Make a configuration (n, 3) a root of a tree."""
     copy(q, trees.q[side, trees.counts[side]])
@@ -58,7 +56,6 @@ def plant(trees: Trees, side: int, q: Array) -> None:
     trees.counts[side] += 1
 
 
-@kernel
 def _nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
     """The node of a tree that is nearest to a configuration."""
     least, at = math.inf, 0
@@ -69,7 +66,6 @@ def _nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
     return at
 
 
-@kernel
 def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: Terms) -> tuple[int, bool]:
     """Let a tree grow from node `at` towards `goal` (n, 3) by one edge, as far as that is clear.
 
@@ -100,7 +96,6 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     return new + count - 1, clear and part >= 1.0
 
 
-@kernel
 def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: Terms) -> int:
     """Let a tree grow towards `goal` (n, 3) until it is there, and return that node; -1 where it is stopped."""
     at = _nearest(trees, side, goal, space.levers)
@@ -113,7 +108,6 @@ def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: Terms) -
     return -1
 
 
-@kernel
 def _behind(trees: Trees) -> int:
     """The tree that has far fewer nodes than the other; -1: none has."""
     if BEHIND * trees.counts[0] < trees.counts[1]:
@@ -121,7 +115,6 @@ def _behind(trees: Trees) -> int:
     return 1 if BEHIND * trees.counts[1] < trees.counts[0] else -1
 
 
-@kernel
 def _keep_others(space: Space, begin: Array, index: int, seed: int, drawn: Array) -> None:
     """Let only a random run of segments differ between what was drawn (n, 3) and where it is gone to from."""
     n = begin.shape[0]
@@ -132,7 +125,6 @@ def _keep_others(space: Space, begin: Array, index: int, seed: int, drawn: Array
     at_time(begin, drawn, share(space.robot.actuation, begin, drawn), drawn)
 
 
-@kernel
 def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tuple[int, int, int]:
     """Let both trees grow by draws `first` to `last` - 1, until they meet.
 
@@ -161,7 +153,6 @@ def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tup
     return -1, -1, last
 
 
-@kernel
 def _as_fine(terms: Terms, fine: float) -> Terms:
     """The same terms for a draw that is so fine."""
     return Terms(
@@ -175,7 +166,6 @@ def _as_fine(terms: Terms, fine: float) -> Terms:
     )
 
 
-@kernel
 def cut(trees: Trees, first: int, second: int, edge: int) -> None:
     """Take out of a tree what hangs on one edge of the path that `path_through` found, 0 = the first one."""
     before, at = 0, first
@@ -188,14 +178,12 @@ def cut(trees: Trees, first: int, second: int, edge: int) -> None:
     _take_out_from(trees, side, at)
 
 
-@kernel
 def _take_out(trees: Trees, side: int, i: int) -> None:
     """Take a node out of a tree: it stays where it is, and is near to nothing."""
     trees.parents[side, i] = GONE
     trees.q[side, i] = math.inf
 
 
-@kernel
 def _take_out_from(trees: Trees, side: int, root: int) -> None:
     """Take a node out of a tree, and all that grows from it."""
     _take_out(trees, side, root)
@@ -204,13 +192,11 @@ def _take_out_from(trees: Trees, side: int, root: int) -> None:
             _take_out(trees, side, i)
 
 
-@kernel
 def _has_lost_parent(trees: Trees, side: int, i: int) -> bool:
     above = trees.parents[side, i]
     return bool(above >= 0 and trees.parents[side, above] == GONE)
 
 
-@kernel
 def prove_trees(space: Space, trees: Trees, finest: float) -> None:
     """Prove all edges, and take out of the trees what hangs on one that is not proved clear."""
     for side in range(2):
@@ -223,7 +209,6 @@ def prove_trees(space: Space, trees: Trees, finest: float) -> None:
                 _take_out(trees, side, i)
 
 
-@kernel
 def path_through(trees: Trees, first: int, second: int, path: Array) -> int:
     """Fill `path` (p, n, 3) with the nodes from the start to a goal, through a pair where the trees meet.
 

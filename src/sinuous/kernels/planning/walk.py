@@ -5,7 +5,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import Array
 
@@ -23,7 +23,6 @@ def walk_size(nodes: int, edges: int) -> int:
     return PER_NODE * nodes + PER_PLACE * (edges + nodes)
 
 
-@kernel
 def _carve(workspace: Array, nodes: int, ends: Array) -> Search:
     """Lay out the memory of a search."""
     places = (workspace.shape[0] - PER_NODE * nodes) // PER_PLACE
@@ -38,7 +37,6 @@ def _carve(workspace: Array, nodes: int, ends: Array) -> Search:
     )
 
 
-@kernel
 def _apart(one: Array, other: Array) -> float:
     """Distance of two configurations (3 n,), weighted already."""
     total = 0.0
@@ -47,7 +45,6 @@ def _apart(one: Array, other: Array) -> float:
     return math.sqrt(total)
 
 
-@kernel
 def _left(search: Search, nodes: Array, goals: Array, at: int) -> float:
     """A lower bound of what is left from a node to the nearest of the goals (g,), by numbers of nodes."""
     if search.left[at] < 0.0:
@@ -58,7 +55,6 @@ def _left(search: Search, nodes: Array, goals: Array, at: int) -> float:
     return float(search.left[at])
 
 
-@kernel
 def _reach(search: Search, nodes: Array, goals: Array, size: int, at: int, cost: float, before: int) -> int:
     """Note a way to a node if it is the shortest that is known; returns the size of the heap."""
     if cost >= search.cost[at]:
@@ -127,7 +123,6 @@ def walk(
     return _trace(search, last, way)
 
 
-@kernel
 def _trace(search: Search, last: int, way: Array) -> int:
     """Fill `way` with what leads to a node, from the first on; return how many nodes that is."""
     count, at = 0, last

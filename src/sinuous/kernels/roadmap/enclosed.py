@@ -2,7 +2,7 @@
 
 import math
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, read_scene
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, get_mat, get_vec, mat_vec
@@ -17,7 +17,6 @@ MET = 0.02
 """Distance from the obstacles at which a ray ends, as a share of its length."""
 
 
-@kernel
 def _direction(i: int) -> Vec:
     """Unit vector of a ray in the frame."""
     if i < 6:
@@ -27,7 +26,6 @@ def _direction(i: int) -> Vec:
     return (size if corner & 1 else -size, size if corner & 2 else -size, size if corner & 4 else -size)
 
 
-@kernel
 def _meets(scene: Scene, p: Vec, direction: Vec, length: float) -> bool:
     """Whether a ray meets an obstacle."""
     gone = 0.0

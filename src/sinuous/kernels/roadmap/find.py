@@ -6,7 +6,7 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, price, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.grid import Grid
@@ -66,7 +66,6 @@ def roadmap_size(points: int) -> int:
     return 6 * PLACES + RECENT + QUEUE + 6 * points + CLOCK_SIZE
 
 
-@kernel
 def _carve(buffer: Array, points: int) -> Roadmap:
     """Lay out the memory of a search, see `roadmap_size`."""
     work, spare = buffer[6 * PLACES :], buffer[6 * PLACES + RECENT + QUEUE :]
@@ -82,14 +81,12 @@ def _carve(buffer: Array, points: int) -> Roadmap:
     )
 
 
-@kernel
 def _queue(roadmap: Roadmap, grid: Grid) -> Buckets:
     """An empty queue of lines, for all lengths of routes that are not too long."""
     straight = norm(sub(grid.goal, grid.start))
     return buckets.carve(roadmap.lines, BUCKETS, straight, (1.0 / SHORTENED + INFLATION - 1.0) * grid.longest)
 
 
-@kernel
 def _put_lines(
     roadmap: Roadmap, queue: Buckets, grid: Grid, scene: Scene, triangles: Array, count: int, place: int
 ) -> None:
@@ -109,7 +106,6 @@ def _put_lines(
             return
 
 
-@kernel
 def _straight(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array) -> bool:
     """Whether the goal is in sight from the start: a search would look there first, and needs no other places then."""
     put_vec(roadmap.places, START, 0, grid.start)
@@ -125,7 +121,6 @@ def _straight(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array) -> b
     return seen and not spend(roadmap.clock, looked * price(scene))
 
 
-@kernel
 def _search(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array, count: int) -> bool:
     """Search for a route from place to place, as far as the time allows; `before` leads back from the goal.
 
@@ -167,7 +162,6 @@ def _search(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array, count:
     return False
 
 
-@kernel
 def _draw(roadmap: Roadmap, grid: Grid, scene: Scene, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one that was found; returns how many points it has."""
     line, count, place = roadmap.spare, 4, roadmap.before[GOAL]
@@ -187,7 +181,6 @@ def _draw(roadmap: Roadmap, grid: Grid, scene: Scene, query: Query, route: Array
     return wanted
 
 
-@kernel
 def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
     """See `find_by_edges`. Where the route leaves straight for longer than nothing, it is sought again from there."""
     straight, points = 0.0, 0

@@ -7,7 +7,6 @@ that a ball passes, and is pushed to where there is more room: in a door, to its
 import math
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
 from sinuous.kernels.fields.primitives import axis_of
 from sinuous.kernels.fields.solids import STEP
@@ -34,7 +33,6 @@ ABOUT = 1.05
 """How far they are away, in units of the turn that the body needs."""
 
 
-@kernel
 def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
     """Push a place to where there is more room; returns it, and its distance from the obstacles."""
     best, most = p, -math.inf
@@ -49,7 +47,6 @@ def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
     return best, most
 
 
-@kernel
 def _add(scene: Scene, grid: Grid, places: Array, count: int, p: Vec, clock: Array) -> int:
     """Note a place, if a ball has room there; returns how many there are."""
     if count == places.shape[0] or spend(clock, 2 * price(scene)):
@@ -67,7 +64,6 @@ def _add(scene: Scene, grid: Grid, places: Array, count: int, p: Vec, clock: Arr
     return count + 1
 
 
-@kernel
 def _add_about(scene: Scene, grid: Grid, places: Array, count: int, end: tuple[Vec, Vec], clock: Array) -> int:
     """Note places about an end, of which the place and the unit tangent are given (zero: there is none)."""
     place, tangent = end
@@ -82,7 +78,6 @@ def _add_about(scene: Scene, grid: Grid, places: Array, count: int, end: tuple[V
     return count
 
 
-@kernel
 def _nearest_to_line(grid: Grid, p: Vec, axis: Vec, half: float) -> float:
     """How far along an edge, from its middle `p`, it is nearest to the straight line between both ends."""
     line = sub(grid.goal, grid.start)
@@ -94,7 +89,6 @@ def _nearest_to_line(grid: Grid, p: Vec, axis: Vec, half: float) -> float:
     return min(half, max(-half, (b * d - a * e) / across_both))
 
 
-@kernel
 def _add_edge(scene: Scene, grid: Grid, places: Array, count: int, edge: tuple[Vec, Vec, float], clock: Array) -> int:
     """Note two places along an edge, of which the middle, moved off, the unit axis and half the length are given."""
     p, axis, half = edge
@@ -105,7 +99,6 @@ def _add_edge(scene: Scene, grid: Grid, places: Array, count: int, edge: tuple[V
     return count
 
 
-@kernel
 def _add_box(scene: Scene, grid: Grid, places: Array, count: int, i: int, clock: Array) -> int:
     """Note places beside the twelve edges of a box."""
     middle, off = get_vec(scene.table, i, CENTER), OFF * grid.radius + scene.table[i, ROUNDING]
@@ -122,7 +115,6 @@ def _add_box(scene: Scene, grid: Grid, places: Array, count: int, i: int, clock:
     return count
 
 
-@kernel
 def put_places(scene: Scene, grid: Grid, edges: Array, places: Array, clock: Array) -> int:
     """Fill `places` (m, 3), as far as the time allows: start, goal, and all others; returns how many there are.
 

@@ -2,7 +2,6 @@
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.grid import Grid, behind
@@ -23,7 +22,6 @@ AROUND = 0.25
 """Longest step near an end, in units of the turn that a body needs there."""
 
 
-@kernel
 def _within(low: float, high: float, p: float, line: float, half: float) -> tuple[float, float]:
     """The part from `low` to `high` of a line that is within a slab, given its origin and its direction across it."""
     if line == 0.0:
@@ -32,7 +30,6 @@ def _within(low: float, high: float, p: float, line: float, half: float) -> tupl
     return max(low, min(one, other)), min(high, max(one, other))
 
 
-@kernel
 def _cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
     """Whether box `i` cuts the straight line from `a` on."""
     axes = get_mat(scene.table, i, AXES)
@@ -44,7 +41,6 @@ def _cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
     return low < high
 
 
-@kernel
 def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
     """Whether the straight line from `a` on crosses triangle `i` (Moeller & Trumbore 1997).
 
@@ -60,7 +56,6 @@ def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
     return s >= 0.0 and t >= 0.0 and s + t <= 1.0
 
 
-@kernel
 def cuts(scene: Scene, triangles: Array, which: int, a: Vec, b: Vec) -> bool:
     """Whether something, numbered as `cutting` does it (-1: nothing), cuts the straight line from `a` to `b`."""
     if which < 0:
@@ -69,7 +64,6 @@ def cuts(scene: Scene, triangles: Array, which: int, a: Vec, b: Vec) -> bool:
     return _crossed(triangles, which - obstacles, a, line) if which >= obstacles else _cut_by(scene, which, a, line)
 
 
-@kernel
 def _cutting(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
     """What cuts the straight line from `a` on, of all, see `cutting`."""
     obstacles = scene.table.shape[0]
@@ -82,7 +76,6 @@ def _cutting(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
     return -1
 
 
-@kernel
 def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tuple[int, int]:
     """Say what cuts the straight line from `a` to `b`: a box, or a triangle; -1: nothing. And how many were asked.
 
@@ -109,13 +102,11 @@ def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tu
     return int(which), asked
 
 
-@kernel
 def _step_about(grid: Grid, p: Vec, place: Vec) -> float:
     """Longest step from `p` that passes over nothing behind an end."""
     return max(norm(sub(p, place)) - grid.turn, AROUND * grid.turn)
 
 
-@kernel
 def in_sight(scene: Scene, grid: Grid, a: Vec, b: Vec) -> tuple[bool, int]:
     """Whether a ball can be moved straight from `a` to `b`, but not behind an end; and how many looks that took."""
     line, clear = sub(b, a), KEPT * grid.radius

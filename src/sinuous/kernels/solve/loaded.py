@@ -9,7 +9,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
@@ -79,25 +79,7 @@ then its least and most; and least and most stretch of lines (t, 2), infinite wh
 Shape = namedtuple("Shape", ["q", "x", "tensions", "kept", "record"])
 """A drive (n, 3), states (N, 4), tensions (t,); scratch (4 N + t,) and record (10,) of the search for the latter."""
 
-Step = namedtuple(
-    "Step",
-    [
-        "ends",
-        "rows",
-        "columns",
-        "pulls",
-        "jacobian",
-        "weights",
-        "values",
-        "side",
-        "listed",
-        "system",
-        "root",
-        "mean",
-        "bound",
-        "change",
-    ],
-)
+Step = namedtuple("Step", "ends rows columns pulls jacobian weights values side listed system root mean bound change")
 """Frames of the base and of ends of segments (n + 1, 12) and rows of targets; derivatives of states (3 n, N, 4) and
 tensions (3 n, t). Of r rows, those of targets, then limits of actuators, then of tensions: derivatives (r, 3 n), the
 same in units of the metric, and least and most motion (r, 2), alike for targets; which side of it is kept, 1 the least,
@@ -177,7 +159,6 @@ def _correct(
     record[ROUNDS] = MOST_ROUNDS
 
 
-@kernel
 def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: int) -> tuple[Shape, Step]:
     """Lay out what else is needed."""
     q, rest = cut(rest, n, 3)
@@ -207,14 +188,12 @@ def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: 
     return shape, step
 
 
-@kernel
 def _enough(problem: Problem, record: Array) -> bool:
     """Whether targets are met, within all limits. A tolerance that is not asked for leaves no error."""
     met = record[OFF] <= ENOUGH * problem.position_tolerance and record[TURN] <= ENOUGH * problem.angle_tolerance
     return bool(met and record[EXCESS] <= HELD * problem.unit)
 
 
-@kernel
 def _see(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Space, step: Step, record: Array) -> None:
     """Look at a body at rest at its drive; fill the record and the rows of targets."""
     record[FOUND] = 1.0 if shape.record[e.SHARE] >= 1.0 and shape.record[e.UNSTABLE] == 0.0 else 0.0
@@ -247,7 +226,6 @@ def _see(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Space,
     record[MERIT] = merit + (excess / problem.unit) ** 2
 
 
-@kernel
 def _actuator(drive: Drive, i: int, q: Array) -> tuple[float, float, float]:
     """Displacement of actuator i, and its limits."""
     value, size = 0.0, 3 * q.shape[0]
@@ -256,7 +234,6 @@ def _actuator(drive: Drive, i: int, q: Array) -> tuple[float, float, float]:
     return value, drive.bounds[i, size], drive.bounds[i, size + 1]
 
 
-@kernel
 def _derive(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Space, step: Step) -> int:
     """Fill the rows of the step: derivatives, and what motion is asked for or allowed; returns how many there are."""
     n, rows, J = shape.q.shape[0], step.rows, step.jacobian
@@ -289,7 +266,6 @@ def _derive(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Spa
     return at
 
 
-@kernel
 def _allow(step: Step, i: int, low: float, high: float) -> None:
     """Let row i move between these, and a little less."""
     less = min(INSIDE, 0.5 * (high - low))
@@ -297,7 +273,6 @@ def _allow(step: Step, i: int, low: float, high: float) -> None:
     step.side[i] = 0
 
 
-@kernel
 def _find_step(problem: Problem, q: Array, step: Step, rows: int) -> None:
     """Fill the change of the drive: the least that keeps all limits, and makes of targets what is then possible."""
     targets = step.rows.start[q.shape[0]]
@@ -310,7 +285,6 @@ def _find_step(problem: Problem, q: Array, step: Step, rows: int) -> None:
             break
 
 
-@kernel
 def _least(step: Step, targets: int, rows: int) -> int:
     """Fill the least change that meets the rows, those of targets damped; returns how many are met."""
     n, count, total, system = step.change.shape[0], 0, 0.0, step.system
@@ -340,7 +314,6 @@ def _least(step: Step, targets: int, rows: int) -> int:
     return count
 
 
-@kernel
 def _product(one: Array, i: int, other: Array, j: int) -> float:
     total = 0.0
     for c in range(one.shape[1]):
@@ -348,7 +321,6 @@ def _product(one: Array, i: int, other: Array, j: int) -> float:
     return total
 
 
-@kernel
 def _keep(step: Step, targets: int, rows: int) -> int:
     """Make rows of the limits of actuators and tensions that the change would leave; returns how many are new."""
     count = 0
@@ -364,7 +336,6 @@ def _keep(step: Step, targets: int, rows: int) -> int:
     return count
 
 
-@kernel
 def _let_go(step: Step, targets: int, count: int) -> int:
     """Leave out the limits that hold the change back on the wrong side; returns how many."""
     gone = 0
@@ -376,7 +347,6 @@ def _let_go(step: Step, targets: int, count: int) -> int:
     return gone
 
 
-@kernel
 def _go(
     problem: Problem,
     drive: Drive,
@@ -415,7 +385,6 @@ def _go(
     return False
 
 
-@kernel
 def _foretell(own: Shape, trial: Shape, step: Step) -> None:
     """Fill states and tensions of the body where the drive of `trial` leads, to first order."""
     copy(own.x, trial.x)

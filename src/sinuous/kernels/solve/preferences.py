@@ -9,23 +9,15 @@ by the Hessian of the cost meanwhile: in another metric what is taken out would 
 import math
 from collections import namedtuple
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import allow, begin, late, now, over
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, self_proof, step
 from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
-from sinuous.kernels.tables import (
-    BENDS_WEIGHT,
-    INITIAL_WEIGHT,
-    LENGTH_SCALE,
-    MAX_ITERATIONS,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    WISHED_CLEARANCE,
-)
 
 Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 """Weights of staying at `reference` (n, 3) and of small bends; clearance wished for."""
@@ -56,13 +48,12 @@ CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
 
 
-@kernel
 def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     """What is disliked about a state."""
     total = CLOSE * state.norms[WISH]
     for k in range(state.q.shape[0]):
         ux, uy, length = state.q[k, 0], state.q[k, 1], state.q[k, 2]
-        stretch = problem.limits[k, LENGTH_SCALE]
+        stretch = problem.limits[k, t.LENGTH_SCALE]
         total += wishes.bends * (ux * ux + uy * uy)
         away = (ux - wishes.reference[k, 0]) ** 2 + (uy - wishes.reference[k, 1]) ** 2
         if stretch > 0.0:
@@ -71,7 +62,6 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     return total
 
 
-@kernel
 def _loose(wishes: Wishes) -> float:
     """How many times farther than in the metric of other steps lengths move beside bends in that of the cost."""
     weight = wishes.initial + wishes.bends
@@ -82,7 +72,6 @@ def _loose(wishes: Wishes) -> float:
     return math.sqrt(weight / wishes.initial)
 
 
-@kernel
 def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
     """Wish for `share` of the motion to where the cost of start and bends is least."""
     weight, loose = wishes.initial + wishes.bends, _loose(wishes)
@@ -96,18 +85,16 @@ def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
         put_vec(work.mean, k, 0, (share * x, share * y, share * z))
 
 
-@kernel
 def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds: bool) -> None:
     """Measure motion by the cost. What `holds` lets lengths that a step has led to a limit stay there.
 
     Otherwise corrections lead them away from it again, step after step, and none of these gains what it promises.
     """
     for k in range(q.shape[0]):
-        moves = not holds or problem.limits[k, MIN_LENGTH] < q[k, 2] < problem.limits[k, MAX_LENGTH]
-        measured.limits[k, LENGTH_SCALE] = loose * problem.limits[k, LENGTH_SCALE] if moves else 0.0
+        moves = not holds or problem.limits[k, t.MIN_LENGTH] < q[k, 2] < problem.limits[k, t.MAX_LENGTH]
+        measured.limits[k, t.LENGTH_SCALE] = loose * problem.limits[k, t.LENGTH_SCALE] if moves else 0.0
 
 
-@kernel
 def _correct(
     problem: Problem,
     measured: Problem,
@@ -133,7 +120,6 @@ def _correct(
     return at
 
 
-@kernel
 def improve(
     problem: Problem,
     measured: Problem,
@@ -213,14 +199,14 @@ def prefer(
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
-    wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
+    wishes = Wishes(settings[t.INITIAL_WEIGHT], settings[t.BENDS_WEIGHT], settings[t.WISHED_CLEARANCE], reference)
     loosened = workspace[workspace.shape[0] - robot.shape[0] :]
     for i in range(robot.shape[0]):
         loosened[i] = robot[i]
     measured = read_problem(loosened, scene, settings, targets)
     copy(best, work.solved)
     begin(work.clock)
-    began, used, most = now(work.clock), 0, int(settings[MAX_ITERATIONS])
+    began, used, most = now(work.clock), 0, int(settings[t.MAX_ITERATIONS])
     with_self, depth = False, problem.step_depth + 2
     while True:
         left = began + proved[4] - now(work.clock)

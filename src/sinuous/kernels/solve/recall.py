@@ -2,49 +2,37 @@
 
 import math
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels import tables as t
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
-from sinuous.kernels.tables import (
-    DIRECTION,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    POSE_POSITION,
-    POSE_ROTATION,
-    ROTATION,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-)
 
 ANGLE_WEIGHT = 0.5
 """Share of the robot's mean length that counts as far as 1 rad."""
 
 
-@kernel
 def _misses(pose: Array, targets: Array, length: float) -> float:
     """Square of how far the ends (n, 12) of the segments of a shape are from all targets (t, 15), in mean lengths."""
     total = 0.0
     for i in range(targets.shape[0]):
-        segment = int(targets[i, TARGET_SEGMENT])
+        segment = int(targets[i, t.TARGET_SEGMENT])
         k = segment if segment >= 0 else pose.shape[0] - 1
-        if targets[i, HAS_POSITION] > 0.0:
+        if targets[i, t.HAS_POSITION] > 0.0:
             for j in range(3):
-                off = (pose[k, POSE_POSITION + j] - targets[i, TARGET_POSITION + j]) / length
+                off = (pose[k, t.POSE_POSITION + j] - targets[i, t.TARGET_POSITION + j]) / length
                 total += off * off
         turned = 0.0
-        if targets[i, ORIENTATION] == DIRECTION:
+        if targets[i, t.ORIENTATION] == t.DIRECTION:
             for j in range(3):
-                off = pose[k, POSE_ROTATION + 3 * j + 2] - targets[i, GOAL + j]
+                off = pose[k, t.POSE_ROTATION + 3 * j + 2] - targets[i, t.GOAL + j]
                 turned += off * off
-        elif targets[i, ORIENTATION] == ROTATION:
+        elif targets[i, t.ORIENTATION] == t.ROTATION:
             for j in range(9):
-                off = pose[k, POSE_ROTATION + j] - targets[i, GOAL + j]
+                off = pose[k, t.POSE_ROTATION + j] - targets[i, t.GOAL + j]
                 turned += 0.5 * off * off
         total += ANGLE_WEIGHT * ANGLE_WEIGHT * turned
     return total
 
 
-@kernel
 def _insert(found: Array, misses: Array, size: int, number: int, miss: float) -> int:
     """Keep a number among the nearest so far (count,), in their order; returns how many there are."""
     count = found.shape[0]

@@ -4,7 +4,6 @@ import math
 
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import late
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import coarseness
 from sinuous.kernels.maths.vectors import Array, copy
@@ -25,7 +24,6 @@ Known = tuple[float, float, float, float, float]
 """Of an answer: position error, angle error, clearance, self-clearance and merit."""
 
 
-@kernel
 def take_room(problem: Problem, states: State, work: Work, room: float, known: Known, best: Array) -> tuple[int, Known]:
     """Lead the solved `best` (n, 3) out of contact, if it is in contact, and some steps do that; it stays proved.
 

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import allow, begin, late, now, over
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
@@ -15,30 +16,7 @@ from sinuous.kernels.solve.starts import face, most_distal, scattered, single_ar
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.newton import descend, linearise
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, State, Work, carve, pick
-from sinuous.kernels.tables import (
-    ANGLE_ERROR,
-    ARC,
-    BOUND,
-    CLEARANCE,
-    CODE,
-    FAILED,
-    GIVEN,
-    ITERATIONS,
-    LATE,
-    MAX_ITERATIONS,
-    POSITION_ERROR,
-    RANDOM,
-    ROOM,
-    SECONDS,
-    SELF_CLEARANCE,
-    SOLVED,
-    SOURCE,
-    STARTS,
-    UNPROVED,
-    WISHED_CLEARANCE,
-    Budget,
-)
-from sinuous.kernels.tables import MERIT as RECORD_MERIT
+from sinuous.kernels.tables import Budget
 
 Numbers = tuple[int, int, int, int, float, float, float, float, bool, float, float]
 """The record of one search, see `sinuous.kernels.tables`."""
@@ -50,7 +28,6 @@ DRAWS = 4
 """Random shapes that are looked at for one start."""
 
 
-@kernel
 def _begin(
     problem: Problem, state: State, trial: State, work: Work, number: int, seed: int, tip: int, goal: Vec
 ) -> int:
@@ -61,7 +38,7 @@ def _begin(
     """
     if number == 0 and tip >= 0:
         single_arc(problem.limits, state.frames, tip, goal, state.q)
-        return ARC
+        return t.ARC
     least = math.inf
     for draw in range(DRAWS):
         scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
@@ -72,10 +49,9 @@ def _begin(
         if draw == 0 or trial.norms[MERIT] < least:
             least = trial.norms[MERIT]
             copy(trial.q, state.q)
-    return RANDOM
+    return t.RANDOM
 
 
-@kernel
 def _solve(
     problem: Problem,
     states: State,
@@ -101,12 +77,12 @@ def _solve(
     g = initial.shape[0]
     count = g + last - first
     impossible = POSSIBLE
-    status, total, source, least = FAILED, 0, GIVEN, math.inf
+    status, total, source, least = t.FAILED, 0, t.GIVEN, math.inf
     off = turn = clearance = self_clearance = math.inf
     stopped = False
     at, index, brief = int(np.int64(0)), 0, g > 1  # a mere 0 would have everything compiled once more, for it
     while index < count:
-        kind = GIVEN
+        kind = t.GIVEN
         if index < g:
             copy(initial[index], pick(states, at).q)
         else:
@@ -121,27 +97,27 @@ def _solve(
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
             clearance, self_clearance = seen, self_seen
-            status, source, stopped = UNPROVED if verdict == UNDECIDED else FAILED, kind, bound
+            status, source, stopped = t.UNPROVED if verdict == UNDECIDED else t.FAILED, kind, bound
             if verdict == CLEAR:
-                status = SOLVED
+                status = t.SOLVED
                 break
         if index == 1 and not brief:
             impossible = verdict_of(problem)
             if impossible != POSSIBLE:
                 count = min(count, g + 1)
         if over(work.clock):
-            if status == FAILED:
-                status = LATE
+            if status == t.FAILED:
+                status = t.LATE
             break
         if brief and index == g:
             brief, index = False, 0
     if index == 0:
         impossible = verdict_of(problem)
     known = (off, turn, clearance, self_clearance, least)
-    wanted = room if status == SOLVED else 0.0
+    wanted = room if status == t.SOLVED else 0.0
     used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, wanted, known, best)
     total += used
-    if impossible != POSSIBLE and status != SOLVED:
+    if impossible != POSSIBLE and status != t.SOLVED:
         status = impossible
     spent = now(work.clock) - began
     return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
@@ -164,7 +140,7 @@ def _read_and_solve(
     states, work = carve(workspace, problem)
     if begins:
         begin(work.clock)
-    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
+    iterations, wish, room = int(settings[t.MAX_ITERATIONS]), settings[t.WISHED_CLEARANCE], settings[t.ROOM]
     return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
 
 
@@ -207,6 +183,6 @@ def search_many(
     for i in range(targets.shape[0]):
         best, record = answer_of(answers, i, initial.shape[2])
         found = _read_and_solve(robot, scene, settings, targets[i], initial[i], budget, workspace, best, i == 0)
-        record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
-        record[ANGLE_ERROR], record[CLEARANCE], record[SELF_CLEARANCE], record[BOUND] = found[5:9]
-        record[RECORD_MERIT], record[SECONDS] = found[9:]
+        record[t.CODE], record[t.ITERATIONS], record[t.STARTS], record[t.SOURCE], record[t.POSITION_ERROR] = found[:5]
+        record[t.ANGLE_ERROR], record[t.CLEARANCE], record[t.SELF_CLEARANCE], record[t.BOUND] = found[5:9]
+        record[t.MERIT], record[t.SECONDS] = found[9:]

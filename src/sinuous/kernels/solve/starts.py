@@ -6,7 +6,6 @@ import numpy as np
 
 from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.chain.single_arc import arc_to
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap, project_segment
@@ -17,7 +16,6 @@ WIDEST = 3.0
 """Half the bend of a single arc from which on it counts as too long, in rad."""
 
 
-@kernel
 def most_distal(problem: Problem) -> tuple[int, Vec]:
     """Segment and position of the most distal target that has a position (-1: none has)."""
     i = distal_target(problem.targets, problem.limits.shape[0])
@@ -26,7 +24,6 @@ def most_distal(problem: Problem) -> tuple[int, Vec]:
     return end_segment(problem.targets, i, problem.limits.shape[0]), get_vec(problem.targets, i, TARGET_POSITION)
 
 
-@kernel
 def chord_angle(ratio: float) -> float:
     """Half the bend of an arc whose chord is `ratio` (0 to 1) of its length: solves sin x = ratio x."""
     if ratio >= 1.0:
@@ -38,7 +35,6 @@ def chord_angle(ratio: float) -> float:
     return x
 
 
-@kernel
 def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> None:
     """The arc that leaves along the base's tangent and ends at `goal`; every segment up to `tip` has its share of it.
 
@@ -70,7 +66,6 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         put_vec(q, k, 0, (bx * bend, by * bend, own))
 
 
-@kernel
 def widest(start: int) -> float:
     """Most bend (rad) that is drawn for scattered start `start`: half a turn if it is odd, a full turn if it is even.
 
@@ -80,7 +75,6 @@ def widest(start: int) -> float:
     return math.pi if start % 2 == 1 else 2.0 * math.pi
 
 
-@kernel
 def uniform(key: np.uint64) -> float:
     """A number in [0, 1) for every key (Steele et al. 2014, splitmix64)."""
     z = key * np.uint64(0x9E3779B97F4A7C15)
@@ -89,7 +83,6 @@ def uniform(key: np.uint64) -> float:
     return float((z ^ (z >> np.uint64(31))) >> np.uint64(11)) * 2.0**-53
 
 
-@kernel
 def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> None:
     """Shape number `index` of the sequence `seed`: bends up to `most` even over their discs, lengths over their ranges.
 
@@ -105,7 +98,6 @@ def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> No
         put_vec(q, k, 0, project_segment(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
 
 
-@kernel
 def _turn(frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array) -> None:
     """Turn segments `first` and beyond about the tangent there until the end of `last` lies on the goal's side."""
     forward(q, frames)
@@ -119,7 +111,6 @@ def _turn(frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array
         q[k, 0], q[k, 1] = cosine * x - sine * y, sine * x + cosine * y
 
 
-@kernel
 def face(targets: Array, frames: Array, tool: Array, q: Array) -> None:
     """Turn the shape towards the positions that are asked for, one after the other from the base on.
 

@@ -2,23 +2,13 @@
 
 import math
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, at_most
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, norm, scale, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.step.targets import backbone_end, end_segment, tangent_back
-from sinuous.kernels.tables import (
-    DIRECTION,
-    FREE,
-    GOAL,
-    HAS_POSITION,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    ORIENTATION,
-    RADIUS,
-)
 
 POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
 
@@ -26,19 +16,16 @@ ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
 
-@kernel
 def sine_area(angle: float) -> float:
     """Integral of sin(min(t, pi / 2)) over t from 0 to `angle`."""
     return 1.0 - math.cos(angle) if angle < 0.5 * math.pi else 1.0 + angle - 0.5 * math.pi
 
 
-@kernel
 def cosine_area(angle: float) -> float:
     """Integral of cos(min(t, pi)) over t from 0 to `angle`."""
     return math.sin(angle) if angle < math.pi else math.pi - angle
 
 
-@kernel
 def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: float, reverse: bool) -> bool:
     """Whether no curve of segments 0 to `k` that leaves `place` along `axis` comes within `loose` of `goal`.
 
@@ -49,7 +36,7 @@ def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: floa
     turned = most_beside = least_ahead = 0.0
     for i in range(k + 1):
         j = k - i if reverse else i
-        low, high = limits[j, MIN_LENGTH], limits[j, MAX_LENGTH]
+        low, high = limits[j, t.MIN_LENGTH], limits[j, t.MAX_LENGTH]
         bend = bend_cap(limits, j, high)
         sine, cosine = math.sin(min(turned, 0.5 * math.pi)), math.cos(min(turned, math.pi))
         if bend > 1e-6:
@@ -64,7 +51,6 @@ def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: floa
     return beside - loose > most_beside or ahead + loose < least_ahead
 
 
-@kernel
 def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     """Too far for the lengths, too near or aside for lengths and bends together, or a direction that bends cannot give.
 
@@ -73,18 +59,18 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     """
     longest = shortest = turning = 0.0
     for j in range(k + 1):
-        longest += problem.limits[j, MAX_LENGTH]
-        shortest += problem.limits[j, MIN_LENGTH]
-        turning += bend_cap(problem.limits, j, problem.limits[j, MAX_LENGTH])
+        longest += problem.limits[j, t.MAX_LENGTH]
+        shortest += problem.limits[j, t.MIN_LENGTH]
+        turning += bend_cap(problem.limits, j, problem.limits[j, t.MAX_LENGTH])
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
-    asked = problem.targets[i, ORIENTATION]
+    asked = problem.targets[i, t.ORIENTATION]
     slack = 1e-9 * (problem.unit + longest)
     tilt = 0.0  # of the tool's z axis against the tangent, which adds to what the bends can turn
     if k == problem.limits.shape[0] - 1:
         offset, _ = frame(problem.tool, 0)
         tilt = math.atan2(math.hypot(offset[0][2], offset[1][2]), offset[2][2])
-    if problem.targets[i, HAS_POSITION] != 0.0:
+    if problem.targets[i, t.HAS_POSITION] != 0.0:
         place, loose = backbone_end(problem, i, k)
         far = norm(sub(place, base))
         loose += problem.position_tolerance + slack
@@ -94,34 +80,32 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
             return True
         if _beside(problem.limits, k, base, axis, place, loose, False):
             return True
-        if asked != FREE:
+        if asked != t.FREE:
             # The curve is moved by what the place may be off, and turned about it by what the tangent may.
             swing = loose + min(2.0, problem.angle_tolerance + tilt) * (far + loose)
             if _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True):
                 return True
-    if asked == DIRECTION and turning < math.pi:
-        needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, GOAL)))))
+    if asked == t.DIRECTION and turning < math.pi:
+        needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, t.GOAL)))))
         return bool(needed > turning + tilt + problem.angle_tolerance + 1e-7)
     return False
 
 
-@kernel
 def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bool:
     if scene is None:
         return False
-    if scene.table.shape[0] == 0 or problem.targets[i, HAS_POSITION] == 0.0:
+    if scene.table.shape[0] == 0 or problem.targets[i, t.HAS_POSITION] == 0.0:
         return False
     shortest = 0.0
     for j in range(k + 1):
-        shortest += problem.limits[j, MIN_LENGTH]
+        shortest += problem.limits[j, t.MIN_LENGTH]
     if shortest <= (1.0 + ROUNDING) * problem.mount:
         return False
     place, loose = backbone_end(problem, i, k)
     loose += problem.position_tolerance
-    return bool(at_most(scene, place, math.inf) + loose < problem.limits[k, RADIUS] - 1e-9 * problem.unit)
+    return bool(at_most(scene, place, math.inf) + loose < problem.limits[k, t.RADIUS] - 1e-9 * problem.unit)
 
 
-@kernel
 def verdict_of(problem: Problem) -> int:
     """POSSIBLE as far as is known, or what proves the contrary."""
     for i in range(problem.targets.shape[0]):

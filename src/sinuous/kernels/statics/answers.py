@@ -4,7 +4,7 @@ What a parameter does to residuals and to lengths of lines is a difference of ta
 table is linear in what it is made of, so that is exact but for rounding, and nearly so in the rest.
 """
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.newton import LENGTHS, TAUT, WANTED, Body, Space, along, answer_lines, carve, look
@@ -62,7 +62,6 @@ def answer(
                 columns[p, k, j] += over[p] * given[p, k, j]
 
 
-@kernel
 def _find_taut(lines: Array, tensions: Array, space: Space) -> bool:
     """Fill which lines are taut; returns whether the length of any is held."""
     held = False
@@ -73,7 +72,6 @@ def _find_taut(lines: Array, tensions: Array, space: Space) -> bool:
     return held
 
 
-@kernel
 def _add(lines: Array, tensions: Array, share: float, space: Space, column: Array, pulls: Array) -> None:
     """Take a share of the residuals (N, 4) off `column`, and add as much of what lines (t,) are too long by."""
     for k in range(column.shape[0]):
@@ -84,7 +82,6 @@ def _add(lines: Array, tensions: Array, share: float, space: Space, column: Arra
         pulls[i] += share * (space.small[LENGTHS, i] - value)
 
 
-@kernel
 def _hold(lines: Array, space: Space, column: Array, pulls: Array) -> None:
     """Let taut lines answer the change `column` (N, 4) of states; `pulls` (t,) of their lengths become tensions."""
     for i in range(lines.shape[0]):

@@ -2,7 +2,6 @@
 
 from sinuous.kernels.chain.arc import carry, pose_and_columns
 from sinuous.kernels.chain.kinematics import compose, frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
@@ -32,7 +31,6 @@ from sinuous.kernels.statics.profile import (
 from sinuous.kernels.statics.roll import about_z
 
 
-@kernel
 def assemble(
     x: Array, arcs: Array, lines: Array, tensions: Array, share: float, frames: Array, stages: Array, along_arcs: Array
 ) -> None:
@@ -63,13 +61,11 @@ def assemble(
         put_frame(frames, k + 1, rotation, position)
 
 
-@kernel
 def _put_twist(stages: Array, k: int, column: int, twist: tuple[Vec, Vec]) -> None:
     put_vec(stages, k, column, twist[0])
     put_vec(stages, k, column + 3, twist[1])
 
 
-@kernel
 def _bend(x: Array, arcs: Array, k: int, stages: Array) -> None:
     """Set the derivatives to those of bending, torsion and stretch; what is rigid adds nothing."""
     for i in range(t.CENTER_COLUMNS - t.GRADIENT):
@@ -91,19 +87,16 @@ def _bend(x: Array, arcs: Array, k: int, stages: Array) -> None:
         _add_even(stages, k, t.LENGTH, stretch * (x[k, t.LENGTH] - arcs[k, t.REST_LENGTH]), stretch)
 
 
-@kernel
 def _add_even(stages: Array, k: int, i: int, first: float, second: float) -> None:
     stages[k, t.GRADIENT + i] += first
     stages[k, t.HESSIAN + 5 * i] += second
 
 
-@kernel
 def _add_mixed(stages: Array, k: int, i: int, j: int, value: float) -> None:
     stages[k, t.HESSIAN + 4 * i + j] += value
     stages[k, t.HESSIAN + 4 * j + i] += value
 
 
-@kernel
 def _run_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, stages: Array, along_arcs: Array) -> None:
     """Add the lines that run through arc `k`, with their tensions."""
     vx, vy, twist, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TWIST], x[k, t.LENGTH]
@@ -123,7 +116,6 @@ def _run_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, st
             add_curved(stages, k, t.HESSIAN, tensions[i], curved)
 
 
-@kernel
 def _weigh(
     vx: float, vy: float, length: float, own: Profile, rotation: Mat, arm: Vec, weight: Vec, k: int, stages: Array
 ) -> None:

@@ -7,7 +7,7 @@ At an equilibrium `r(x; q) = 0`, so `dx/dq = -(dr/dx)^-1 dr/dq` (implicit functi
 
 import math
 
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array, add, cross, dot, get_vec, mat_vec, scale
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.newton import TAUT, WANTED, Body, Space, along, answer_lines, carve, look
@@ -29,7 +29,6 @@ def lay_out(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Arra
     fill(sections, of_lines, q, arcs, lines, states)
 
 
-@kernel
 def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
     k = 0
     for s in range(q.shape[0]):
@@ -55,7 +54,6 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
             lines[i, t.VALUE] = value + _chords(sections, lines, i, q)
 
 
-@kernel
 def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
     """By how much straight line i is longer than one along arcs that nothing loads: negative."""
     total, k = 0.0, 0
@@ -68,7 +66,6 @@ def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
     return total
 
 
-@kernel
 def _shorter(sections: Array, s: int, q: Array) -> tuple[float, float]:
     """Share by which chords of section `s` are longer than its arcs, and its slope by a bend, divided by that bend."""
     over = 0.5 / sections[s, t.COUNT]
@@ -79,7 +76,6 @@ def _shorter(sections: Array, s: int, q: Array) -> tuple[float, float]:
     return sinc - 1.0, over * over * (math.cos(half) - sinc) / (half * half)
 
 
-@kernel
 def _chord_slope(sections: Array, lines: Array, i: int, q: Array, s: int, c: int) -> float:
     """How the same changes with coordinate `c` of section `s`, through which the line runs."""
     shorter, steep = _shorter(sections, s, q)
@@ -142,7 +138,6 @@ def answer_drive(
         first += int(sections[s, t.COUNT])
 
 
-@kernel
 def _ask(
     sections: Array, x: Array, arcs: Array, first: int, s: int, c: int, stages: Array, wanted: Array, given: Array
 ) -> None:
@@ -166,7 +161,6 @@ def _ask(
     impose(given, stages, wanted)
 
 
-@kernel
 def _lengthen(x: Array, arcs: Array, k: int, share: float, wanted: Array, given: Array) -> None:
     """Longer arcs are softer."""
     over = share / arcs[k, t.REST_LENGTH]
@@ -185,7 +179,6 @@ def _lengthen(x: Array, arcs: Array, k: int, share: float, wanted: Array, given:
         given[k, t.LENGTH] = share
 
 
-@kernel
 def _bend(x: Array, arcs: Array, k: int, c: int, share: float, pulled: bool, wanted: Array, given: Array) -> None:
     """Bend arcs at rest more, but those that lines pull at."""
     bend = arcs[k, t.BEND_STIFFNESS]
@@ -199,7 +192,6 @@ def _bend(x: Array, arcs: Array, k: int, c: int, share: float, pulled: bool, wan
         wanted[k, t.TWIST] -= 0.5 * bend * (x[k, t.BEND_X] * ry - x[k, t.BEND_Y] * rx)
 
 
-@kernel
 def _pull(
     sections: Array,
     of_lines: Array,

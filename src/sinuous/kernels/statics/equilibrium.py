@@ -1,20 +1,10 @@
 """Equilibria of a body of arcs: what Python calls."""
 
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.newton import (
-    LENGTHS,
-    MOST_ITERATIONS,
-    TAUT,
-    WANTED,
-    Body,
-    Space,
-    answer_lines,
-    carve,
-    descend,
-    look,
-)
+from sinuous.kernels.statics import newton
+from sinuous.kernels.statics.newton import Body, Space, answer_lines, carve, descend, look
 from sinuous.kernels.statics.pulls import solve_taut
 
 SHARE, ITERATIONS, UNSTABLE, LEFT, MOMENT, FORCE = 0, 1, 2, 3, 4, 7
@@ -65,7 +55,7 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, 
     if descends:
         _continue(x, tensions, body, space, rest, record)
     else:
-        found, steps = descend(x, tensions, body, 1.0, False, space, MOST_ITERATIONS)
+        found, steps = descend(x, tensions, body, 1.0, False, space, newton.MOST_ITERATIONS)
         record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
     if record[SHARE] < 1.0:
         return
@@ -76,7 +66,6 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, 
         _leave(x, tensions, body, space, rest, trial, record)
 
 
-@kernel
 def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, record: Array) -> None:
     """Go from a state that is near an equilibrium to it, in so many steps at most or not at all."""
     _start_taut(body.lines, tensions, space)
@@ -86,16 +75,14 @@ def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, recor
         _judge(x, tensions, body, space, record)
 
 
-@kernel
 def _start_taut(lines: Array, tensions: Array, space: Space) -> None:
     for i in range(lines.shape[0]):
         taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
-        space.small[TAUT, i] = 1.0 if taut else 0.0
+        space.small[newton.TAUT, i] = 1.0 if taut else 0.0
         if lines[i, t.HELD] == 0.0:
             tensions[i] = lines[i, t.VALUE]
 
 
-@kernel
 def _keep(x: Array, tensions: Array, kept: Array) -> None:
     count = x.shape[0]
     for k in range(count):
@@ -105,7 +92,6 @@ def _keep(x: Array, tensions: Array, kept: Array) -> None:
         kept[4 * count + i] = tensions[i]
 
 
-@kernel
 def _restore(x: Array, tensions: Array, kept: Array) -> None:
     count = x.shape[0]
     for k in range(count):
@@ -115,14 +101,13 @@ def _restore(x: Array, tensions: Array, kept: Array) -> None:
         tensions[i] = kept[4 * count + i]
 
 
-@kernel
 def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, record: Array) -> None:
     """Try all of the load; where that does not end, a smaller share first, and more from there."""
     reached, step = 0.0, 1.0
     _keep(x, tensions, rest)
     while reached < 1.0 and step >= SMALLEST_SHARE:
         share = min(1.0, reached + step)
-        found, steps = descend(x, tensions, body, share, True, space, MOST_ITERATIONS)
+        found, steps = descend(x, tensions, body, share, True, space, newton.MOST_ITERATIONS)
         record[ITERATIONS] += steps
         if found:
             reached, step = share, 2.0 * step
@@ -134,7 +119,6 @@ def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, 
     record[SHARE] = reached
 
 
-@kernel
 def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -> None:
     """Fill what is said of an equilibrium that was just looked at."""
     negative, moment, force = look(x, tensions, body, 1.0, False, space)
@@ -146,19 +130,19 @@ def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -
     if negative > 0 and lines.shape[0] > 0:  # tendons that are held may hold what would fall
         answer_lines(lines, x.shape[0], space)
         scratch = space.scratch[: lines.shape[0]]
-        negative -= solve_taut(space.matrix, space.small[LENGTHS], space.small[TAUT], space.small[WANTED], scratch)
+        negative -= solve_taut(
+            space.matrix, space.small[newton.LENGTHS], space.small[newton.TAUT], space.small[newton.WANTED], scratch
+        )
     record[UNSTABLE], record[LEFT] = negative, left
     for i in range(3):
         record[MOMENT + i], record[FORCE + i] = moment[i], force[i]
 
 
-@kernel
 def arcs_give(arcs: Array, k: int, j: int) -> bool:
     """Whether a coordinate of an arc can change."""
     return bool(arcs[k, max(0, j - 1)] < t.RIGID)
 
 
-@kernel
 def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, trial: int, record: Array) -> None:
     """Leave an unstable equilibrium for a stable one, where there is one near; else stay."""
     _keep(x, tensions, rest)
@@ -167,7 +151,7 @@ def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, tri
         if arcs_give(body.arcs, k, 0):
             x[k, trial] += NUDGE * (1.0 + 0.3 * k / count) / count
             x[k, 1 - trial] += 0.1 * NUDGE / count
-    found, steps = descend(x, tensions, body, 1.0, True, space, 2 * MOST_ITERATIONS)
+    found, steps = descend(x, tensions, body, 1.0, True, space, 2 * newton.MOST_ITERATIONS)
     record[ITERATIONS] += steps
     if not found:
         _restore(x, tensions, rest)

@@ -11,7 +11,6 @@ The first follows from the place `(y + G (l - v . y) v, S (l - v . y))` of y at 
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics.profile import Profile
 
@@ -20,7 +19,6 @@ Curved = tuple[float, float, float, float, float, float, float, float, float, fl
 """Second derivatives: vx vx, vx vy, vx tau, vx l, vy vy, vy tau, vy l, tau tau, tau l, l l."""
 
 
-@kernel
 def _rooted(square: float, slope: Slope, curved: Curved, hx: float, hy: float) -> tuple[float, Slope, Curved]:
     """The root of a quantity, with its derivatives from those of the quantity; in an arc of no length `l - v . h`."""
     root = math.sqrt(square)
@@ -47,7 +45,6 @@ def _rooted(square: float, slope: Slope, curved: Curved, hx: float, hy: float) -
     )
 
 
-@kernel
 def straight(
     vx: float, vy: float, twist: float, length: float, hx: float, hy: float, own: Profile
 ) -> tuple[float, Slope, Curved]:
@@ -81,7 +78,6 @@ def straight(
     return _rooted(4.0 * square * math.sin(0.5 * twist) ** 2 + 2.0 * G * ab, slope, curved, hx, hy)
 
 
-@kernel
 def along(vx: float, vy: float, twist: float, length: float, hx: float, hy: float) -> tuple[float, Slope, Curved]:
     """Length of a line that follows the arc, and its derivatives."""
     cosine, sine = math.cos(0.5 * twist), math.sin(0.5 * twist)
@@ -103,7 +99,6 @@ def along(vx: float, vy: float, twist: float, length: float, hx: float, hy: floa
     return _rooted(a * a + square * twist * twist, slope, curved, hx, hy)
 
 
-@kernel
 def add_curved(stages: Array, k: int, first: int, tension: float, curved: Curved) -> None:
     """Add second derivatives, times a tension, to the matrix (4, 4) of arc `k` from column `first` on."""
     at = 0

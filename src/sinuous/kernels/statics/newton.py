@@ -6,7 +6,7 @@ they are in the world, too.
 
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel, shared
+from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.statics import layout as t
@@ -46,9 +46,7 @@ SHORTEST, LONGEST = 0.2, 3.0
 Body = namedtuple("Body", ["arcs", "loads", "lines"])
 """Tables of a body, its loads and its lines, see `layout`."""
 
-Space = namedtuple(
-    "Space", ["frames", "stages", "slopes", "changes", "step", "trial", "none", "matrix", "scratch", "small"]
-)
+Space = namedtuple("Space", "frames stages slopes changes step trial none matrix scratch small")
 """Frames (N + 1, 12), `stages` (N, 128), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step,
 the state that is tried and no change (N, 4), the system of tensions (t, t), scratch, and six rows of t numbers:
 lengths, right-hand side, tensions that are tried, who is taut, change of length, and tensions before."""
@@ -56,7 +54,6 @@ lengths, right-hand side, tensions that are tried, who is taut, change of length
 LENGTHS, WANTED, TENSIONS, TAUT, CHANGE, BEFORE = range(6)
 
 
-@kernel
 def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Array]:
     """Lay out the space in a buffer; returns what is left of it, too."""
     frames, rest = cut(buffer, arcs + 1, 12)
@@ -88,7 +85,6 @@ def look(x: Array, tensions: Array, body: Body, share: float, descends: bool, sp
     return factorise(x, space.frames, body.arcs, body.loads, share, descends, space.stages, scratch)
 
 
-@kernel
 def _measure(lines: Array, space: Space) -> None:
     """Sum up the lengths of the lines."""
     for i in range(lines.shape[0]):
@@ -98,7 +94,6 @@ def _measure(lines: Array, space: Space) -> None:
         space.small[LENGTHS, i] = total
 
 
-@kernel
 def along(lines: Array, i: int, change: Array, space: Space) -> float:
     """How the length of line i changes with states (N, 4)."""
     first, begin, total = int(lines[i, t.FIRST_SLOPE]), int(lines[i, t.FIRST_ARC]), 0.0
@@ -108,7 +103,6 @@ def along(lines: Array, i: int, change: Array, space: Space) -> float:
     return total
 
 
-@kernel
 def answer_lines(lines: Array, count: int, space: Space) -> None:
     """Fill what a tension of each held line changes, and the matrix of all."""
     for i in range(lines.shape[0]):
@@ -125,7 +119,6 @@ def answer_lines(lines: Array, count: int, space: Space) -> None:
             space.matrix[i, i] += lines[i, t.COMPLIANCE]
 
 
-@kernel
 def find_step(tensions: Array, body: Body, space: Space) -> int:
     """Fill the step, and the tensions after it, from what was seen at a state.
 
@@ -162,7 +155,6 @@ def find_step(tensions: Array, body: Body, space: Space) -> int:
     return holding
 
 
-@kernel
 def _size(arcs: Array, step: Array) -> tuple[float, float]:
     """Largest change of a step (rad, relative lengths), and the share of it that is not too large."""
     turn = stretch = 0.0
@@ -179,7 +171,6 @@ def _size(arcs: Array, step: Array) -> tuple[float, float]:
     return max(turn, stretch), share
 
 
-@kernel
 def _work(tensions: Array, body: Body, space: Space) -> float:
     """Derivative along the step of what it lowers, in the state that was looked at with these tensions."""
     total = 0.0
@@ -194,7 +185,6 @@ def _work(tensions: Array, body: Body, space: Space) -> float:
     return total
 
 
-@kernel
 def _sound(x: Array, arcs: Array) -> bool:
     """Whether arcs are still arcs."""
     for k in range(x.shape[0]):
@@ -207,7 +197,6 @@ def _sound(x: Array, arcs: Array) -> bool:
     return True
 
 
-@kernel
 def descend(
     x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space, most: int
 ) -> tuple[bool, int]:
@@ -235,7 +224,6 @@ def descend(
     return False, most
 
 
-@kernel
 def _go(x: Array, tensions: Array, body: Body, share: float, free: bool, most: float, sure: bool, space: Space) -> int:
     """Go along the step, no farther than `most` of it, and look there; returns how many pivots are negative there."""
     small, alpha, negative = space.small, most, 0

@@ -7,7 +7,6 @@ Both are `length (f v, g)` with functions of `x = |v|^2`: `f_k(x) = sum (-x)^j /
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Vec
 
 SERIES_END = 10.0
@@ -20,7 +19,6 @@ Profile = tuple[float, float, float, float, float, float]
 Square = tuple[float, float, float]
 
 
-@kernel
 def even_functions(x: float) -> Even:
     """f_1 to f_7 at x: power series to a little beyond t = pi; above, closed forms."""
     if x < SERIES_END:
@@ -37,30 +35,25 @@ def even_functions(x: float) -> Even:
     return f1, f2, f3, f4, f5, (1.0 / 24.0 - f4) / x, (1.0 / 120.0 - f5) / x
 
 
-@kernel
 def _profile(k: float, f0: float, f1: float, f2: float, f3: float, f4: float, f5: float) -> Profile:
     """The functions f_(k+1) and f_k, their first and their second derivatives by x, from f_k to f_(k+5)."""
     d1, d2, d3 = f2 - (k + 1.0) * f3, f3 - (k + 2.0) * f4, f4 - (k + 3.0) * f5
     return f1, f0, -0.5 * d1, -0.5 * (f1 - k * f2), 0.25 * (d2 - (k + 1.0) * d3), 0.25 * (d1 - k * d2)
 
 
-@kernel
 def end_profile(even: Even) -> Profile:
     return _profile(1.0, even[0], even[1], even[2], even[3], even[4], even[5])
 
 
-@kernel
 def center_profile(even: Even) -> Profile:
     return _profile(2.0, even[1], even[2], even[3], even[4], even[5], even[6])
 
 
-@kernel
 def place(vx: float, vy: float, length: float, own: Profile) -> Vec:
     """The place in the frame of the beginning of the arc."""
     return length * own[0] * vx, length * own[0] * vy, length * own[1]
 
 
-@kernel
 def slopes(vx: float, vy: float, length: float, own: Profile) -> tuple[Vec, Vec, Vec]:
     """How the place moves with vx, vy and the length."""
     side, ahead, both = 2.0 * length * own[2], 2.0 * length * own[3], 2.0 * length * own[2] * vx * vy
@@ -71,7 +64,6 @@ def slopes(vx: float, vy: float, length: float, own: Profile) -> tuple[Vec, Vec,
     )
 
 
-@kernel
 def by_bends(vx: float, vy: float, force: Vec, length: float, own: Profile) -> Square:
     """Second derivatives of `force . place` by vx vx, vx vy and vy vy."""
     along = force[0] * vx + force[1] * vy
@@ -85,7 +77,6 @@ def by_bends(vx: float, vy: float, force: Vec, length: float, own: Profile) -> S
     )
 
 
-@kernel
 def by_length(vx: float, vy: float, force: Vec, own: Profile) -> tuple[float, float]:
     """Second derivatives of `force . place` by length and vx, length and vy."""
     even = 2.0 * (own[2] * (force[0] * vx + force[1] * vy) + own[3] * force[2])

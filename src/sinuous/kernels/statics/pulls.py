@@ -5,7 +5,6 @@ taut lines (C: compliance), and for slack ones `b - S T` at most 0: a linear com
 active set.
 """
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 
@@ -13,7 +12,6 @@ ROUNDING = 1e-12
 """Tension, relative to the largest, and error of a length that count as none."""
 
 
-@kernel
 def find_tensions(lines: Array, matrix: Array, wanted: Array, taut: Array, out: Array, scratch: Array) -> int:
     """Fill tensions `out` (t,), where lines are held, and which of these are `taut` (t,), 1 or 0.
 
@@ -51,7 +49,6 @@ def find_tensions(lines: Array, matrix: Array, wanted: Array, taut: Array, out: 
     return negative
 
 
-@kernel
 def solve_taut(matrix: Array, wanted: Array, taut: Array, out: Array, scratch: Array) -> int:
     """Solve the equations of taut lines by elimination; return how many pivots are negative."""
     count = wanted.shape[0]

@@ -2,11 +2,9 @@
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Mat
 
 
-@kernel
 def about_z(angle: float) -> Mat:
     """The rotation about z by an angle, rad."""
     cosine, sine = math.cos(angle), math.sin(angle)

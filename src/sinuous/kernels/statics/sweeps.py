@@ -10,7 +10,6 @@ derivative of the energy, wherever there is one: moments that stay as they are i
 
 from sinuous.kernels.chain.arc import pose_and_columns
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, cross, dot, get_vec, mat_vec, put_vec, sub, vec_mat
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.profile import by_bends, by_length, end_profile, even_functions
@@ -26,7 +25,6 @@ MOST_SHIFTS = 40
 Wrench = tuple[Vec, Vec]
 
 
-@kernel
 def factorise(
     x: Array, frames: Array, arcs: Array, loads: Array, share: float, descends: bool, stages: Array, scratch: Array
 ) -> tuple[int, Vec, Vec]:
@@ -66,12 +64,10 @@ def factorise(
     return negative, moment, force
 
 
-@kernel
 def share_of(force: Vec, share: float) -> Vec:
     return share * force[0], share * force[1], share * force[2]
 
 
-@kernel
 def _load(frames: Array, loads: Array, i: int, share: float, origin: Vec) -> tuple[Vec, Vec, Vec]:
     """Moment and force of a load, and where it acts, from the base."""
     rotation, position = frame(frames, int(loads[i, t.LOAD_ARC]) + 1)
@@ -79,7 +75,6 @@ def _load(frames: Array, loads: Array, i: int, share: float, origin: Vec) -> tup
     return share_of(get_vec(loads, i, t.MOMENT), share), share_of(get_vec(loads, i, t.FORCE), share), place
 
 
-@kernel
 def _stiffen(P: Array, p: Vec, f: Vec) -> None:
     """Add how the moment about the base of a force f at p changes with a twist: `(v + omega x p) x f`."""
     along = dot(p, f)
@@ -95,7 +90,6 @@ def _stiffen(P: Array, p: Vec, f: Vec) -> None:
     P[2, 4] -= f[0]
 
 
-@kernel
 def _pivot(
     x: Array,
     frames: Array,
@@ -139,7 +133,6 @@ def _pivot(
             scratch[i, j] = stages[k, t.PIVOT + 4 * i + j] = pivot
 
 
-@kernel
 def _bend_wrench(x: Array, frames: Array, k: int, origin: Vec, moment: Vec, force: Vec, scratch: Array) -> None:
     """Fill rows 4 to 7 of `scratch`: derivatives (4, 4) of `B_k' F` by the state of arc k."""
     rotation, position = frame(frames, k)
@@ -175,7 +168,6 @@ def _bend_wrench(x: Array, frames: Array, k: int, origin: Vec, moment: Vec, forc
     scratch[7, 3] = 0.0
 
 
-@kernel
 def _invert(arcs: Array, k: int, descends: bool, stages: Array, scratch: Array) -> int:
     """Invert the pivot of arc k; where it is not positive and `descends`, stiffer. Returns how many are negative.
 
@@ -191,13 +183,11 @@ def _invert(arcs: Array, k: int, descends: bool, stages: Array, scratch: Array) 
     return negative
 
 
-@kernel
 def stiffness_of(arcs: Array, k: int, i: int) -> float:
     """Stiffness of one coordinate of an arc, infinite for a rigid one."""
     return float(arcs[k, max(0, i - 1)])
 
 
-@kernel
 def _eliminate(arcs: Array, k: int, more: float, least: float, stages: Array, scratch: Array) -> int:
     """Fill the inverse of the pivot with `more` of the stiffness on top; return how many are below the `least`."""
     A = scratch[:4, :4]
@@ -228,7 +218,6 @@ def _eliminate(arcs: Array, k: int, more: float, least: float, stages: Array, sc
     return low
 
 
-@kernel
 def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None:
     """Answer twists of the beginning of arc k, and turn P into that of the arc before."""
     for c in range(3):
@@ -253,7 +242,6 @@ def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None
     _stiffen(P, get_vec(stages, k, t.CENTER), weight)
 
 
-@kernel
 def impose(given: Array, stages: Array, wanted: Array) -> None:
     """Take off `wanted` (N, 4) what changes of the rigid coordinates (N, 4), 0 of all others, do to their own arcs."""
     for k in range(stages.shape[0]):
@@ -263,7 +251,6 @@ def impose(given: Array, stages: Array, wanted: Array) -> None:
                     wanted[k, i] -= stages[k, t.PIVOT + 4 * i + j] * given[k, j]
 
 
-@kernel
 def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
     """Fill `out` (N, 4) with the change of state that changes residuals by `wanted` (N, 4), in two sweeps.
 
@@ -291,7 +278,6 @@ def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
         omega, v = move(k, out, omega, v, stages)
 
 
-@kernel
 def move(k: int, change: Array, omega: Vec, v: Vec, stages: Array) -> Wrench:
     """The twist of the end of arc k, from that of its beginning and a change of states (N, 4)."""
     for i in range(4):

@@ -9,18 +9,15 @@ convex set.
 import math
 
 from sinuous.kernels.body.rows import HARD, IDLE, Rows
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, put_vec, scale, sub
 from sinuous.kernels.tables import LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
 
 
-@kernel
 def runs_through(actuation: Array, j: int) -> bool:
     """Whether limit `j` sees the sum over several segments."""
     return bool(actuation[j, 0] < actuation[j, LAST_SEGMENT])
 
 
-@kernel
 def share(actuation: Array, q: Array, aim: Array) -> float:
     """Largest t in [0, 1] for which `q + t (aim - q)` keeps all limits, when `q` does."""
     t = 1.0
@@ -44,7 +41,6 @@ def share(actuation: Array, q: Array, aim: Array) -> float:
     return t
 
 
-@kernel
 def hold_back(actuation: Array, q: Array, aim: Array) -> None:
     """Shorten the motion from `q` to `aim` so that `aim` keeps all limits."""
     if actuation.shape[0] == 0:
@@ -58,7 +54,6 @@ def hold_back(actuation: Array, q: Array, aim: Array) -> None:
         put_vec(aim, k, 0, add(own, scale(t, sub(get_vec(aim, k, 0), own))))
 
 
-@kernel
 def straighten(actuation: Array, q: Array, straight: Array) -> None:
     """Make every bend of `q` smaller by the same factor until all limits are kept; `straight` is scratch."""
     if actuation.shape[0] == 0:
@@ -68,7 +63,6 @@ def straighten(actuation: Array, q: Array, straight: Array) -> None:
     hold_back(actuation, straight, q)
 
 
-@kernel
 def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple[int, int]:
     """Reserve an idle row for every limit that ends at segment `k`; returns the next limit and the next free row."""
     j = first
@@ -86,7 +80,6 @@ def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple
     return j, at
 
 
-@kernel
 def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
     """Turn the row of every limit that the step would leave into one that moves up to it. Returns how many are new."""
     count = 0
@@ -111,13 +104,11 @@ def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
     return count
 
 
-@kernel
 def _room(actuation: Array, j: int, at: Vec) -> tuple[float, float]:
     value = dot(get_vec(actuation, j, WEIGHTS), at)
     return actuation[j, MIN_VALUE] - value, actuation[j, MAX_VALUE] - value
 
 
-@kernel
 def release(rows: Rows) -> None:
     """Leave out the rows of all limits."""
     for i in range(rows.start[rows.start.shape[0] - 1]):

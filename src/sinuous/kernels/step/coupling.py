@@ -9,7 +9,6 @@ the second time means alone are carried. The step with m such rows is then, exac
 
 from sinuous.kernels.body.rows import Rows
 from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.dense import solve_symmetric
@@ -19,7 +18,6 @@ LEAST = 1e-12
 """What keeps two self-contacts that say the same from leaving nothing to divide by."""
 
 
-@kernel
 def reply(
     columns: Array, root: Array, weights: Array, a: int, first: int, rows: Rows, pull: Array, out: Array, coupled: bool
 ) -> None:
@@ -34,7 +32,6 @@ def reply(
     sweeps.backward(columns, root, pull, rows, out, coupled)
 
 
-@kernel
 def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
     """Add to `work.step`, which both sweeps just made, what the self-contacts of `state` ask for."""
     n, count = state.q.shape[0], int(state.norms[PAIRS])
@@ -52,7 +49,6 @@ def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
             put_vec(work.step, k, 0, add_scaled(get_vec(work.step, k, 0), system[a, count], get_vec(replies[a], k, 0)))
 
 
-@kernel
 def _seen(pairs: Array, a: int, step: Array) -> float:
     """What self-contact `a` sees of a step (n, 3)."""
     total = 0.0

@@ -11,7 +11,6 @@ J stays when limits bind and the step is computed once more, with another L and 
 """
 
 from sinuous.kernels.body.rows import END, SOFT, Rows
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
     NOTHING,
@@ -38,13 +37,11 @@ MOST_SEGMENTS = 12
 """Most segments: with more, it takes longer to find what rows see of each than to carry a covariance past them."""
 
 
-@kernel
 def dense_size(segments: int) -> int:
     """Numbers of scratch: what is seen (n, 18), and the system (6, 7)."""
     return SIGHT_WIDTH * segments + MOST_ROWS * (MOST_ROWS + 1)
 
 
-@kernel
 def carve_dense(buffer: Array, n: int) -> tuple[Array, Array]:
     """Lay out scratch for n segments."""
     size = SIGHT_WIDTH * n
@@ -52,13 +49,11 @@ def carve_dense(buffer: Array, n: int) -> tuple[Array, Array]:
     return shaped(buffer[:size], (n, SIGHT_WIDTH)), shaped(system, (MOST_ROWS, MOST_ROWS + 1))
 
 
-@kernel
 def are_few(rows: Rows, n: int) -> bool:
     """Whether there are so few rows and segments that this is quicker than sweeps."""
     return bool(n <= MOST_SEGMENTS and rows.start[n] <= MOST_ROWS)
 
 
-@kernel
 def see(columns: Array, rows: Rows, sights: Array) -> None:
     """Fill `sights` (n, 18) for `columns` (n, 18) as `kinematics` fills them; no row is HARD or IDLE."""
     n = columns.shape[0]
@@ -78,7 +73,6 @@ def see(columns: Array, rows: Rows, sights: Array) -> None:
             sights[k, at], sights[k, 6 + at], sights[k, 12 + at] = own
 
 
-@kernel
 def dense_step(sights: Array, root: Array, mean: Array, rows: Rows, mu: float, system: Array, step: Array) -> None:
     """Fill `step` (n, 3) with dq, for what `see` has filled; `system` (6, 7) is scratch."""
     n = root.shape[0]
@@ -106,7 +100,6 @@ def dense_step(sights: Array, root: Array, mean: Array, rows: Rows, mu: float, s
         put_vec(step, k, 0, add(get_vec(mean, k, 0), mat_vec(L, vec_mat(pull, L))))
 
 
-@kernel
 def _side(system: Array, first: int, m: int) -> Vec:
     """Three numbers of the right side from row `first` on; zero where there is no row."""
     x = system[first, m] if first < m else 0.0
@@ -114,7 +107,6 @@ def _side(system: Array, first: int, m: int) -> Vec:
     return x, y, system[first + 2, m] if first + 2 < m else 0.0
 
 
-@kernel
 def solve_symmetric(system: Array, m: int) -> None:
     """Solve the positive definite m x m system in `system` (m, m + 1 or wider), whose column m is the right side.
 

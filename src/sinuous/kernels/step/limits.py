@@ -6,25 +6,21 @@ length in which motion is measured (0: that coordinate cannot move).
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_mat, put_vec
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
 
 
-@kernel
 def bend_cap(limits: Array, k: int, length: float) -> float:
     """Largest bend of segment `k` at this length."""
     # In this order: without a limit of curvature the product at length 0 is NaN, and `min` keeps its first argument.
     return min(limits[k, MAX_BEND], limits[k, MAX_CURVATURE] * length)
 
 
-@kernel
 def bend_of(ux: float, uy: float) -> float:
     """Angle of an arc: a call of `hypot`, which guards numbers that bends never are, takes longer than its segment."""
     return math.sqrt(ux * ux + uy * uy)
 
 
-@kernel
 def project_segment(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
     """Bring one segment within its limits; what is within them already stays as it is."""
     length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
@@ -36,14 +32,12 @@ def project_segment(limits: Array, k: int, ux: float, uy: float, length: float) 
     return ux, uy, length
 
 
-@kernel
 def move(limits: Array, q: Array, step: Array, out: Array) -> None:
     """out = q + step, within all limits."""
     for k in range(q.shape[0]):
         put_vec(out, k, 0, project_segment(limits, k, q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2]))
 
 
-@kernel
 def release(limits: Array, root: Array, bound: Array) -> None:
     """Let every segment move in all its coordinates."""
     for k in range(limits.shape[0]):
@@ -52,7 +46,6 @@ def release(limits: Array, root: Array, bound: Array) -> None:
         bound[k] = 0
 
 
-@kernel
 def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: Array) -> int:
     """Take out of the step what leaves the limits: move up to the bound, then only along it, as `mean` wishes there.
 
@@ -76,7 +69,6 @@ def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: 
     return count
 
 
-@kernel
 def _bind_one(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Array, bound: int) -> None:
     scale, stretch = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
     length = aim[2]

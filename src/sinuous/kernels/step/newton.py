@@ -11,27 +11,16 @@ from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel, shared
+from sinuous.kernels.compile import shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import Scene, coarseness, number_of
 from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
+from sinuous.kernels.step import states as s
 from sinuous.kernels.step.coupling import couple
 from sinuous.kernels.step.dense import are_few, carve_dense, dense_step, see
-from sinuous.kernels.step.states import (
-    ANGLE,
-    MERIT,
-    PAIRS,
-    POSITION,
-    SEEN,
-    SELF_SEEN,
-    WISH,
-    State,
-    Work,
-    coupling_of,
-    pick,
-)
+from sinuous.kernels.step.states import State, Work, coupling_of, pick
 from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
@@ -62,7 +51,6 @@ ROUNDS = 3
 """Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
 
 
-@kernel
 def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, float, float]:
     """Write the rows of all targets of the end of segment `k`, from row `at` on.
 
@@ -79,7 +67,6 @@ def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, f
     return at, off, turn
 
 
-@kernel
 def close(state: State, count: int) -> None:
     """Finish a linearisation with `count` rows and no self-contact: where rows end, and the norms of their values."""
     rows = state.rows
@@ -91,23 +78,21 @@ def close(state: State, count: int) -> None:
             wished += square
         else:
             merit += square
-    state.norms[MERIT] = merit
-    state.norms[WISH] = wished / (SOFTNESS * SOFTNESS)
-    state.norms[SELF_SEEN], state.norms[PAIRS] = math.inf, 0.0
+    state.norms[s.MERIT] = merit
+    state.norms[s.WISH] = wished / (SOFTNESS * SOFTNESS)
+    state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = math.inf, 0.0
 
 
-@kernel
 def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     """Add the self-contacts to a linearisation that `close` has finished."""
     own = coupling_of(state, work)
     shape, pairs = Shape(problem.limits, state.q, state.frames, own.spans), own.pairs
     count, low = self_contacts(shape, state.columns, SELF_MARGIN * problem.margin, problem.unit, pairs)
     for a in range(count):
-        state.norms[MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
-    state.norms[SELF_SEEN], state.norms[PAIRS] = low, count
+        state.norms[s.MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
+    state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = low, count
 
 
-@kernel
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float, with_self: bool) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
@@ -133,12 +118,11 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
         at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
     close(state, at)
-    state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
+    state.norms[s.POSITION], state.norms[s.ANGLE], state.norms[s.SEEN] = off, turn, seen
     if with_self:
         add_self_contacts(problem, state, work)
 
 
-@kernel
 def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     """Fill `work.step` with the damped Newton step that keeps the limits; say whether limits bound it.
 
@@ -156,7 +140,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
     if coupled:
         actuation.release(state.rows)
     n = state.q.shape[0]
-    few = not coupled and state.norms[PAIRS] == 0.0 and are_few(state.rows, n)
+    few = not coupled and state.norms[s.PAIRS] == 0.0 and are_few(state.rows, n)
     sights, system = carve_dense(work.rest, n)
     if few:
         see(state.columns, state.rows, sights)
@@ -166,7 +150,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
         else:
             sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
             sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
-        if state.norms[PAIRS] > 0.0:
+        if state.norms[s.PAIRS] > 0.0:
             couple(state, work, mu, coupled)
         count = limits.bind(table, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
@@ -177,21 +161,18 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
     return bound
 
 
-@kernel
 def rest(work: Work) -> None:
     """Wish for no motion."""
     for k in range(work.mean.shape[0]):
         put_vec(work.mean, k, 0, ZERO)
 
 
-@kernel
 def _finite(q: Array, k: int) -> bool:
     """Whether the numbers of segment `k` are finite; of NaN and infinity the difference to itself is NaN."""
     x, y, length = get_vec(q, k, 0)
     return bool((x - x) + (y - y) + (length - length) == 0.0)
 
 
-@kernel
 def move(problem: Problem, state: State, work: Work, trial: State) -> None:
     """Take the step, within all limits; a segment whose step has no number stays where it is."""
     limits.move(problem.limits, state.q, work.step, trial.q)
@@ -201,7 +182,6 @@ def move(problem: Problem, state: State, work: Work, trial: State) -> None:
             put_vec(trial.q, k, 0, get_vec(state.q, k, 0))
 
 
-@kernel
 def project_to_limits(problem: Problem, state: State, work: Work) -> None:
     """Bring the configuration of `state` within all limits; a segment without numbers is straight, of middle length."""
     q = state.q
@@ -213,7 +193,6 @@ def project_to_limits(problem: Problem, state: State, work: Work) -> None:
     actuation.straighten(problem.actuation, q, work.step)
 
 
-@kernel
 def met(problem: Problem, state: State, loose: float) -> bool:
     """Targets within tolerance, and no overlap seen that is more than `loose`, none at all of the body with itself.
 
@@ -221,27 +200,24 @@ def met(problem: Problem, state: State, loose: float) -> bool:
     """
     norms = state.norms
     return bool(
-        norms[MERIT] < math.inf
-        and norms[POSITION] <= problem.position_tolerance
-        and norms[ANGLE] <= problem.angle_tolerance
-        and norms[SEEN] >= -loose
-        and norms[SELF_SEEN] >= 0.0
+        norms[s.MERIT] < math.inf
+        and norms[s.POSITION] <= problem.position_tolerance
+        and norms[s.ANGLE] <= problem.angle_tolerance
+        and norms[s.SEEN] >= -loose
+        and norms[s.SELF_SEEN] >= 0.0
     )
 
 
-@kernel
 def met_by(state: State, loose: float) -> bool:
     """Targets and obstacles within what samples may be wrong by: they may be what keeps the targets from being met."""
-    return bool(state.norms[POSITION] <= loose and state.norms[SEEN] >= -loose)
+    return bool(state.norms[s.POSITION] <= loose and state.norms[s.SEEN] >= -loose)
 
 
-@kernel
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and clearance of the whole body at `state`; see `proof.prove`."""
     return _proof_among(problem.scene, problem, state, work)
 
 
-@kernel
 def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work) -> tuple[int, float]:
     if scene is None:
         return CLEAR, math.inf
@@ -256,7 +232,6 @@ def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work
     return verdict, clearance
 
 
-@kernel
 def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
     if not problem.avoids_itself:
@@ -266,7 +241,6 @@ def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     return verdict, clearance
 
 
-@kernel
 def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int, float]:
     """Count steps in a row that gain little, and adapt how much the damping is eased; `merit` is the best so far."""
     if found >= merit:
@@ -276,7 +250,6 @@ def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int
     return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * easing)
 
 
-@kernel
 def descend(
     problem: Problem, states: State, at: int, work: Work, most: int, wish: float, brief: bool
 ) -> tuple[int, int, int, float, float, bool]:
@@ -308,10 +281,10 @@ def descend(
         linearise(problem, looked, work, depth, mode, wish, with_self)
         if late(work.clock):
             if merit == math.inf:
-                at, looked.norms[MERIT] = looked_at, math.inf
+                at, looked.norms[s.MERIT] = looked_at, math.inf
             state = pick(states, at)
-            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
-        found = looked.norms[MERIT]
+            return at, MISSED, iteration, state.norms[s.SEEN], state.norms[s.SELF_SEEN], bound
+        found = looked.norms[s.MERIT]
         slow, easing = _progress(found, merit, slow, easing)
         if found < merit:
             at, merit = looked_at, found
@@ -320,7 +293,7 @@ def descend(
             verdict, self_clearance = self_proof(problem, state, work)
             if verdict != CLEAR:
                 if with_self or brief:
-                    return at, verdict, iteration, state.norms[SEEN], self_clearance, bound
+                    return at, verdict, iteration, state.norms[s.SEEN], self_clearance, bound
                 with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
                 continue
             verdict, clearance = proof(problem, state, work)
@@ -342,7 +315,7 @@ def descend(
             or slow >= (1 if brief else PATIENCE)
             or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0])
         ):
-            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
+            return at, MISSED, iteration, state.norms[s.SEEN], state.norms[s.SELF_SEEN], bound
         iteration += 1
         rest(work)
         bound = step(problem, state, work, max(EXACT, 0.01 * easing * merit))

@@ -10,7 +10,6 @@ from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
@@ -46,20 +45,17 @@ def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) 
     return STATES * state + 19 * segments + obstacles + CLOCK_SIZE + rest_size(segments)
 
 
-@kernel
 def rest_size(segments: int) -> int:
     """Numbers of what few solves need: what serves self-contacts, or in its place a dense system."""
     coupling = 3 * segments * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
     return max(SPAN_WIDTH * (segments + 1) + coupling, dense_size(segments))
 
 
-@kernel
 def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
     """Lay out workspace: several states, as arrays with one more axis in front (see `pick`), and scratch."""
     return carve_for(buffer, problem, number_of(problem.scene))
 
 
-@kernel
 def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, Work]:
     """Lay out workspace as for so many obstacles: with one there is a place for rows along the body."""
     n, m, c = problem.limits.shape[0], obstacles, STATES
@@ -92,13 +88,11 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
     return states, work
 
 
-@kernel
 def pick(states: State, i: int) -> State:
     """State number `i` of several."""
     return State(states.q[i], states.frames[i], states.columns[i], pick_rows(states.rows, i), states.norms[i])
 
 
-@kernel
 def coupling_of(state: State, work: Work) -> Coupling:
     """Lay out what serves self-contacts of a state."""
     n, m = work.step.shape[0], MOST_PAIRS

@@ -16,7 +16,7 @@ it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a pre
 """
 
 from sinuous.kernels.body.rows import END, HARD, IDLE, SOFT, Rows
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import inline
 from sinuous.kernels.maths.vectors import (
     IDENTITY,
     NOTHING,
@@ -57,12 +57,10 @@ INVERSE = 12
 """Column of the gains that holds the inverse of the variance of what a row sees."""
 
 
-@kernel
 def _mix(weights: Vec, x: Vec, y: Vec, z: Vec) -> Vec:
     return add_scaled(add_scaled(scale(weights[0], x), weights[1], y), weights[2], z)
 
 
-@kernel
 def _spread(columns: Array, k: int, lines: Mat) -> tuple[Mat, Mat]:
     """`B_k L_k` as transposes, omega and v apart: one row a column of `L_k`; `lines` is `L_k` transposed."""
     x, y, z = get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)
@@ -71,31 +69,26 @@ def _spread(columns: Array, k: int, lines: Mat) -> tuple[Mat, Mat]:
     return turn, (_mix(lines[0], x, y, z), _mix(lines[1], x, y, z), _mix(lines[2], x, y, z))
 
 
-@kernel
 def _sub_outer(m: Mat, a: Vec, b: Vec) -> Mat:
     """m - a b'."""
     return add_scaled(m[0], -a[0], b), add_scaled(m[1], -a[1], b), add_scaled(m[2], -a[2], b)
 
 
-@kernel
 def _gram(m: Mat, a: Mat, b: Mat) -> Mat:
     """m + a' b."""
     return add_outer(add_outer(add_outer(m, a[0], b[0]), a[1], b[1]), a[2], b[2])
 
 
-@kernel
 def _even(m: Mat) -> Mat:
     """A symmetric matrix by its upper half: what is computed of the other is never used."""
     return m[0], (m[0][1], m[1][1], m[1][2]), (m[0][2], m[1][2], m[2][2])
 
 
-@kernel
 def _is_diagonal(m: Mat) -> bool:
     """Whether no coordinate is tied to another: it is so where no limit binds."""
     return m[0][1] == 0.0 and m[0][2] == 0.0 and m[1][0] == 0.0 and m[1][2] == 0.0 and m[2][0] == 0.0 and m[2][1] == 0.0
 
 
-@kernel
 def extend(reach: Reach, columns: Array, k: int, L: Mat, mean: Vec) -> tuple[Reach, Mat, Mat]:
     """What the robot can do with one more segment that moves by `mean`, and `B_k L_k` as `_spread` has it.
 
@@ -120,7 +113,6 @@ def extend(reach: Reach, columns: Array, k: int, L: Mat, mean: Vec) -> tuple[Rea
 extend_here = inline(extend)
 
 
-@kernel
 def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
     """Take in one row that sees the twist alone."""
     A, B, C, turned, moved = reach
@@ -142,7 +134,6 @@ def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
     )
 
 
-@kernel
 def _within(
     reach: Reach, own: Own, sums: Sums, L: Mat, m: Vec, rows: Rows, i: int, mu: float
 ) -> tuple[Reach, Own, Sums]:
@@ -198,7 +189,6 @@ def _within(
     )
 
 
-@kernel
 def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, coupled: bool) -> None:
     """Filter along the arc from base to tip; fill `rows.gain` and `rows.innovation`.
 
@@ -221,7 +211,6 @@ def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, cou
                 reach, own, sums = _within(reach, own, sums, L, m, rows, i, mu)
 
 
-@kernel
 def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, coupled: bool) -> None:
     """Filter another `mean` while every row asks for 0; fill `rows.innovation`.
 
@@ -252,7 +241,6 @@ def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, coupled:
                 summed = add_scaled(summed, nu, get_vec(rows.gain, i, 9))
 
 
-@kernel
 def backward(columns: Array, root: Array, mean: Array, rows: Rows, step: Array, coupled: bool) -> None:
     """Carry the adjoint from tip to base; fill `step` (n, 3) with dq."""
     turn, move, total = ZERO, ZERO, ZERO

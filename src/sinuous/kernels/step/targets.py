@@ -7,9 +7,9 @@ then six unused) or rotation (9).
 
 import math
 
+from sinuous.kernels import tables as t
 from sinuous.kernels.body.rows import END, Rows
 from sinuous.kernels.chain.kinematics import compose, frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     Array,
     Mat,
@@ -28,67 +28,52 @@ from sinuous.kernels.maths.vectors import (
     transpose,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.tables import (
-    DIRECTION,
-    FREE,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    ROTATION,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-)
 
 NONE = (0.0, 0.0, 0.0)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-@kernel
 def end_segment(targets: Array, i: int, segments: int) -> int:
     """The segment, from 0, whose end target `i` concerns."""
-    k = int(targets[i, TARGET_SEGMENT])
+    k = int(targets[i, t.TARGET_SEGMENT])
     return k if k >= 0 else segments - 1
 
 
-@kernel
 def distal_target(targets: Array, segments: int) -> int:
     """Number of the most distal target that has a position; of several, the last; -1: none has."""
     found = tip = -1
     for i in range(targets.shape[0]):
         k = end_segment(targets, i, segments)
-        if targets[i, HAS_POSITION] != 0.0 and k >= tip:
+        if targets[i, t.HAS_POSITION] != 0.0 and k >= tip:
             found, tip = i, k
     return found
 
 
-@kernel
 def tangent_back(targets: Array, i: int) -> Vec:
     """Where the backbone comes from at the target; zero where it may come from anywhere."""
-    if targets[i, ORIENTATION] == FREE:
+    if targets[i, t.ORIENTATION] == t.FREE:
         return NONE
-    if targets[i, ORIENTATION] == DIRECTION:
-        return scale(-1.0, get_vec(targets, i, GOAL))
-    return (-targets[i, GOAL + 2], -targets[i, GOAL + 5], -targets[i, GOAL + 8])
+    if targets[i, t.ORIENTATION] == t.DIRECTION:
+        return scale(-1.0, get_vec(targets, i, t.GOAL))
+    return (-targets[i, t.GOAL + 2], -targets[i, t.GOAL + 5], -targets[i, t.GOAL + 8])
 
 
-@kernel
 def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
     """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
-    place = get_vec(problem.targets, i, TARGET_POSITION)
+    place = get_vec(problem.targets, i, t.TARGET_POSITION)
     if k < problem.limits.shape[0] - 1:
         return place, 0.0
     offset, shift = frame(problem.tool, 0)
     if norm(shift) == 0.0:
         return place, 0.0
-    if problem.targets[i, ORIENTATION] != ROTATION:
+    if problem.targets[i, t.ORIENTATION] != t.ROTATION:
         return place, norm(shift)
     row = problem.targets
-    goal = (get_vec(row, i, GOAL), get_vec(row, i, GOAL + 3), get_vec(row, i, GOAL + 6))
+    goal = (get_vec(row, i, t.GOAL), get_vec(row, i, t.GOAL + 3), get_vec(row, i, t.GOAL + 6))
     turned = mat_vec(goal, mat_vec(transpose(offset), shift))
     return sub(place, turned), min(2.0, problem.angle_tolerance) * norm(shift)
 
 
-@kernel
 def end_pose(frames: Array, tool: Array, k: int) -> tuple[Mat, Vec]:
     """Pose of the end of segment `k`; at the tip, of the tool."""
     rotation, position = frame(frames, k + 1)
@@ -98,7 +83,6 @@ def end_pose(frames: Array, tool: Array, k: int) -> tuple[Mat, Vec]:
     return rotation, position
 
 
-@kernel
 def rotation_vector(m: Mat) -> Vec:
     """Logarithm of a rotation matrix, angle in [0, pi]."""
     w = (0.5 * (m[2][1] - m[1][2]), 0.5 * (m[0][2] - m[2][0]), 0.5 * (m[1][0] - m[0][1]))
@@ -121,7 +105,6 @@ def rotation_vector(m: Mat) -> Vec:
     return scale(sign * angle / norm(axis), axis)
 
 
-@kernel
 def direction_vector(tangent: Vec, goal: Vec) -> Vec:
     """The shortest rotation that takes one unit vector to the other, as a rotation vector."""
     w = cross(tangent, goal)
@@ -131,7 +114,6 @@ def direction_vector(tangent: Vec, goal: Vec) -> Vec:
     return w if cosine > 0.0 else scale(math.pi, across(tangent)[0])
 
 
-@kernel
 def put_row(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
     """Write row `at`, `turn . omega + move . v = value` at the end of a segment; returns the next free row."""
     put_vec(rows.twist, at, 0, turn)
@@ -141,7 +123,6 @@ def put_row(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
     return at + 1
 
 
-@kernel
 def add_rows(
     targets: Array, i: int, frames: Array, tool: Array, origin: Vec, unit: float, rows: Rows, at: int
 ) -> tuple[int, float, float]:
@@ -151,21 +132,21 @@ def add_rows(
     """
     rotation, position = end_pose(frames, tool, end_segment(targets, i, frames.shape[0] - 1))
     miss, turn = NONE, NONE
-    if targets[i, HAS_POSITION] != 0.0:
+    if targets[i, t.HAS_POSITION] != 0.0:
         inverse = 1.0 / unit
-        miss = sub(get_vec(targets, i, TARGET_POSITION), position)
+        miss = sub(get_vec(targets, i, t.TARGET_POSITION), position)
         arm = scale(inverse, sub(position, origin))
         at = put_row(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
         at = put_row(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
         at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
-    if targets[i, ORIENTATION] == ROTATION:
-        turn = rotation_vector(mat_mat(get_mat(targets, i, GOAL), transpose(rotation)))
+    if targets[i, t.ORIENTATION] == t.ROTATION:
+        turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
         at = put_row(rows, at, X, NONE, turn[0])
         at = put_row(rows, at, Y, NONE, turn[1])
         at = put_row(rows, at, Z, NONE, turn[2])
-    elif targets[i, ORIENTATION] == DIRECTION:
+    elif targets[i, t.ORIENTATION] == t.DIRECTION:
         tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
-        turn = direction_vector(tangent, get_vec(targets, i, GOAL))
+        turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
         a, b = across(tangent)
         at = put_row(rows, at, a, NONE, dot(turn, a))
         at = put_row(rows, at, b, NONE, dot(turn, b))

@@ -7,7 +7,7 @@ wrong mouth, and where it leaves by the right one it bends around the rim: nothi
 import math
 
 from sinuous.kernels.clock import allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, coarseness, price, read_scene
 from sinuous.kernels.fields.solids import EXACT, STEP
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, get_vec, norm, put_vec, scale, sub
@@ -56,7 +56,6 @@ NO_TUBE, MOUTH, END, BRANCH, UNENDED = range(5)
 """How a tube ends: there is none; where it opens; at a wall; where it branches; or not where it was followed."""
 
 
-@kernel
 def reach(scene: Scene, p: Vec, direction: Vec, radius: float, mode: int) -> float:
     """How far a ball comes from `p` along a unit vector; inf: farther than a ray leads."""
     gone = FIRST * radius
@@ -70,7 +69,6 @@ def reach(scene: Scene, p: Vec, direction: Vec, radius: float, mode: int) -> flo
     return gone
 
 
-@kernel
 def _look_around(scene: Scene, p: Vec, ahead: Vec, radius: float, mode: int) -> tuple[int, Vec]:
     """How many rays across the unit vector `ahead` meet a wall, and how far it is to the middle between walls."""
     a, b = across(ahead)
@@ -86,14 +84,12 @@ def _look_around(scene: Scene, p: Vec, ahead: Vec, radius: float, mode: int) -> 
     return count, middle
 
 
-@kernel
 def _limited(a: Vec, most: float) -> Vec:
     """The vector, no longer than `most`."""
     size = norm(a)
     return scale(most / size, a) if size > most else a
 
 
-@kernel
 def next_beside(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mode: int) -> tuple[int, Vec]:
     """Point of the axis beside `p`; and MOUTH or END where the tube does not go on there, else UNENDED.
 
@@ -108,7 +104,6 @@ def next_beside(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mo
     return END if d < ROOM * radius else UNENDED, p
 
 
-@kernel
 def _ahead(points: Array, count: int, ahead: Vec) -> Vec:
     """Where the axis leads from the last of so many points; from the first one as it did before."""
     if count == 1:
@@ -117,7 +112,6 @@ def _ahead(points: Array, count: int, ahead: Vec) -> Vec:
     return scale(1.0 / norm(line), line)
 
 
-@kernel
 def follow_from(
     scene: Scene, ahead: Vec, sizes: tuple[float, float, float], clock: Array, points: Array
 ) -> tuple[int, int]:
@@ -151,7 +145,6 @@ def follow_from(
     return count, UNENDED
 
 
-@kernel
 def reversed_from(points: Array, count: int) -> None:
     """Turn the order of the first `count` points."""
     for i in range(count // 2):

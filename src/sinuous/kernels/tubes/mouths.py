@@ -7,7 +7,7 @@ there is followed both ways.
 import math
 
 from sinuous.kernels.clock import allow, begin, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, coarseness, price, read_scene
 from sinuous.kernels.fields.primitives import axis_of
 from sinuous.kernels.fields.solids import EXACT, STEP
@@ -54,7 +54,6 @@ NOT, CLOSED, ENTERED = range(3)
 """What is beside an edge: no hole or a known one; something that is too open or too tight; a hole."""
 
 
-@kernel
 def _near(points: Array, first: int, last: int, p: Vec, near: float) -> bool:
     """Whether a place is near to a point from `first` up to, without it, `last`."""
     least = math.inf
@@ -63,14 +62,12 @@ def _near(points: Array, first: int, last: int, p: Vec, near: float) -> bool:
     return least < near
 
 
-@kernel
 def _known(points: Array, found: Found, p: Vec, radius: float) -> bool:
     """Whether a place is near to a tube that was found, or to where there was none."""
     size, near = points.shape[0], KNOWN * radius
     return _near(points, 0, found[1], p, near) or _near(points, size - found[2], size, p, APART * near)
 
 
-@kernel
 def _enter(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> tuple[int, Vec]:
     """What is off the first face of an edge and behind the second, and the middle of it where that is a hole."""
     place, off, behind = edge
@@ -88,7 +85,6 @@ def _enter(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) ->
     return NOT if _known(points, found, middle, radius) else ENTERED, middle
 
 
-@kernel
 def _is_open(scene: Scene, ended: int, p: Vec, radius: float) -> bool:
     """Whether a tube that ends so has a mouth there; `p` is the place beyond its last one."""
     if ended == NO_TUBE:
@@ -97,7 +93,6 @@ def _is_open(scene: Scene, ended: int, p: Vec, radius: float) -> bool:
     return ended in (MOUTH, BRANCH)
 
 
-@kernel
 def _follow_both(scene: Scene, behind: Vec, radius: float, clock: Array, points: Array) -> tuple[int, bool]:
     """Follow a tube both ways from the first of `points`; returns how many there are, and whether it is open."""
     sizes, begun, ahead = (radius, radius, 0.0), get_vec(points, 0, 0), scale(-1.0, behind)
@@ -108,7 +103,6 @@ def _follow_both(scene: Scene, behind: Vec, radius: float, clock: Array, points:
     return back - 1 + forth, through and _is_open(scene, last, add_scaled(begun, radius, ahead), radius)
 
 
-@kernel
 def _look(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> Found:
     """Look for a tube behind the second face of an edge, off its first one. What ends at a wall is found, too."""
     points, ends, clock = room
@@ -129,7 +123,6 @@ def _look(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> 
     return tubes, count, vain + 1
 
 
-@kernel
 def _look_both(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> Found:
     """Look for a tube on either side of an edge."""
     place, one, other = edge
@@ -137,7 +130,6 @@ def _look_both(scene: Scene, edge: Edge, radius: float, room: Room, found: Found
     return _look(scene, (place, other, one), radius, room, found)
 
 
-@kernel
 def _of_box(scene: Scene, i: int, radius: float, room: Room, found: Found) -> Found:
     """Look beside the twelve edges of a box, in their middles."""
     middle = get_vec(scene.table, i, CENTER)
@@ -152,7 +144,6 @@ def _of_box(scene: Scene, i: int, radius: float, room: Room, found: Found) -> Fo
     return found
 
 
-@kernel
 def _of_edge(edges: Array, i: int) -> Edge:
     """Edge number `i` of a mesh: its middle, and the normals of its faces, from the way off both by one."""
     way, axis = get_vec(edges, i, 3), get_vec(edges, i, 6)

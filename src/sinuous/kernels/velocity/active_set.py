@@ -13,7 +13,6 @@ violated (`bounds.worst_cut`).
 
 import math
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy, put_vec, scale
 from sinuous.kernels.problem import Problem
@@ -43,7 +42,6 @@ CUTS_FOR_WISHES = 12
 """Most cuts for the wishes of one segment, on average."""
 
 
-@kernel
 def most_violated(working: WorkingSet, count: int) -> tuple[int, float]:
     """The constraint of the working set, among those that are not active, that is violated the most, and by how much.
 
@@ -60,7 +58,6 @@ def most_violated(working: WorkingSet, count: int) -> tuple[int, float]:
     return worst, excess
 
 
-@kernel
 def _solve_active(working: WorkingSet, count: int) -> int:
     """Solve for the multipliers of the m active constraints, into column m of `scratch`; returns m."""
     m = 0
@@ -77,7 +74,6 @@ def _solve_active(working: WorkingSet, count: int) -> int:
     return m
 
 
-@kernel
 def activate(working: WorkingSet, count: int, a: int) -> None:
     """Make constraint `a` active, too, and find all multipliers: constraints whose own would be negative are let go."""
     working.active[a] = 1
@@ -102,7 +98,6 @@ def activate(working: WorkingSet, count: int, a: int) -> None:
             return
 
 
-@kernel
 def _combine(working: WorkingSet, count: int, step: Array) -> None:
     """Fill `step` (n, 3) with the step that the multipliers make."""
     copy(working.free, step)
@@ -114,7 +109,6 @@ def _combine(working: WorkingSet, count: int, step: Array) -> None:
                     step[k, i] += multiplier * working.replies[a, 3 * k + i]
 
 
-@kernel
 def _worst_bound(rows: Array, step: Array) -> tuple[float, int, int]:
     """By how much a step (n, 3) violates the bound that it violates the most, which one, and which of its sides.
 
@@ -131,7 +125,6 @@ def _worst_bound(rows: Array, step: Array) -> tuple[float, int, int]:
     return worst, which, side
 
 
-@kernel
 def _add_bound(tick: Tick, count: int, at: int, side: int, softness: float) -> None:
     """Make one side of a bound constraint number `count` of the working set."""
     working, row, own = tick.working, tick.bounds[at], 3 * tick.q.shape[0]
@@ -146,7 +139,6 @@ def _add_bound(tick: Tick, count: int, at: int, side: int, softness: float) -> N
     _add(tick, count)
 
 
-@kernel
 def _add_cut(tick: Tick, count: int, cut: Cut, k: int, softness: float) -> None:
     """Make a cut of segment `k` constraint number `count` of the working set."""
     working = tick.working
@@ -159,7 +151,6 @@ def _add_cut(tick: Tick, count: int, cut: Cut, k: int, softness: float) -> None:
     _add(tick, count)
 
 
-@kernel
 def _dot(a: Array, b: Array) -> float:
     total = 0.0
     for i in range(a.shape[0]):
@@ -167,7 +158,6 @@ def _dot(a: Array, b: Array) -> float:
     return total
 
 
-@kernel
 def _add(tick: Tick, count: int) -> None:
     """Compute what constraint number `count` moves, and make it active; its weights and its value are there."""
     working = tick.working
@@ -181,7 +171,6 @@ def _add(tick: Tick, count: int) -> None:
     activate(working, count + 1, count)
 
 
-@kernel
 def _constrained(problem: Problem, asked: Asked, tick: Tick, start: Array, bounds: int, mu: float) -> int:
     """Fill `tick.step` with the step of damping `mu` within all constraints; returns how many the working set has."""
     working, q, step, rows = tick.working, tick.q, tick.step, tick.bounds[:bounds]
@@ -213,7 +202,6 @@ def _constrained(problem: Problem, asked: Asked, tick: Tick, start: Array, bound
     return count
 
 
-@kernel
 def constrained_step(
     problem: Problem, asked: Asked, tick: Tick, start: Array, bounds: int, mu: float, most: float
 ) -> int:

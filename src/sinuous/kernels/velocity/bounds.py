@@ -10,7 +10,6 @@ the place where a step leaves one, found when it does (`worst_cut`); what curvat
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
@@ -41,7 +40,6 @@ began (n, 3). No more than that: these are looked at some hundred times in a tic
 time."""
 
 
-@kernel
 def along(weights: Array, motion: Array) -> float:
     """What a row of weights (3 n or more,) sees of a motion (n, 3)."""
     total = 0.0
@@ -50,7 +48,6 @@ def along(weights: Array, motion: Array) -> float:
     return total
 
 
-@kernel
 def size_of(root: Array, motion: Array) -> float:
     """Norm of a motion (n, 3) in the metric with this root (n, 9): rad, and lengths of a mean segment."""
     total = 0.0
@@ -62,7 +59,6 @@ def size_of(root: Array, motion: Array) -> float:
     return math.sqrt(total)
 
 
-@kernel
 def normalise(tick: Tick, at: int) -> float:
     """Divide the weights of bound `at` by their norm in the metric, and return that; 0 where nothing can move it."""
     row, size = tick.bounds[at], 0.0
@@ -77,7 +73,6 @@ def normalise(tick: Tick, at: int) -> float:
     return size
 
 
-@kernel
 def _value_of(actuator: Array, q: Array) -> float:
     """Value of an actuator with these derivatives (3 n or more,) at the configuration `q` (n, 3)."""
     total = 0.0
@@ -87,7 +82,6 @@ def _value_of(actuator: Array, q: Array) -> float:
     return total
 
 
-@kernel
 def _range_of(actuator: Array, began: float) -> tuple[float, float, bool, bool]:
     """Least and greatest value that an actuator may have in a tick, and whether these are its limits, not its rates.
 
@@ -98,7 +92,6 @@ def _range_of(actuator: Array, began: float) -> tuple[float, float, bool, bool]:
     return max(least, slowest), min(most, fastest), least >= slowest, most <= fastest
 
 
-@kernel
 def add_actuators(asked: Asked, tick: Tick, start: Array, first: int) -> int:
     """Write the bounds of actuators, from row `first` on, and return the next free row.
 
@@ -126,7 +119,6 @@ def add_actuators(asked: Asked, tick: Tick, start: Array, first: int) -> int:
     return at
 
 
-@kernel
 def _disc(root: Array, k: int, bend: tuple[float, float], cap: float, slope: float, left: float, kind: int) -> Cut:
     """The cut of a `bend` that is beyond `cap`, which grows by `slope` with the length.
 
@@ -141,7 +133,6 @@ def _disc(root: Array, k: int, bend: tuple[float, float], cap: float, slope: flo
     return Cut((most - cap) / size, weights, int(kind == v.ACCELERATION), kind)
 
 
-@kernel
 def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
     """The bound of the bend of segment `k` that the step from `q` leaves the most."""
     limits, root, rates, start = within.limits, within.root, within.rates[k], within.start
@@ -165,7 +156,6 @@ def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
     return cut if cut.excess > worst.excess else worst
 
 
-@kernel
 def _cut_of(within: Limits, q: Array, step: Array, k: int) -> Cut:
     """The bound of segment `k` that the step from `q` leaves the most; its kind is -1 where it leaves none."""
     worst, stretch, rates, l0 = _bend_cut(within, q, step, k), within.root[k, 8], within.rates[k], within.start[k, 2]
@@ -186,7 +176,6 @@ def _cut_of(within: Limits, q: Array, step: Array, k: int) -> Cut:
     return worst
 
 
-@kernel
 def worst_cut(within: Limits, q: Array, step: Array, wishes: bool) -> tuple[Cut, int]:
     """The bound of a segment that the step from `q` (n, 3) leaves the most, and which segment; -1 where there is none.
 
@@ -200,7 +189,6 @@ def worst_cut(within: Limits, q: Array, step: Array, wishes: bool) -> tuple[Cut,
     return worst, where
 
 
-@kernel
 def _put_within(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int) -> None:
     """Put segment `k` of `tick.trial` within its limits and rates: by rounding, when the step has kept its bounds."""
     limits, rates, q = problem.limits, asked.rates[k], tick.trial
@@ -219,7 +207,6 @@ def _put_within(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int
         q[k, 0], q[k, 1], q[k, 2] = x0 + t * (q[k, 0] - x0), y0 + t * (q[k, 1] - y0), l0 + t * (q[k, 2] - l0)
 
 
-@kernel
 def _share_of_actuators(asked: Asked, tick: Tick, start: Array) -> float:
     """Largest share, of the way from `tick.q` to `tick.trial`, that keeps the limits and rates of actuators."""
     own, t = 3 * tick.q.shape[0], 1.0
@@ -234,7 +221,6 @@ def _share_of_actuators(asked: Asked, tick: Tick, start: Array) -> float:
     return t
 
 
-@kernel
 def take(problem: Problem, asked: Asked, tick: Tick, start: Array) -> None:
     """Fill `tick.trial` with where `tick.step` leads, within all limits and rates."""
     n = tick.q.shape[0]

@@ -14,7 +14,6 @@ from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price_of, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import ZERO, Vec, add, cross, dot, get_vec, mat_vec, put_vec, sub
@@ -37,7 +36,6 @@ Look = namedtuple("Look", ["keep", "wish", "ahead"])
 """The gap that is kept, the one that is wished for, and up to which gap contacts matter."""
 
 
-@kernel
 def _finish(tick: Tick, at: int, low: float, wish: float, gap: float, kind: int, segment: int, other: int) -> bool:
     """Finish the bound in row `at`, whose weights are there; say whether anything can move it.
 
@@ -54,7 +52,6 @@ def _finish(tick: Tick, at: int, low: float, wish: float, gap: float, kind: int,
     return True
 
 
-@kernel
 def _steepness(problem: Problem, tick: Tick | Body, i: int, k: int, s: float) -> tuple[float, float, Vec, Vec]:
     """Distance of a place to obstacle `i`, how it changes along the backbone, its gradient, and the place."""
     rotation, position = frame(tick.frames, k)
@@ -65,7 +62,6 @@ def _steepness(problem: Problem, tick: Tick | Body, i: int, k: int, s: float) ->
     return d, dot(g, tangent), g, p
 
 
-@kernel
 def closest_place(
     problem: Problem, tick: Tick | Body, i: int, part: tuple[int, float, float], straight: float, most: int
 ) -> tuple[float, float, Vec, Vec]:
@@ -94,7 +90,6 @@ def closest_place(
     return s, d, g, p
 
 
-@kernel
 def _place_for(tick: Tick, first: int, count: int, most: int, gap: float) -> int:
     """The next free bound, else that of the contact with the largest gap; -1 where none is larger."""
     if count < most:
@@ -106,7 +101,6 @@ def _place_for(tick: Tick, first: int, count: int, most: int, gap: float) -> int
     return widest if tick.bounds[widest, own] > gap else -1
 
 
-@kernel
 def _put_contact(problem: Problem, tick: Tick, at: int, k: int, s: float, p: Vec, force: Vec) -> None:
     """Write into row `at` how the place `p`, at fraction `s` of segment `k`, moves along the unit vector `force`."""
     origin = frame(tick.frames, 0)[1]
@@ -119,7 +113,6 @@ def _put_contact(problem: Problem, tick: Tick, at: int, k: int, s: float, p: Vec
         put_vec(tick.bounds, at, 3 * j, weights)
 
 
-@kernel
 def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int) -> tuple[int, float]:
     """Write a bound for every contact, from row `first` on, none beyond row `most`; of too many the nearest.
 
@@ -154,7 +147,6 @@ def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int
     return count, least
 
 
-@kernel
 def add_self_contacts(problem: Problem, tick: Tick, look: Look, first: int) -> tuple[int, float]:
     """The same for the body and itself; `look.wish` is of obstacles alone."""
     if not problem.avoids_itself:

@@ -15,7 +15,6 @@ from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
@@ -64,33 +63,13 @@ LENGTH, BEND, CURVATURE, ACTUATOR, CLEARANCE, SELF_CLEARANCE, LENGTH_RATE, BEND_
 )
 """Kinds of constraints."""
 
-WorkingSet = namedtuple(
-    "WorkingSet", ["weights", "replies", "about", "system", "scratch", "active", "listed", "free", "pull"]
-)
+WorkingSet = namedtuple("WorkingSet", "weights replies about system scratch active listed free pull")
 """Constraints that the step was found to violate, up to r of them: weights `c` (r, 3 n); what a multiplier of 1 moves,
 `H^-1 c` (r, 3 n); `about` them (r, 6); how they move each other, `c_a . H^-1 c_b` (r, r), and scratch (r, r + 1);
 which of them are active (r,) int64, and the numbers of those (r,) int64; the step without any of them, and a motion
 (n, 3)."""
 
-Tick = namedtuple(
-    "Tick",
-    [
-        "q",
-        "trial",
-        "frames",
-        "columns",
-        "rows",
-        "root",
-        "none",
-        "step",
-        "bounds",
-        "near",
-        "pairs",
-        "spans",
-        "working",
-        "sweep",
-    ],
-)
+Tick = namedtuple("Tick", "q trial frames columns rows root none step bounds near pairs spans working sweep")
 """Configurations where it is and where it may go next (n, 3), frames (n + 1, 12) and columns (n, 18) where it is; rows
 of what is asked; root of the metric (n, 9), no motion (n, 3) and the step (n, 3); bounds (b, 3 n + 10); numbers of
 obstacles (m,) int64; self-contacts and spans as `body.self_contacts` has them; the working set; and scratch of the
@@ -116,7 +95,6 @@ def tick_size(segments: int, obstacles: int, targets: int, actuators: int) -> in
     return own + MOST_PAIRS * (1 + 3 * n) + SPAN_WIDTH * (n + 1) + working + sweep_size(n, obstacles)
 
 
-@kernel
 def read_asked(asked: Array, n: int) -> Asked:
     """Take the group apart, for n segments."""
     p, actuators = int(asked[ACTUATORS]), HEADER + RATES_WIDTH * n
@@ -132,7 +110,6 @@ def read_asked(asked: Array, n: int) -> Asked:
     )
 
 
-@kernel
 def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Tick:
     """Lay out the workspace in `buffer`; `base` (1, 12).
 

@@ -16,7 +16,7 @@ from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame
 from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import allow, begin, late
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import coarseness, number_of
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
@@ -84,7 +84,6 @@ DAMPING, FASTER, SLOWER = 0.01, 0.3, 10.0
 """Damping towards a target as a share of its residual, squared; how it changes after a step that was better or not."""
 
 
-@kernel
 def _set_free(problem: Problem, tick: Tick) -> None:
     """Let every segment move in all its coordinates, and wish for no motion."""
     for k in range(tick.q.shape[0]):
@@ -93,7 +92,6 @@ def _set_free(problem: Problem, tick: Tick) -> None:
         put_vec(tick.none, k, 0, ZERO)
 
 
-@kernel
 def _linearise(problem: Problem, asked: Asked, tick: Tick) -> tuple[float, float, float]:
     """Fill frames, columns and rows at `tick.q`; returns the merit, and the largest errors of the targets."""
     n, rows, at = tick.q.shape[0], tick.rows, 0
@@ -122,7 +120,6 @@ def _linearise(problem: Problem, asked: Asked, tick: Tick) -> tuple[float, float
     return merit, off, turn
 
 
-@kernel
 def _farthest(problem: Problem, asked: Asked, tick: Tick, mu: float) -> float:
     """How far anything may move in this tick, about: what a free step does, but no more than rates allow."""
     free = tick.working.free
@@ -136,7 +133,6 @@ def _farthest(problem: Problem, asked: Asked, tick: Tick, mu: float) -> float:
     return min(AHEAD * measure_rates(tick.q, tick.trial, tick.sweep.rates), problem.unit)
 
 
-@kernel
 def _put_bounds(problem: Problem, asked: Asked, tick: Tick, start: Array, mu: float) -> tuple[int, float]:
     """Write all bounds but those of single segments; returns their number, and the largest lack of a gap."""
     keep = problem.margin
@@ -152,7 +148,6 @@ def _put_bounds(problem: Problem, asked: Asked, tick: Tick, start: Array, mu: fl
     return count, max(0.0, lack)
 
 
-@kernel
 def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[int, int]:
     """Go on from `tick.q`, step by step; `tick.trial` is where it ends.
 
@@ -195,7 +190,6 @@ def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[
     return rounds, count
 
 
-@kernel
 def _reached(problem: Problem, tick: Tick, start: Array) -> tuple[Vec, Vec]:
     """Rotation and displacement of the tip, to first order, from `start`, where columns are, to `trial`."""
     turn, move = ZERO, ZERO
@@ -208,14 +202,12 @@ def _reached(problem: Problem, tick: Tick, start: Array) -> tuple[Vec, Vec]:
     return turn, add(move, cross(turn, arm))
 
 
-@kernel
 def _shorten(tick: Tick, start: Array, share: float) -> None:
     for k in range(start.shape[0]):
         for i in range(3):
             tick.trial[k, i] = start[k, i] + share * (tick.trial[k, i] - start[k, i])
 
 
-@kernel
 def _least_gap(problem: Problem, tick: Tick, q: Array, ahead: float) -> float:
     """Least gap of a configuration to obstacles and itself, where it is less than `ahead`."""
     copy(q, tick.q)
@@ -228,7 +220,6 @@ def _least_gap(problem: Problem, tick: Tick, q: Array, ahead: float) -> float:
     return least
 
 
-@kernel
 def _look_at(problem: Problem, tick: Tick, q: Array) -> tuple[int, float, float]:
     """Verdict about a configuration, and its clearance and self-clearance."""
     copy(q, tick.q)
@@ -246,7 +237,6 @@ def _look_at(problem: Problem, tick: Tick, q: Array) -> tuple[int, float, float]
     return verdict, clearance, own
 
 
-@kernel
 def _leave_contact(problem: Problem, tick: Tick, start: Array) -> float:
     """Go on from a start where nothing is proved as far as that makes no gap smaller; returns the share of the step."""
     share, ahead = 1.0, problem.unit
@@ -261,7 +251,6 @@ def _leave_contact(problem: Problem, tick: Tick, start: Array) -> float:
     return 0.0
 
 
-@kernel
 def _prove(problem: Problem, tick: Tick, start: Array, answer: Array) -> None:
     """Prove the motion from `start` to `tick.trial`, which is shortened to what is proved."""
     aim = Aim(1.0, FINEST * problem.unit, 0.0, problem.mount, True)
@@ -282,7 +271,6 @@ def _prove(problem: Problem, tick: Tick, start: Array, answer: Array) -> None:
         answer[PROVED], answer[SHARE] = 0.0, _leave_contact(problem, tick, start)
 
 
-@kernel
 def _report(tick: Tick, count: int, answer: Array) -> None:
     """Write the active constraints."""
     at, working, active = SHAPE + 3 * tick.q.shape[0], tick.working, 0

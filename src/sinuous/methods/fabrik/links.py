@@ -25,7 +25,6 @@ import numpy as np
 
 from sinuous.kernels.chain import arc
 from sinuous.kernels.chain.kinematics import compose, frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import (
     Array,
@@ -49,9 +48,7 @@ from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.step.targets import direction_vector
 from sinuous.kernels.tables import GOAL, MAX_LENGTH, MIN_LENGTH, ORIENTATION, TARGET_POSITION
 
-Chain = namedtuple(
-    "Chain", ["first", "share", "part", "points", "joints", "tangents", "bends", "lengths", "low", "high"]
-)
+Chain = namedtuple("Chain", "first share part points joints tangents bends lengths low high")
 """Sections from the base to the end that has a target, and what they have in common with segments.
 
 `first` (m + 1,): section i is made of the segments `first[i]` to `first[i + 1]`. `share` (n,) and `part` (n,): of its
@@ -66,7 +63,6 @@ SMALL = 1e-5
 """Bend below which a section's links are those of this bend; they differ by 1e-11 of its length at most."""
 
 
-@kernel
 def carve_chain(buffer: Array, n: int, m: int) -> Chain:
     """Lay out a chain in `buffer` (at least 16 n + 7), for n segments in m sections, m at most n."""
     share, part, rest = buffer[:n], buffer[n : 2 * n], buffer[2 * n :]
@@ -78,7 +74,6 @@ def carve_chain(buffer: Array, n: int, m: int) -> Chain:
     return Chain(first, share, part, points, joints, tangents, of[0], of[1], of[2], of[3])
 
 
-@kernel
 def group(chain: Chain, segments: int, pieces: int, taper: float) -> None:
     """Make sections of `pieces` segments each, the last of what is left; fills `first` and `share`.
 
@@ -91,7 +86,6 @@ def group(chain: Chain, segments: int, pieces: int, taper: float) -> None:
             chain.share[k] = (1.0 + taper * (2.0 * (k - begin + 0.5) / (end - begin) - 1.0)) / (end - begin)
 
 
-@kernel
 def links(chain: Chain, i: int, bend: float) -> tuple[float, float]:
     """Links `near` and `far` of section i at this bend, for a length of one.
 
@@ -114,7 +108,6 @@ def links(chain: Chain, i: int, bend: float) -> tuple[float, float]:
     return z - far * math.cos(turn), far
 
 
-@kernel
 def cap_of(chain: Chain, limits: Array, i: int, length: float) -> float:
     """Largest bend (rad) of section i at this length, by the `limits` (n, 7) of its segments."""
     cap = STEEPEST
@@ -125,20 +118,17 @@ def cap_of(chain: Chain, limits: Array, i: int, length: float) -> float:
     return cap
 
 
-@kernel
 def unit_or(a: Vec, other: Vec) -> Vec:
     """`a` as a unit vector; `other` where it has no direction."""
     length = norm(a)
     return scale(1.0 / length, a) if length > 1e-300 else other
 
 
-@kernel
 def angle_between(a: Vec, b: Vec) -> float:
     """Angle between two unit vectors."""
     return math.atan2(norm(cross(a, b)), dot(a, b))
 
 
-@kernel
 def cone(axis: Vec, wanted: Vec, cap: float) -> tuple[Vec, float]:
     """The unit vector closest to `wanted` that is within the angle `cap` of `axis`, and its angle."""
     angle = angle_between(axis, wanted)
@@ -148,14 +138,12 @@ def cone(axis: Vec, wanted: Vec, cap: float) -> tuple[Vec, float]:
     return add_scaled(scale(math.cos(cap), axis), math.sin(cap), side), cap
 
 
-@kernel
 def _length(chain: Chain, i: int, links_sum: Vec, wanted: Vec) -> float:
     """The length, within its range, with which section i comes closest to spanning `wanted`."""
     length = dot(wanted, links_sum) / dot(links_sum, links_sum)
     return min(max(length, chain.low[i]), chain.high[i])
 
 
-@kernel
 def reach_back(chain: Chain, limits: Array, goal: Vec, aim: Vec, aimed: bool) -> None:
     """Lay the links from the `goal` back towards the base; `aim` is the tangent there, if it is asked for.
 
@@ -183,7 +171,6 @@ def reach_back(chain: Chain, limits: Array, goal: Vec, aim: Vec, aimed: bool) ->
         chain.bends[i], chain.lengths[i] = bend, length
 
 
-@kernel
 def reach_out(chain: Chain, limits: Array, base: Vec, tangent: Vec, aim: Vec, aimed: bool) -> None:
     """Lay the links from the base, with its tangent, out to the tip; `limits` (n, 7) of the segments."""
     m = chain.bends.shape[0]
@@ -212,7 +199,6 @@ def reach_out(chain: Chain, limits: Array, base: Vec, tangent: Vec, aim: Vec, ai
         chain.bends[i], chain.lengths[i] = bend, length
 
 
-@kernel
 def fold(limits: Array, chain: Chain, frames: Array, stretch: bool, q: Array) -> None:
     """Lay the links over a configuration, as far as sections can have it; the inverse of `unfold`.
 
@@ -249,13 +235,11 @@ def fold(limits: Array, chain: Chain, frames: Array, stretch: bool, q: Array) ->
     put_vec(chain.tangents, chain.bends.shape[0], 0, axis_of(rotation))
 
 
-@kernel
 def axis_of(rotation: Mat) -> Vec:
     """The z axis of a frame: the tangent of the backbone."""
     return rotation[0][2], rotation[1][2], rotation[2][2]
 
 
-@kernel
 def _lay(chain: Chain, i: int, nx: float, ny: float, frames: Array, q: Array) -> None:
     """Write the segments of section i, bent towards (nx, ny), to `q` (n, 3) and `frames` (n + 1, 12)."""
     rotation, position = frame(frames, chain.first[i])
@@ -267,7 +251,6 @@ def _lay(chain: Chain, i: int, nx: float, ny: float, frames: Array, q: Array) ->
         put_vec(q, k, 0, (nx * bend, ny * bend, length))
 
 
-@kernel
 def unfold(chain: Chain, frames: Array, q: Array) -> None:
     """Write the configuration that the chain stands for to `q` (n, 3), and its `frames` (n + 1, 12)."""
     for i in range(chain.bends.shape[0]):
@@ -277,7 +260,6 @@ def unfold(chain: Chain, frames: Array, q: Array) -> None:
         _lay(chain, i, nx, ny, frames, q)
 
 
-@kernel
 def end_goal(problem: Problem, frames: Array) -> tuple[Vec, Vec, bool]:
     """Where the target wants the end of the backbone, its tangent there, and whether that is asked for.
 
@@ -297,7 +279,6 @@ def end_goal(problem: Problem, frames: Array) -> tuple[Vec, Vec, bool]:
     return sub(goal, mat_vec(rotation, shift)), axis_of(rotation), aimed
 
 
-@kernel
 def rotation_of(turn: Vec) -> Mat:
     """The rotation by a rotation vector (Rodrigues)."""
     square = dot(turn, turn)

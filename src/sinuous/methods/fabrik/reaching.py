@@ -32,7 +32,6 @@ from sinuous.checks import Floats
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import obstacle, price
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
@@ -70,7 +69,6 @@ def scratch_size(n: int) -> int:
     return 6 * n + 16 * n + 7
 
 
-@kernel
 def carve(buffer: Array, n: int, sections: int) -> Work:
     """Lay out the scratch in `buffer`, for n segments in so many sections."""
     q, rest = cut(buffer, n, 3)
@@ -78,7 +76,6 @@ def carve(buffer: Array, n: int, sections: int) -> Work:
     return Work(carve_chain(rest, n, sections), q, kept)
 
 
-@kernel
 def reach(problem: Problem, chain: Chain, frames: Array, q: Array) -> None:
     """One iteration: back from the target and out again to it; fills `q` (n, 3) and `frames` (n + 1, 12)."""
     goal, wanted, aimed = end_goal(problem, frames)
@@ -88,7 +85,6 @@ def reach(problem: Problem, chain: Chain, frames: Array, q: Array) -> None:
     unfold(chain, frames, q)
 
 
-@kernel
 def push_away(problem: Problem, check: Check, chain: Chain, q: Array, aside: Aside) -> float:
     """Move the joints of segments that overlap; returns the deepest overlap that was seen.
 
@@ -115,7 +111,6 @@ def push_away(problem: Problem, check: Check, chain: Chain, q: Array, aside: Asi
     return overlap
 
 
-@kernel
 def descend(problem: Problem, check: Check, work: Work, most: int, aside: Aside) -> tuple[int, bool]:
     """Reach back and out, and step aside, until the target is met, nothing is gained any more, or time is over.
 
@@ -140,7 +135,6 @@ def descend(problem: Problem, check: Check, work: Work, most: int, aside: Aside)
     return most, False
 
 
-@kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:

@@ -14,7 +14,6 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem
@@ -35,7 +34,6 @@ Pass = namedtuple("Pass", ["before", "after"])
 """Scratch: the numbers (1025,) that go into a layer and come out of it."""
 
 
-@kernel
 def carve(buffer: Array) -> tuple[Pass, Array]:
     """Lay out the scratch in `buffer`; returns it and what is left."""
     before, rest = cut(buffer, 1, MOST_WIDTH)
@@ -43,7 +41,6 @@ def carve(buffer: Array) -> tuple[Pass, Array]:
     return Pass(before[0], after[0]), rest
 
 
-@kernel
 def predict(networks: Array, row: Array, scratch: Pass, q: Array) -> None:
     """Fill `q` (n, 3) with the shape for a target `row` (15,), in rad and the length unit.
 
@@ -75,7 +72,6 @@ def predict(networks: Array, row: Array, scratch: Pass, q: Array) -> None:
         q[i // 3, i % 3] = scratch.before[i]
 
 
-@kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:

@@ -14,19 +14,9 @@ from sinuous import checks
 from sinuous.arguments import Truth, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels import tables as t
 from sinuous.kernels.compiling.tiers import code_first
-from sinuous.kernels.tables import (
-    CODE,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    RECORD_WIDTH,
-    SOLVED,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-    answer_size,
-)
+from sinuous.kernels.tables import answer_size
 from sinuous.methods.learned.network import INPUTS, KINDS, MOST_WIDTH, Layers, Network, inputs
 from sinuous.methods.newton import Newton
 from sinuous.problem.problem import Preferences
@@ -107,19 +97,19 @@ def train(
 def _lessons(robot: Robot, scene: Scene, kind: int, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Numbers (m, i) of solved targets of this kind, and the shapes (m, 3 n) that meet them."""
     tips = robot.tip(_draw(robot, count, rng))
-    rows = np.zeros((count, 1, TARGET_WIDTH))
-    rows[:, 0, TARGET_SEGMENT], rows[:, 0, HAS_POSITION], rows[:, 0, ORIENTATION] = -1, 1.0, kind
-    rows[:, 0, TARGET_POSITION : TARGET_POSITION + 3] = tips[:, :3, 3]
+    rows = np.zeros((count, 1, t.TARGET_WIDTH))
+    rows[:, 0, t.TARGET_SEGMENT], rows[:, 0, t.HAS_POSITION], rows[:, 0, t.ORIENTATION] = -1, 1.0, kind
+    rows[:, 0, t.TARGET_POSITION : t.TARGET_POSITION + 3] = tips[:, :3, 3]
     goals = tips[:, :0, 0], tips[:, :3, 2], tips[:, :3, :3].reshape(count, 9)
-    rows[:, 0, GOAL : GOAL + INPUTS[kind] - 3] = goals[kind]
+    rows[:, 0, t.GOAL : t.GOAL + INPUTS[kind] - 3] = goals[kind]
     for place in (scene, Scene()) if len(scene) else (scene,):
         method = Newton().prepare(robot, place, Tolerance().for_robot(robot), Preferences())
         answers = np.empty((count, answer_size(len(robot))))
         initial = np.empty((count, 0, len(robot), 3))
         method.run_many(place.snapshot(), rows, initial, (0, STARTS, 0, SECONDS), answers)
-        good = answers[:, CODE] == SOLVED
+        good = answers[:, t.CODE] == t.SOLVED
         if good.sum() >= FEWEST:
-            return inputs(rows[good, 0], kind), answers[good, RECORD_WIDTH:]
+            return inputs(rows[good, 0], kind), answers[good, t.RECORD_WIDTH :]
     raise InputError("robot", "hardly meets its own tips", int(good.sum()), f"at least {FEWEST} of {count} solved")
 
 

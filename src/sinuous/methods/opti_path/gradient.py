@@ -16,7 +16,6 @@ from collections import namedtuple
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.methods.opti_path.path import (
@@ -89,13 +88,11 @@ Weights = namedtuple("Weights", ["length", "orientation", "obstacles", "bends"])
 """The weights of one iteration."""
 
 
-@kernel
 def beyond(value: float, low: float, high: float) -> float:
     """By how much a value is above (positive) or below (negative) a range."""
     return value - high if value > high else min(0.0, value - low)
 
 
-@kernel
 def turn_cost(setting: Setting, weights: Weights, aim: Aim, t: Vec) -> tuple[float, Vec]:
     """Cost of the last tangent `t` and its gradient."""
     scaled = weights.orientation * aim.unit * aim.unit
@@ -106,7 +103,6 @@ def turn_cost(setting: Setting, weights: Weights, aim: Aim, t: Vec) -> tuple[flo
     return scaled * far, scale(scaled / far, miss) if far > 0.0 else ZERO
 
 
-@kernel
 def shape_cost(setting: Setting, weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> float:
     """Cost of an arc apart from obstacles."""
     miss = beyond(arc.length, path.wanted[k, 0], path.wanted[k, 1])
@@ -117,7 +113,6 @@ def shape_cost(setting: Setting, weights: Weights, aim: Aim, path: Path, k: int,
     return cost
 
 
-@kernel
 def shape_pull(setting: Setting, weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> tuple[Vec, Vec]:
     """Gradient of `shape_cost` in the chord and in the first tangent of the arc."""
     miss = beyond(arc.length, path.wanted[k, 0], path.wanted[k, 1])
@@ -133,13 +128,11 @@ def shape_pull(setting: Setting, weights: Weights, aim: Aim, path: Path, k: int,
     return on_chord, on_tangent
 
 
-@kernel
 def in_the_open(path: Path, k: int, length: float, u: float) -> bool:
     """Whether the place `u` of arc `k` is outside the mount."""
     return u * length >= path.wanted[k, 3]
 
 
-@kernel
 def body_cost(potential: Potential, setting: Setting, weights: Weights, path: Path, k: int, a: Vec, arc: Arc) -> float:
     """Cost of the obstacles near an arc that begins at `a`."""
     count = int(setting.samples)
@@ -151,7 +144,6 @@ def body_cost(potential: Potential, setting: Setting, weights: Weights, path: Pa
     return weights.obstacles * setting.arcs_weight * arc.length * total / count if count > 0 else 0.0
 
 
-@kernel
 def body_pull(
     potential: Potential, setting: Setting, weights: Weights, path: Path, k: int, a: Vec, arc: Arc
 ) -> tuple[Vec, Vec, Vec]:
@@ -181,13 +173,11 @@ def body_pull(
     )
 
 
-@kernel
 def speed(path: Path, i: int) -> float:
     """What the paper calls the velocity of point `i`: the mean length of its two arcs."""
     return 0.5 * (path.arcs[i - 1, 14] + path.arcs[i, 14])
 
 
-@kernel
 def attenuated(setting: Setting) -> tuple[float, float, float]:
     """Weights of the arc after a point, of what later arcs do to its end before that arc, and after it."""
     alpha = setting.attenuation
@@ -196,7 +186,6 @@ def attenuated(setting: Setting) -> tuple[float, float, float]:
     return 1.0, 1.0, alpha
 
 
-@kernel
 def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, factors: tuple[float, float, float]) -> None:
     """Add what pulls the chord of arc `k`, also through its end tangent, to its two points in `out` (n + 1, 3)."""
     next_own, before, after = factors
@@ -205,13 +194,11 @@ def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, factors: tup
     put_vec(out, k, 0, add(get_vec(out, k, 0), start))
 
 
-@kernel
 def arc_price(potential: Potential, setting: Setting, obstacles: bool) -> int:
     """Looks that the costs of an arc cost, see `kernels.clock`."""
     return SEGMENT_LOOKS + (int(setting.samples) * price(potential.scene) if obstacles else 0)
 
 
-@kernel
 def gradient_backwards(
     potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool, clock: Array
 ) -> None:
@@ -248,7 +235,6 @@ def gradient_backwards(
                 put_vec(path.avoid, k, 0, add(get_vec(path.avoid, k, 0), force))
 
 
-@kernel
 def _costs_from(
     potential: Potential,
     setting: Setting,
@@ -278,7 +264,6 @@ def _costs_from(
     return shape, body
 
 
-@kernel
 def gradient_by_differences(
     potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool, clock: Array
 ) -> None:

@@ -17,7 +17,6 @@ from collections import namedtuple
 
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, frame, put_frame
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     Array,
     Vec,
@@ -47,7 +46,6 @@ SMALL = 0.02
 """Half bend below which power series are used."""
 
 
-@kernel
 def stretch(x: float, w: float, sine: float) -> tuple[float, float]:
     """`x / sin x`, the length of an arc of chord one, and `(sin x - x cos x) / sin^3 x`, minus its slope in cos x."""
     if x < SMALL:
@@ -57,7 +55,6 @@ def stretch(x: float, w: float, sine: float) -> tuple[float, float]:
     return x / s, (s - x * w) / (s * s * s)
 
 
-@kernel
 def arc_between(a: Vec, b: Vec, t: Vec) -> Arc:
     """The arc from `a` along the unit tangent `t` to `b`; without a chord it is straight."""
     d = sub(b, a)
@@ -72,14 +69,12 @@ def arc_between(a: Vec, b: Vec, t: Vec) -> Arc:
     return Arc(t, d, e, chord, w, x, g, q, chord * g)
 
 
-@kernel
 def end_tangent(arc: Arc) -> Vec:
     """Unit tangent at the end of an arc: the reflection of the first one about the chord."""
     turned = sub(scale(2.0 * arc.w, arc.e), arc.t)
     return scale(1.0 / norm(turned), turned)
 
 
-@kernel
 def offset(arc: Arc, u: float) -> Vec:
     """The point `y(u)` of the rational Bezier form, seen from the beginning of the arc; u is not arc length."""
     b = 2.0 * u * (1.0 - u)
@@ -87,7 +82,6 @@ def offset(arc: Arc, u: float) -> Vec:
     return scale(1.0 / max(below, LEAST_SINE), add_scaled(scale(0.5 * b * arc.chord, arc.t), u * u, arc.d))
 
 
-@kernel
 def pull_point(arc: Arc, u: float, r: Vec, force: Vec) -> tuple[Vec, Vec]:
     """What a force at `y(u)`, which is at `r` from the beginning, does to the chord and to the tangent.
 
@@ -102,20 +96,17 @@ def pull_point(arc: Arc, u: float, r: Vec, force: Vec) -> tuple[Vec, Vec]:
     return scale(inverse, on_chord), scale(inverse, on_tangent)
 
 
-@kernel
 def pull_length(arc: Arc, force: float) -> tuple[Vec, Vec]:
     """What a force on the length does to chord and tangent: `dl/dd = g e - q (t - w e)`, `dl/dt = -D q e`."""
     aside = add_scaled(arc.t, -arc.w, arc.e)
     return scale(force, add_scaled(scale(arc.g, arc.e), -arc.q, aside)), scale(-force * arc.chord * arc.q, arc.e)
 
 
-@kernel
 def pull_weight(arc: Arc, force: float) -> tuple[Vec, Vec]:
     """What a force on the weight `w`, the cosine of half the bend, does to the chord and to the tangent."""
     return scale(force / arc.chord, add_scaled(arc.t, -arc.w, arc.e)), scale(force, arc.e)
 
 
-@kernel
 def pull_tangent(arc: Arc, force: Vec) -> tuple[Vec, Vec]:
     """What a force on the tangent at the end does to the chord and to the first tangent.
 
@@ -127,14 +118,12 @@ def pull_tangent(arc: Arc, force: Vec) -> tuple[Vec, Vec]:
     return scale(2.0 / arc.chord, on_chord), sub(scale(2.0 * along, arc.e), force)
 
 
-@kernel
 def put_points(frames: Array, points: Array) -> None:
     """Fill `points` (n + 1, 3) with the positions of `frames` (n + 1, 12)."""
     for k in range(frames.shape[0]):
         put_vec(points, k, 0, get_vec(frames, k, 9))
 
 
-@kernel
 def configuration_of(points: Array, frames: Array, q: Array) -> None:
     """Fill `q` (n, 3), and `frames` after the base in row 0, for the chain of arcs through `points` (n + 1, 3).
 
@@ -157,7 +146,6 @@ def configuration_of(points: Array, frames: Array, q: Array) -> None:
         put_frame(frames, k + 1, rotation, position)
 
 
-@kernel
 def along_arc(t: Vec, side: Vec, bend: float, length: float, s: float) -> Vec:
     """Where an arc along `t`, bending towards the unit vector `side` across it, is at arc length `s length`."""
     if bend < 1e-9:
@@ -180,7 +168,6 @@ Work = namedtuple("Work", ["path", "q", "setting", "potential"])
 `costs.Setting`) and the potential of the obstacles."""
 
 
-@kernel
 def want(limits: Array, band: float, mount: float, path: Path) -> None:
     """Fill what every arc wants: its mean length or, with a dead band, any in that share of the range about it.
 
@@ -195,7 +182,6 @@ def want(limits: Array, band: float, mount: float, path: Path) -> None:
         mount = max(0.0, mount - 0.5 * (low + high))
 
 
-@kernel
 def put_arc(arcs: Array, k: int, arc: Arc) -> None:
     """Write row `k` of `arcs` (n, 15)."""
     put_vec(arcs, k, 0, arc.t)
@@ -205,7 +191,6 @@ def put_arc(arcs: Array, k: int, arc: Arc) -> None:
     arcs[k, 12], arcs[k, 13], arcs[k, 14] = arc.g, arc.q, arc.length
 
 
-@kernel
 def get_arc(arcs: Array, k: int) -> Arc:
     """Row `k` of `arcs` (n, 15)."""
     return Arc(
@@ -221,7 +206,6 @@ def get_arc(arcs: Array, k: int) -> Arc:
     )
 
 
-@kernel
 def trace(path: Path) -> None:
     """Fill arcs and tangents from the points and the first tangent."""
     t = get_vec(path.tangents, 0, 0)

@@ -11,7 +11,7 @@ interpolated linearly, or computed from the obstacles each time.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, nearest, obstacle, read_scene
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, norm, scale, sub
 
@@ -23,7 +23,6 @@ Potential = namedtuple("Potential", ["scene", "values", "origin", "spacing", "sl
 apart; the parameters of `c`; and the radius of the body."""
 
 
-@kernel
 def hinge(d: float, slope: float, reach: float) -> tuple[float, float]:
     """c(d) and its derivative."""
     if d < 0.0:
@@ -33,7 +32,6 @@ def hinge(d: float, slope: float, reach: float) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-@kernel
 def read_potential(scene: Scene, sampled: Array, slope: float, reach: float) -> Potential:
     """Take the group `sampled` apart: shape (3), origin (3), spacing, radius of the body, then the values."""
     nx, ny, nz = int(sampled[0]), int(sampled[1]), int(sampled[2])
@@ -41,7 +39,6 @@ def read_potential(scene: Scene, sampled: Array, slope: float, reach: float) -> 
     return Potential(scene, sampled[8:].reshape((nx, ny, nz)), origin, sampled[6], slope, reach, sampled[7])
 
 
-@kernel
 def exact(potential: Potential, p: Vec) -> tuple[float, Vec]:
     """Potential and its gradient at `p`, from the obstacles themselves."""
     d, which = nearest(potential.scene, p)
@@ -51,7 +48,6 @@ def exact(potential: Potential, p: Vec) -> tuple[float, Vec]:
     return c, scale(slope, obstacle(potential.scene, which, p, math.inf)[1])
 
 
-@kernel
 def interpolated(potential: Potential, p: Vec) -> tuple[float, Vec]:
     """Potential at `p`, linear along each axis within a cell of the grid, and its gradient; zero outside the grid."""
     values, inverse = potential.values, 1.0 / potential.spacing
@@ -74,7 +70,6 @@ def interpolated(potential: Potential, p: Vec) -> tuple[float, Vec]:
     return here + x * (on - here), scale(inverse, (on - here, rise_y, rise + x * (rise_on - rise)))
 
 
-@kernel
 def potential_at(potential: Potential, p: Vec) -> tuple[float, Vec]:
     """Potential and its gradient at `p`."""
     if potential.values.shape[0] > 0:
@@ -113,7 +108,6 @@ def sample(scene: Array, sampled: Array, shape: tuple[float, float], centre: Arr
                                 values[i, j, k] = hinge(d - potential.radius, slope, reach)[0]
 
 
-@kernel
 def _node(potential: Potential, i: int, j: int, k: int) -> Vec:
     origin, spacing = potential.origin, potential.spacing
     return (origin[0] + i * spacing, origin[1] + j * spacing, origin[2] + k * spacing)

@@ -8,7 +8,6 @@ clear. The first path that the common check (see `sinuous.methods.search`) calls
 import math
 
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.shapes import first_of
 from sinuous.kernels.maths.vectors import ZERO, Array, add, add_scaled, copy, dot, get_vec, norm, put_vec, scale, sub
@@ -28,7 +27,6 @@ LEAST = 0.1
 """What is left of a weight when its schedule has taken it down."""
 
 
-@kernel
 def scheduled(setting: Setting, iteration: int, long: bool, turned: bool) -> Weights:
     """The weights of this iteration; `long` and `turned` say whether lengths and orientation are still off.
 
@@ -54,7 +52,6 @@ def scheduled(setting: Setting, iteration: int, long: bool, turned: bool) -> Wei
     )
 
 
-@kernel
 def project(path: Path) -> None:
     """Take out of the update of every point for obstacles what is along the line through its two neighbours."""
     for i in range(1, path.arcs.shape[0]):
@@ -65,7 +62,6 @@ def project(path: Path) -> None:
             put_vec(path.avoid, i, 0, add_scaled(force, -dot(force, along) / square, along))
 
 
-@kernel
 def solve_difference(x: Array) -> None:
     """Solve `K y = x` in place, for rows 1 to n - 1 of `x` (n + 1, 3), K = tridiag(-1, 2, -1): both ends are fixed.
 
@@ -81,7 +77,6 @@ def solve_difference(x: Array) -> None:
         put_vec(x, i, 0, before)
 
 
-@kernel
 def move(setting: Setting, path: Path, unit: float) -> float:
     """Move all inner points by `-A^-1 gradient / lambda`, none by more than the largest step; how far the most moved.
 
@@ -120,7 +115,6 @@ def scratch_size(n: int) -> int:
     return 5 * 3 * (n + 1) + 15 * n + 4 * n + 3 * n
 
 
-@kernel
 def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
     """Lay out a path and a configuration (n, 3) in `buffer`, for n segments."""
     points, rest = cut(buffer, n + 1, 3)
@@ -134,13 +128,11 @@ def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
     return Path(points, kept, tangents, arcs, update, avoid, wanted), q
 
 
-@kernel
 def read_setting(options: Array) -> Setting:
     """Name the first 28 numbers of the `options`."""
     return Setting(*first_of(options, OPTIONS))
 
 
-@kernel
 def read_aim(problem: Problem) -> Aim:
     """The target of the tip, and the mean length of a segment."""
     return Aim(
@@ -151,7 +143,6 @@ def read_aim(problem: Problem) -> Aim:
     )
 
 
-@kernel
 def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
     """By how much the lengths of a traced path, and its last tangent, are off: length unit, rad."""
     long = 0.0
@@ -162,7 +153,6 @@ def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
     return long, turn
 
 
-@kernel
 def descend(problem: Problem, check: Check, work: Work, weights: Weights, aim: Aim, obstacles: bool) -> float:
     """Move the points of a traced path one step down; how far the most moved."""
     path, _, setting, potential = work
@@ -175,7 +165,6 @@ def descend(problem: Problem, check: Check, work: Work, weights: Weights, aim: A
     return move(setting, path, aim.unit)
 
 
-@kernel
 def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, answer: Answer) -> int:
     """Go on from a solved path, farther from obstacles and limits; what is not solved any more is not taken.
 
@@ -194,7 +183,6 @@ def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, an
     return count
 
 
-@kernel
 def improve(problem: Problem, check: Check, work: Work, aim: Aim, source: int, answer: Answer) -> tuple[int, bool]:
     """Improve a path until it is solved, does not move any more, or its iterations or the time are over.
 
@@ -236,7 +224,6 @@ def improve(problem: Problem, check: Check, work: Work, aim: Aim, source: int, a
     return iteration, False
 
 
-@kernel
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:

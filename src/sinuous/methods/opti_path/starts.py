@@ -4,7 +4,6 @@ import math
 
 from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.chain.single_arc import arc_to
-from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     Array,
     Vec,
@@ -30,7 +29,6 @@ BOWS = 8
 """Bows of a path that are tried: so many directions across the first tangent, by two heights."""
 
 
-@kernel
 def carried(frames: Array, setting: Setting, aim: Aim, path: Path) -> None:
     """The points of the shape whose `frames` (n + 1, 12) these are, with its end moved to the goal.
 
@@ -46,7 +44,6 @@ def carried(frames: Array, setting: Setting, aim: Aim, path: Path) -> None:
     put_vec(path.points, n, 0, aim.position)
 
 
-@kernel
 def _sides(path: Path, aim: Aim) -> tuple[Vec, Vec, float, float]:
     """First tangent, unit vector across it towards the goal, and how far the goal is aside and ahead."""
     t = get_vec(path.tangents, 0, 0)
@@ -58,7 +55,6 @@ def _sides(path: Path, aim: Aim) -> tuple[Vec, Vec, float, float]:
     return t, side, aside, ahead
 
 
-@kernel
 def reach(limits: Array) -> tuple[float, float]:
     """Least and largest length of a robot with these `limits` (n, 7)."""
     low = high = 0.0
@@ -68,7 +64,6 @@ def reach(limits: Array) -> tuple[float, float]:
     return low, high
 
 
-@kernel
 def single(limits: Array, setting: Setting, aim: Aim, path: Path) -> float:
     """The arc from the base along its tangent to the goal, cut into pieces; returns its length.
 
@@ -90,7 +85,6 @@ def single(limits: Array, setting: Setting, aim: Aim, path: Path) -> float:
     return length
 
 
-@kernel
 def _cubic(a: Vec, b: Vec, c: Vec, d: Vec, s: float) -> Vec:
     """Point of a cubic Bezier curve."""
     r = 1.0 - s
@@ -98,7 +92,6 @@ def _cubic(a: Vec, b: Vec, c: Vec, d: Vec, s: float) -> Vec:
     return add_scaled(add_scaled(p, 3.0 * r * s * s, c), s * s * s, d)
 
 
-@kernel
 def _curve_length(a: Vec, b: Vec, c: Vec, d: Vec) -> float:
     """Length of a cubic Bezier curve, by 32 chords."""
     length, before = 0.0, a
@@ -109,7 +102,6 @@ def _curve_length(a: Vec, b: Vec, c: Vec, d: Vec) -> float:
     return length
 
 
-@kernel
 def swung(limits: Array, aim: Aim, path: Path, angle: float) -> None:
     """A cubic curve to the goal, as long as a robot with these `limits` (n, 7) at mid-range, swung out to the side.
 
@@ -138,7 +130,6 @@ def swung(limits: Array, aim: Aim, path: Path, angle: float) -> None:
     _cut(limits, base, b, c, aim, path)
 
 
-@kernel
 def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
     """Put the points on a cubic curve, shared by the mean lengths of the segments in `limits` (n, 7)."""
     n = path.arcs.shape[0]
@@ -161,7 +152,6 @@ def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
         put_vec(path.points, rest, 0, aim.position)
 
 
-@kernel
 def bow(aim: Aim, path: Path, which: int) -> None:
     """Bow a path to one of the sides of its first tangent, by a third of a segment or, the next round, two thirds."""
     n = path.arcs.shape[0]
@@ -174,7 +164,6 @@ def bow(aim: Aim, path: Path, which: int) -> None:
         put_vec(path.points, i, 0, add_scaled(p, lift * math.sin(angle), b))
 
 
-@kernel
 def begin_path(problem: Problem, check: Check, work: Work, aim: Aim, start: Start) -> int:
     """Put a start into the path; its source, or -1 when there is no such start.
 

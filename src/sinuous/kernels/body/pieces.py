@@ -5,9 +5,9 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene, look, price_of
-from sinuous.kernels.fields.solids import BOUND
+from sinuous.kernels.fields.solids import BOUND, STEP
 from sinuous.kernels.maths.vectors import Array, Vec
-from sinuous.kernels.tables import ROUNDOFF
+from sinuous.kernels.tables import KIND, ROUNDOFF, TREE
 
 Scratch = namedtuple("Scratch", ["among", "clock"])
 """What looking at obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
@@ -28,8 +28,8 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
     count, rest = 0, math.inf
     for i in range(scene.table.shape[0]):
-        roundoff = scene.table[i, ROUNDOFF]
-        d = look_here(scene, i, p, reach + roundoff, BOUND)[0] - roundoff
+        roundoff, mode = scene.table[i, ROUNDOFF], BOUND if scene.table[i, KIND] >= TREE else STEP
+        d = look_here(scene, i, p, reach + roundoff, mode)[0] - roundoff
         if d < reach:
             among[count] = i
             count += 1

@@ -47,9 +47,8 @@ def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tup
     if scene.table[i, t.KIND] >= t.TREE:
         return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
     away, far = sub(p, get_vec(scene.table, i, t.CENTER)), reach + scene.table[i, t.EXTENT]
-    if 0.0 < far < math.inf and dot(away, away) >= far * far:
-        to_center = norm(away)
-        return to_center - scene.table[i, t.EXTENT], to_center
+    if mode == STEP and 0.0 < far < math.inf and dot(away, away) >= far * far:
+        return norm(away) - scene.table[i, t.EXTENT], math.inf
     d, _ = primitive(scene.table, i, p)
     return d, d
 
@@ -58,7 +57,8 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
     """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
 
     `mode` is one of STEP, BOUND, EXACT and ABOVE of `solids`; primitives are always exact. What is not less than
-    `reach` need not be exact: any lower bound that is not less than `reach` either will do.
+    `reach` need not be exact: any lower bound that is not less than `reach` either will do. In STEP a primitive that a
+    ball about it keeps beyond `reach` has no upper bound.
     """
     if scene.table[i, t.KIND] != t.SPHERE:
         return _look_at_other(scene, i, p, reach, mode)

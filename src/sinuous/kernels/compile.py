@@ -24,7 +24,7 @@ from numba.extending import typeof_impl
 from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
 from sinuous.kernels.compiling.calls import call_leanly
-from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain, written
+from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, makes_functions, plain, written
 from sinuous.kernels.compiling.sources import read_sources
 from sinuous.kernels.compiling.store import COPIES, Store
 from sinuous.kernels.compiling.tiers import MODE, tiered
@@ -162,8 +162,8 @@ def interpret_all() -> None:
         module: Any = sys.modules.get(name)
         if module is not None and not getattr(module.__spec__, "_initializing", False):
             _interpreted.add(name)
-            own = vars(module).values()
-            _functions.extend(each for each in own if isinstance(each, FunctionType) and each.__module__ == name)
+            own = (each for each in vars(module).values() if isinstance(each, FunctionType))
+            _functions.extend(each for each in own if each.__module__ == name and not makes_functions(each))
     if _functions:
         with no_work():
             interpret(_functions)

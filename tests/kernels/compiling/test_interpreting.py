@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling import interpreting
 from sinuous.kernels.maths.shapes import first_of, shaped
 from sinuous.kernels.maths.vectors import Array
+from sinuous.methods.search import search_by
 from tests.kernels.compiling import parts
 
 HERE = Path(__file__).parents[3]
@@ -82,6 +84,13 @@ def test_a_kernel_stays_the_function_that_it_is() -> None:
     assert norm.__code__.co_filename == parts.__file__
     assert norm.__code__.co_firstlineno == 13
     assert compiling.compiled_form(parts.norm).py_func is not norm
+
+
+def test_a_kernel_that_is_made_later_is_made_of_what_is_written() -> None:
+    """Methods are imported once they are asked for, when all other kernels may run as Python already."""
+    compiling.interpret_all()
+    (made,) = (each for each in search_by.__code__.co_consts if isinstance(each, CodeType))
+    assert not interpreting.HELPERS.keys() & set(made.co_names)
 
 
 def process(*command: str, mode: str = "interpreted") -> subprocess.CompletedProcess[str]:

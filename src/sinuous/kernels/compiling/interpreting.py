@@ -42,6 +42,11 @@ def written(function: FunctionType) -> CodeType:
     return _written.get(function, function.__code__)
 
 
+def makes_functions(function: FunctionType) -> bool:
+    """Whether a function makes others: it stays as it is written, so that Numba is given these as they are written."""
+    return any(not code.co_name.startswith("<") for code in _within(function.__code__))
+
+
 def plain(value: Any) -> Any:
     """Return what Python is given by machine code: its own numbers, not NumPy's."""
     if isinstance(value, np.generic):

@@ -304,9 +304,8 @@ class RouteAttempts:
         """The passages that routes lead through, once they are asked for."""
         if self._make_passages is not None:
             return self._make_passages(self._question, self._candidates.query)
-        question = self._question
-        curves = Curves(self._searches.robot, question.problem.scene, question.deadline)
-        return Passages(self._searches, curves, question, self._candidates.query, solved=lambda curve: False)
+        curves = Curves(self._searches.robot, self._question.problem.scene, self._question.deadline)
+        return Passages(self._searches, curves, self._question, self._candidates.query, solved=lambda curve: False)
 
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""

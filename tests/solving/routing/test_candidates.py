@@ -78,7 +78,7 @@ def test_a_leg_is_looked_for_around_edges_before_over_cells(monkeypatch: pytest.
     monkeypatch.setattr(candidates, "around_edges", around)
     monkeypatch.setattr(candidates, "through_side_tubes", lambda query: None)
     monkeypatch.setattr(searches, "find", found)
-    assert candidates._search_legs() is None
+    assert candidates._found_legs is None
     assert asked_for[:3] == ["edges", "edges", "cells"]
     assert set(asked_for[2:]) == {"cells"}
 

@@ -25,7 +25,10 @@ def free_part(q: Array, k: int, mount: float) -> float:
 
 
 def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
-    """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
+    """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others.
+
+    No upper bound is asked for, so STEP serves for primitives: most are far, and balls about them say so.
+    """
     count, rest = 0, math.inf
     for i in range(scene.table.shape[0]):
         roundoff, mode = scene.table[i, ROUNDOFF], BOUND if scene.table[i, KIND] >= TREE else STEP

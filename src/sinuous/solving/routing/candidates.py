@@ -4,6 +4,7 @@ What of this is tried, and in which order, is `solving.strategy`'s.
 """
 
 from collections.abc import Collection, Iterator
+from functools import cached_property
 from itertools import compress
 from typing import NamedTuple
 
@@ -104,8 +105,6 @@ class Candidates:
         self._halves: dict[int, Halves] = {}
         self._chains: dict[int, Chains] = {}
         self._legs: dict[int, Floats | None] = {}
-        self._roots: Floats | None = None
-        self._found_legs: list[Floats | None] | None = None
         self._too_small: dict[float, int] = {}
         self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
@@ -184,14 +183,17 @@ class Candidates:
         Where a tool leaves open where that is, a route to the target ends somewhere about it, also beyond a wall. A
         first route has to be known.
         """
-        if self._roots is None:
-            self._roots = roots(self._groups, self.known[0].route)
         if number >= len(self._roots):
             return None
         query, root = self.query.copy(), self._roots[number]
         query[QUERY_GOAL_RADIUS] = 0.0
         arriving(query, root[POSE_POSITION:], -root[TANGENT])
         return self._leg(query)
+
+    @cached_property
+    def _roots(self) -> Floats:
+        """Poses (r, 12) in which the backbone may end, the best first, as the first route arrives; see `roots`."""
+        return roots(self._groups, self.known[0].route)
 
     def to_be_stowed(self, route: Floats) -> bool:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
@@ -279,11 +281,11 @@ class Candidates:
         legs = divided(self._groups, candidate.route, NEAR * self.query[QUERY_RADIUS])
         if legs is not None:
             return legs
-        if self._found_legs is None:
-            self._found_legs = [self._search_legs()]
-        return self._found_legs[0]
+        return self._found_legs
 
-    def _search_legs(self) -> Floats | None:
+    @cached_property
+    def _found_legs(self) -> Floats | None:
+        """Legs (l, K, 3) that are searched for one by one; `None` where one is not found."""
         legs: list[Floats] = []
         for query in leg_queries(self._groups):
             leg = self._leg(query)

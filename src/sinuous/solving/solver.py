@@ -36,7 +36,6 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
-from sinuous.solving.classes.curves import Curves
 from sinuous.solving.crew import Crew
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
@@ -693,12 +692,6 @@ def _warm_many(solver: Solver) -> None:
     solver.solve_many([_beyond_reach(solver)], time=0.0)
 
 
-def _warm_all(solver: Solver) -> None:
-    _warm_solve(solver)
-    if len(solver.scene):
-        Curves(solver.robot, solver.scene.snapshot()).load()
-
-
 def _warm_step(solver: Solver) -> None:
     solver.step(straight(solver.robot.segments), (0.0,) * 6, 1.0)
 
@@ -706,7 +699,7 @@ def _warm_step(solver: Solver) -> None:
 READY: dict[str, Callable[[Solver], None]] = {
     "solve": _warm_solve,
     "solve_many": _warm_many,
-    "solve_all": _warm_all,
+    "solve_all": _warm_solve,
     "step": _warm_step,
 }
 """Methods of a solver that can be waited for, and how each is used once."""

@@ -23,6 +23,7 @@ from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.detours import led_aside
 from sinuous.solving.routing.edges import Walls, rims_of, walls_of
@@ -281,6 +282,7 @@ class Searches:
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
+            Curves(self.robot, problem.scene).load()
 
     def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""

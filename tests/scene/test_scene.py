@@ -170,6 +170,11 @@ def test_of_sampled_distances_there_is_a_range() -> None:
     assert scene.distance(beside) < 0.0, "so far from its samples a grid proves nothing"
 
 
+def test_beside_nothing_a_snapshot_is_itself() -> None:
+    snapshot = Scene([Sphere((5, 0, 0), 1)]).snapshot()
+    assert snapshot.beside([]) is snapshot
+
+
 def test_a_snapshot_beside_meshes_has_them_too_and_samples_nothing() -> None:
     scene = Scene([Sphere((0, 0, 0), 1.0, name="ball")]).snapshot()
     sheet = Mesh([(3, -1, -1), (3, 1, -1), (3, 0, 1)], [(0, 1, 2)], thickness=0.2, name="sheet")

@@ -204,7 +204,12 @@ class Snapshot(Surroundings, Frozen):
         return snapshot
 
     def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
-        """Return a snapshot with these meshes, too. They are not sampled: only their trees are built."""
+        """Return a snapshot with these meshes, too. They are not sampled: only their trees are built.
+
+        Without any it is the same snapshot, whose numbers need no copy.
+        """
+        if not meshes:
+            return self
         self.prepare()
         return Snapshot((*self._obstacles, *meshes), [*(self._parts or ()), *map(unsampled, meshes)])
 

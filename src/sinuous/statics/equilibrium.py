@@ -16,7 +16,7 @@ from sinuous.reprs import call
 from sinuous.robot.loads import Force, Load
 from sinuous.robot.segment import straight
 from sinuous.statics.body import KEPT, Tables, body_of, tables_of
-from sinuous.statics.response import Question, Response
+from sinuous.statics.response import Loading, Response
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
@@ -25,7 +25,7 @@ ALIKE = 1e-4
 """Distance between ends of arcs up to which two equilibria are one, relative to the length of the robot."""
 
 
-class Found(NamedTuple):
+class FoundState(NamedTuple):
     """What the kernel found: states (N, 4), tensions (t,), and its record."""
 
     states: Floats
@@ -54,7 +54,7 @@ class Equilibrium(Frozen):
         Moment about the base, and force, with which the base holds the robot; in world axes.
     iterations : int
         Newton steps.
-    question : Question
+    question : Loading
         What was asked: robot, loads and drive.
     """
 
@@ -66,11 +66,11 @@ class Equilibrium(Frozen):
     stable: bool
     reaction: Floats
     iterations: int
-    question: Question
+    question: Loading
     _begin: Any
     _pulls: Floats
 
-    def __init__(self, question: Question, q: Floats, tables: Tables, found: Found) -> None:
+    def __init__(self, question: Loading, q: Floats, tables: Tables, found: FoundState) -> None:
         from sinuous.kernels.statics import equilibrium as kernel  # noqa: PLC0415
 
         robot = question.robot
@@ -180,7 +180,7 @@ class Equilibrium(Frozen):
         """
         return Response(self, wrt)
 
-    def beside(self, question: Question) -> "Equilibrium | None":
+    def beside(self, question: Loading) -> "Equilibrium | None":
         """Return the equilibrium of another question that Newton's method finds from this one; `None` where none."""
         q, tables = driven(question)
         near = tables._replace(states=self.states, tensions=self._pulls)
@@ -227,7 +227,7 @@ def _roll(angle: float) -> Floats:
     return result
 
 
-def find_equilibrium(question: Question) -> Equilibrium:
+def find_equilibrium(question: Loading) -> Equilibrium:
     """Return the equilibrium of a robot under load.
 
     Raises
@@ -256,7 +256,7 @@ def under_load(robot: "Robot", q: Floats) -> Equilibrium | None:
         return None
 
 
-def driven(question: Question) -> tuple[Floats, Tables]:
+def driven(question: Loading) -> tuple[Floats, Tables]:
     """Return the configuration (n, 3) that a drive makes without load, and the tables of the robot."""
     robot, loads, drive, values, initial = question
     if drive == "q":
@@ -294,7 +294,7 @@ def _refuse_rigid(robot: "Robot") -> None:
         )
 
 
-def run(robot: "Robot", tables: Tables, descends: bool = True) -> Found | None:
+def run(robot: "Robot", tables: Tables, descends: bool = True) -> FoundState | None:
     """Find an equilibrium from where the tables begin; `None` where there is none to be found.
 
     Where it `descends`, a stable one if there is one near; else any.
@@ -308,12 +308,12 @@ def reached(robot: "Robot", tables: Tables) -> float:
     return float(_run(robot, tables).record[0])
 
 
-def _run(robot: "Robot", tables: Tables, descends: bool = True) -> Found:
+def _run(robot: "Robot", tables: Tables, descends: bool = True) -> FoundState:
     from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
     from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
     arcs, loads, lines, slopes, _, states, tensions = tables
-    found = Found(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
+    found = FoundState(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
     room = room_for(len(arcs), len(lines), slopes) + states.size + len(lines)
     body = packing.pose_row(robot.base), arcs, loads, lines, slopes
     equilibrate(*body, *found[:2], descends, np.empty(room), found.record)

@@ -1,6 +1,5 @@
 """`assess`: which of a set of tasks robots can do, in a row for each robot and task, and totals for each robot."""
 
-import csv
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,7 +16,7 @@ from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import Solver
 from sinuous.words import duration
-from sinuous.writing.documents import written
+from sinuous.writing.documents import write_table
 
 SOLVED = "solved"
 
@@ -100,10 +99,7 @@ class Assessment(ShortRepr):
             When the file cannot be written.
         """
         table: list[dict[str, Any]] = self.to_dict()["rows" if tasks else "totals"]
-        with written(file), Path(file).open("w", encoding="utf-8", newline="") as out:
-            writer = csv.DictWriter(out, list(table[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(table)
+        write_table(file, table[0], (row.values() for row in table))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""

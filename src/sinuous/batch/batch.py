@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.arguments import Parameter, Rows, Stack
-from sinuous.batch.checkpoint import Checkpoint, Memory, check_same, draft_of, read_record, write_record
+from sinuous.batch.checkpoint import Checkpoint, Memory, check_same, read_record, write_record
 from sinuous.batch.tables.kinds import NpzRows, joined, open_source, write_results
 from sinuous.batch.tables.layout import CODES, INVALID, SKIPPED, STATUSES, Block, Layout
 from sinuous.batch.work import Work
@@ -21,6 +21,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.groups import read_tangent
 from sinuous.reprs import ShortRepr
+from sinuous.writing.documents import draft_of
 
 if TYPE_CHECKING:
     from sinuous.derivatives.many import Derivatives

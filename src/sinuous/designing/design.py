@@ -1,6 +1,5 @@
 """What a design found: the best robots, what they cost, and what decides."""
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from sinuous.errors import InputError
 from sinuous.reprs import ShortRepr
 from sinuous.robot.robot import Robot
 from sinuous.words import duration
-from sinuous.writing.documents import written
+from sinuous.writing.documents import write_table
 
 
 class Found(NamedTuple):
@@ -141,10 +140,7 @@ class Design(ShortRepr):
             When the file cannot be written.
         """
         rows = [{**found.values, **found.objectives, "done": found.done, "share": found.share} for found in self.front]
-        with written(file), Path(file).open("w", encoding="utf-8", newline="") as out:
-            writer = csv.DictWriter(out, list(rows[0]) if rows else list(self.minimise), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        write_table(file, rows[0] if rows else self.minimise, (row.values() for row in rows))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""

@@ -17,9 +17,9 @@ from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
 from sinuous.robot.robot import LIMIT_ROUNDING, Robot, robot_group
 from sinuous.robot.segment import straight
-from sinuous.statics.body import body_of
+from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, lines_that_follow, rolled, stretches_allowed, tensions_kept
+from sinuous.statics.rest import Rest, lines_that_follow, stretches_allowed, tensions_kept
 from sinuous.work_time import work_time
 
 PIECES = 8

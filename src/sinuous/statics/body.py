@@ -1,5 +1,6 @@
 """A robot as a body of arcs: the tables that the kernels of statics read."""
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
 from sinuous.robot.loads import Force, Load
@@ -66,6 +68,16 @@ class Tables(NamedTuple):
     of_lines: Floats
     states: Floats
     tensions: Floats
+
+    def body(self, base: Floats) -> tuple[Floats, Floats, Floats, Floats, int]:
+        """What kernels read of a body at rest: the pose of its base (4, 4) as a row, arcs, loads, lines and slopes."""
+        return packing.pose_row(base), self.arcs, self.loads, self.lines, self.slopes
+
+    def buffer(self) -> Floats:
+        """Scratch for a search, or for derivatives."""
+        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+        return np.empty(room_for(len(self.arcs), len(self.lines), self.slopes))
 
 
 class Body(NamedTuple):
@@ -232,3 +244,22 @@ def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -
         elif robot.gravity is not None:
             row[t.FORCE : t.MOMENT] = load.mass * robot.gravity
     return table[np.argsort(table[:, t.LOAD_ARC], kind="stable")]
+
+
+def unrolled(states: Floats) -> Floats:
+    """Bodies (..., N, 3) as robots of arcs, in states (..., N, 4): bends turned so that none is twisted."""
+    twists = states[..., t.TWIST]
+    turns = np.cumsum(twists, axis=-1) - twists
+    cosine, sine = np.cos(turns), np.sin(turns)
+    result = np.empty((*twists.shape, 3))
+    result[..., 0] = cosine * states[..., 0] - sine * states[..., 1]
+    result[..., 1] = sine * states[..., 0] + cosine * states[..., 1]
+    result[..., 2] = states[..., t.LENGTH]
+    return result
+
+
+def rolled(angle: float) -> Floats:
+    """Return a roll about z as a pose (4, 4)."""
+    result = np.eye(4)
+    result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return result

@@ -35,7 +35,7 @@ class Fields:
 
     def __init__(self, gui: GuiApi, session: Session) -> None:
         self.gui, self._session = gui, session
-        self._bound: list[tuple[Any, Callable[[], Any]]] = []
+        self._bound: list[_Bound] = []
         self._conditions: list[tuple[Any, Callable[[], bool]]] = []
         self._handles: list[Any] = []
 
@@ -44,17 +44,33 @@ class Fields:
 
         `changed` runs on the loop of the server and must return at once.
         """
-        self._bound.append((handle, get))
-        self._handles.append(handle)
+        bound = _Bound(handle, get)
 
-        @handle.on_update  # type: ignore[untyped-decorator]
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                changed(handle.value)
+        def heard(value: Any) -> None:
+            bound.known = value
+            changed(value)
+
+        self._add(bound, heard)
 
     def field(self, handle: Any, get: Callable[[], Any], put: Callable[[Any], object]) -> None:
         """Show `get()` in a field; `put` changes the model by what a person puts there."""
-        self.bind(handle, get, lambda value: self._session.do(handle.label, partial(put, value)))
+        bound = _Bound(handle, get)
+
+        def change(value: Any) -> None:
+            bound.known = value
+            put(value)
+
+        self._add(bound, lambda value: self._session.do(handle.label, partial(change, value)))
+
+    def _add(self, bound: "_Bound", heard: Callable[[Any], object]) -> None:
+        """Keep a field; call `heard` with what a person puts there."""
+        self._bound.append(bound)
+        self._handles.append(bound.handle)
+
+        @bound.handle.on_update  # type: ignore[untyped-decorator]
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                heard(bound.handle.value)
 
     def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
         """Add a field for a number. Return its handle."""
@@ -156,10 +172,8 @@ class Fields:
 
     def refresh(self) -> None:
         """Show what the model says now; what was refused vanishes from the page so."""
-        for handle, get in self._bound:
-            value = get()
-            if handle.value != value:
-                handle.value = value
+        for bound in self._bound:
+            bound.refresh()
         for handle, holds in self._conditions:
             if handle.visible != holds():
                 handle.visible = holds()
@@ -173,6 +187,22 @@ class Fields:
         for handle in self._handles:
             handle.remove()
         self._bound, self._conditions, self._handles = [], [], []
+
+
+class _Bound:
+    """A field that shows `get()`.
+
+    `known` is what it shows as far as the model knows: not yet what a person has put there since, which would be
+    taken back if the field were compared with the model before that event is handled.
+    """
+
+    def __init__(self, handle: Any, get: Callable[[], Any]) -> None:
+        self.handle, self.known, self._get = handle, handle.value, get
+
+    def refresh(self) -> None:
+        value = self._get()
+        if self.known != value:
+            self.handle.value = self.known = value
 
 
 def _finer(handle: Any) -> Any:

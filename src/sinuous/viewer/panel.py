@@ -126,13 +126,12 @@ def _limits(session: Session) -> object:
 
 
 def _plot(session: Session) -> object:
-    rates = session.model.job.rates
-    return id(session.model.motion), session.plotted, id(rates) if rates else None
+    return session.model.motion, session.plotted, session.model.job.rates or None
 
 
 PARTS: list[tuple[str, Callable[[Session, Fields], None], Callable[[Session], object]]] = [
     ("Target", tabs.target_tab, _asked),
-    ("Target", tabs.remedy_fields, lambda own: (own.unsolved, own.explaining, id(own.model.explanation))),
+    ("Target", tabs.remedy_fields, lambda own: (own.unsolved, own.explaining, own.model.explanation)),
     ("Motion", tabs.motion_tab, lambda own: own.model.job.is_path),
     ("Motion", tabs.plot_fields, _plot),
     ("Shape", tabs.shape_tab, _limits),

@@ -224,10 +224,10 @@ PROGRAM = """
 import sys, time
 from pathlib import Path
 from numba import types
-from sinuous.kernels.compiling.helpers import Order, foreman
+from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from tests.kernels.compiling import parts
 signature = types.float64, types.float64
-foreman.order(Order(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
+foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
 while not foreman._processes: time.sleep(0.01)
 print(foreman._processes[0].pid, flush=True)
 time.sleep(60)

@@ -115,7 +115,7 @@ def can_stretch(robot: Robot) -> bool:
     return tendons and robot.drive.elastic is None and not linear and not chambers
 
 
-class Group(NamedTuple):
+class ParameterGroup(NamedTuple):
     """A group of parameters: its name, those of its parameters, how far each may be off, and their least values."""
 
     name: GroupName
@@ -124,7 +124,7 @@ class Group(NamedTuple):
     lowest: Floats
 
 
-def group(robot: Robot, name: GroupName) -> Group:
+def group(robot: Robot, name: GroupName) -> ParameterGroup:
     """The parameters of a group for a robot; none where the robot has none of these."""
     names = tuple(_names(robot, name))
     width, lowest = WIDTHS[name], np.full(len(names), -np.inf)
@@ -133,7 +133,7 @@ def group(robot: Robot, name: GroupName) -> Group:
     elif name == "payload" and robot.gravity is not None and names:
         width *= softest(robot) / (robot.mean_length * float(np.linalg.norm(robot.gravity)))
         lowest = -np.array([payload.mass for payload in carried(robot)])
-    return Group(name, names, np.full(len(names), width), lowest)
+    return ParameterGroup(name, names, np.full(len(names), width), lowest)
 
 
 def carried(robot: Robot) -> tuple[Payload, ...]:
@@ -186,7 +186,7 @@ def _gives(robot: Robot) -> bool:
 class Values:
     """Parameters of all groups that are fitted: changes of the drawing; see `WIDTHS` for what they count."""
 
-    groups: tuple[Group, ...]
+    groups: tuple[ParameterGroup, ...]
     x: Floats
 
     def of(self, name: GroupName) -> Floats | None:

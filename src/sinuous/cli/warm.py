@@ -13,7 +13,7 @@ import typer
 
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
-from sinuous.cli.warm_steps import FIRST_COMMAND, Step, steps
+from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
@@ -32,8 +32,10 @@ def warm_up(asked: Warm) -> int:
     InputError
         When there is no such method, or options contradict each other.
     """
-    if asked.where + asked.clear + asked.profile > 1 or (asked.method and (asked.where or asked.clear)):
-        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    typed = [name for name in ("where", "clear", "profile") if getattr(asked, name)]
+    if len(typed) > 1 or (asked.method and typed not in ([], ["profile"])):
+        named = [f"--{name}" for name in [*typed, *(["method"] if asked.method else [])]]
+        raise InputError(named[0], f"cannot be combined with {named[1]}", True, f"one of {named[0]}, {named[1]}")
     if asked.where:
         return _show_store()
     if asked.clear:
@@ -74,7 +76,7 @@ def _show_store() -> int:
     return SOLVED
 
 
-def _profile(listed: list[Step]) -> int:
+def _profile(listed: list[WarmStep]) -> int:
     """Compile what is missing, one after the other, and print the CPU time of each entry."""
     first = [step for step in listed if step.what in FIRST_COMMAND]
     with _shown(len(listed)) as shown:
@@ -89,7 +91,7 @@ def _profile(listed: list[Step]) -> int:
     return SOLVED
 
 
-def _use_here(listed: list[Step], shown: "_Shown") -> None:
+def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
     """Take one step after the other."""
     with code_first(), told_to(shown.compiling):
         for step in listed:
@@ -148,7 +150,7 @@ class _Shown:
         self._bar = bar
         self._task = None if bar is None else bar.add_task("", total=total)
 
-    def begin(self, step: Step) -> None:
+    def begin(self, step: WarmStep) -> None:
         """Go on to a step: whether anything is to be compiled for it is not known yet."""
         if self._bar is not None:
             self._show(f"loading {step.what}")

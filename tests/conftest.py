@@ -1,6 +1,7 @@
 """Settings that all tests share."""
 
 import gc
+import multiprocessing
 import os
 import signal
 import sys
@@ -40,6 +41,13 @@ settings.register_profile(
 settings.load_profile("sinuous")
 
 HERE = Path(__file__).parent
+
+# Processes of a pool are forked from one that has loaded what they need: to begin each anew takes a second. Where there
+# is no such server (Windows), and in what tests start as a program, they are begun as they are for users.
+if "forkserver" in multiprocessing.get_all_start_methods():
+    multiprocessing.set_forkserver_preload(["tests.loaded"])
+    _context = multiprocessing.get_context
+    multiprocessing.get_context = lambda method=None: _context("forkserver" if method == "spawn" else method)  # type: ignore[assignment]
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -119,7 +127,7 @@ WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Iterator[pytest.CollectReport]:
     """Let every second process collect from the other end: each rewrites the assertions of half of the files."""
-    report: pytest.CollectReport = yield  # type: ignore[assignment, misc]
+    report: pytest.CollectReport = yield  # type: ignore[assignment]
     if isinstance(collector, pytest.Directory) and WORKER.endswith(("1", "3", "5", "7", "9")):
         report.result.reverse()
     return report  # type: ignore[return-value]

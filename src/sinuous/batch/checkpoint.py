@@ -6,12 +6,9 @@ of results until all are there; the record beside them says what they depend on.
 
 import hashlib
 import json
-import os
-import platform
 import shutil
 import zipfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +21,7 @@ from sinuous.kernels.compiling.sources import sources_hash
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.options import SolveOptions
-from sinuous.writing.documents import written
+from sinuous.writing.documents import draft_of, written
 
 SUFFIX = ".parts"
 """What is appended to the name of the file of results for the folder of chunks."""
@@ -36,7 +33,7 @@ Arrays = dict[str, NDArray[Any]]
 """Arrays by name: what a chunk consists of."""
 
 
-class Memory:
+class InMemory:
     """Chunks in memory: where there is no file of results, nothing outlives the run."""
 
     begun = False
@@ -134,21 +131,6 @@ class Checkpoint:
 
     def _file(self, number: int) -> Path:
         return self.folder / f"chunk-{number:07}.npz"
-
-
-@contextmanager
-def draft_of(file: Path) -> Iterator[Path]:
-    """Yield another name, to be written within; the file gets its own name when that succeeds.
-
-    No two processes write the same draft, also not on different machines.
-    """
-    draft = file.with_name(f".{file.stem}.{platform.node()}-{os.getpid()}{file.suffix}")
-    try:
-        yield draft
-        draft.replace(file)
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
 
 
 def problem_record(robot: Robot, scene: Snapshot, options: SolveOptions) -> dict[str, str]:

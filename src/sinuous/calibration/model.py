@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sinuous.calibration.bodies import Loaded, at_rest
 from sinuous.calibration.measurements import Place
-from sinuous.calibration.parameters import Table, Values, changed, lines_of
+from sinuous.calibration.parameters import LineTable, Values, changed, lines_of
 from sinuous.checks import Floats
 from sinuous.robot.elastic import Springs
 from sinuous.robot.robot import Robot
@@ -22,7 +22,7 @@ STEP = 1e-6
 """Of differences of tables of loaded bodies: share of how far a parameter may be off, or of gravity."""
 
 
-class Model(NamedTuple):
+class RobotModel(NamedTuple):
     """A robot, its drawn self, and what is asked about it.
 
     Attributes
@@ -31,7 +31,7 @@ class Model(NamedTuple):
         With the values of the parameters, and without.
     values : Values
     places : tuple of Place
-    lines : Table
+    lines : LineTable
         Of `robot`.
     """
 
@@ -39,25 +39,25 @@ class Model(NamedTuple):
     drawn: Robot
     values: Values
     places: tuple[Place, ...]
-    lines: Table
+    lines: LineTable
 
 
-def model(drawn: Robot, values: Values, places: tuple[Place, ...]) -> Model:
+def model(drawn: Robot, values: Values, places: tuple[Place, ...]) -> RobotModel:
     """Make a model of a robot with other values of its parameters."""
     tool = values.of("tool")
     if tool is not None:
         places = tuple(place._replace(offset=place.offset + tool) for place in places)
     robot = changed(drawn, values)
-    return Model(robot, drawn, values, places, lines_of(robot))
+    return RobotModel(robot, drawn, values, places, lines_of(robot))
 
 
-def predicted(own: Model, actuators: Floats) -> Floats:
+def predicted(own: RobotModel, actuators: Floats) -> Floats:
     """Points (N, k, 3) of the places at values of actuators (N, m), in the robot's world."""
     bodies = at_rest(own.robot, actuators)
     return np.stack([bodies.point(place).position for place in own.places], axis=1)
 
 
-def derivatives(own: Model, actuators: Floats, of_gravity: bool = False) -> tuple[Floats, Floats]:
+def derivatives(own: RobotModel, actuators: Floats, of_gravity: bool = False) -> tuple[Floats, Floats]:
     """Points (N, k, 3), and their derivatives (N, k, 3, P) by the parameters, and by gravity (3) if asked."""
     bodies, tool = at_rest(own.robot, actuators), own.values.columns("tool")
     if isinstance(bodies, Loaded):
@@ -75,7 +75,7 @@ def derivatives(own: Model, actuators: Floats, of_gravity: bool = False) -> tupl
     return np.stack(points, axis=1), np.stack(slopes, axis=1)
 
 
-def _beside(own: Model, of_gravity: bool) -> tuple[list[Robot], Floats]:
+def _beside(own: RobotModel, of_gravity: bool) -> tuple[list[Robot], Floats]:
     """Robots with a little more of each parameter, and by how much."""
     steps, gravity = STEP * own.values.widths, own.robot.gravity
     robots = [changed(own.drawn, own.values.with_x(own.values.x + step)) for step in np.diag(steps)]
@@ -111,7 +111,7 @@ def _springs(robot: Robot) -> tuple[Springs, NDArray[np.intp]]:
     return Springs(resistance[columns], rest[columns], arms[:, columns], stiffness, one_sided), columns
 
 
-def _sensitivity(own: Model, actuators: Floats, q: Floats) -> Floats:
+def _sensitivity(own: RobotModel, actuators: Floats, q: Floats) -> Floats:
     """Derivatives (N, 3 n, P) of configurations by the parameters."""
     robot, lines, values = own.robot, own.lines, own.values
     springs, columns = _springs(robot)
@@ -172,7 +172,7 @@ def _moved(rows: Floats, name: str) -> Floats:
 
 
 def _resist(
-    own: Model, name: str, i: int, springs: Springs, columns: NDArray[np.intp], bent: Floats, out: Floats
+    own: RobotModel, name: str, i: int, springs: Springs, columns: NDArray[np.intp], bent: Floats, out: Floats
 ) -> None:
     """Add to `out` (N, c) what a parameter of the segments' own resistance changes."""
     robot = own.robot

@@ -69,7 +69,7 @@ from which a fit of elastic ones begins."""
 
 
 @dataclass(frozen=True)
-class Table:
+class LineTable:
     """Tendons and chambers of a robot as arrays (e,), in the order of its actuators, without stages and `Actuators`.
 
     `places` among all actuators; `segments` 0 = first; `tendon` or chamber; `sets`: which of the robot's sets of lines
@@ -85,7 +85,7 @@ class Table:
     stiffness: Floats
 
 
-def lines_of(robot: Robot) -> Table:
+def lines_of(robot: Robot) -> LineTable:
     """The tendons and chambers of a robot."""
     rows, at, number = [], 0, 0
     for k, segment in enumerate(robot.segments):
@@ -98,7 +98,7 @@ def lines_of(robot: Robot) -> Table:
             number += 1
         at += segment.stage is not None
     table = np.array(rows, np.float64).reshape(-1, 7).T
-    return Table(
+    return LineTable(
         table[0].astype(np.intp), table[1].astype(np.intp), table[2] > 0.0, table[3].astype(np.intp), *table[4:]
     )
 
@@ -137,7 +137,7 @@ def can_stretch(robot: Robot) -> bool:
     return tendons and robot.drive.elastic is None and not linear and not chambers
 
 
-class Group(NamedTuple):
+class ParameterGroup(NamedTuple):
     """A group of parameters: its name, those of its parameters, how far each may be off, and their least values."""
 
     name: GroupName
@@ -146,7 +146,7 @@ class Group(NamedTuple):
     lowest: Floats
 
 
-def group(robot: Robot, name: GroupName) -> Group:
+def group(robot: Robot, name: GroupName) -> ParameterGroup:
     """The parameters of a group for a robot; none where the robot has none of these."""
     names = tuple(_names(robot, name))
     width, lowest = WIDTHS[name], np.full(len(names), -np.inf)
@@ -155,7 +155,7 @@ def group(robot: Robot, name: GroupName) -> Group:
     elif name == "payload" and robot.gravity is not None and names:
         width *= softest(robot) / (robot.mean_length * float(np.linalg.norm(robot.gravity)))
         lowest = -np.array([payload.mass for payload in carried(robot)])
-    return Group(name, names, np.full(len(names), width), lowest)
+    return ParameterGroup(name, names, np.full(len(names), width), lowest)
 
 
 def carried(robot: Robot) -> tuple[Payload, ...]:
@@ -201,7 +201,7 @@ def _gives(robot: Robot) -> bool:
 class Values:
     """Parameters of all groups that are fitted: changes of the drawing; see `WIDTHS` for what they count."""
 
-    groups: tuple[Group, ...]
+    groups: tuple[ParameterGroup, ...]
     x: Floats
 
     def of(self, name: GroupName) -> Floats | None:

@@ -63,7 +63,7 @@ def read_wrt(wrt: Any) -> tuple[Parameter, ...]:
     return _KNOWN.setdefault(found, found)
 
 
-class Plan:
+class Request:
     """What kernels are asked for about answers of one robot, for some parameters; shared between answers.
 
     Attributes
@@ -224,9 +224,9 @@ def _limited(robot: Robot) -> tuple[int, ...]:
 _KEPT = threading.local()
 
 
-def plan_for(problem: Problem, wrt: tuple[Parameter, ...]) -> Plan:
+def plan_for(problem: Problem, wrt: tuple[Parameter, ...]) -> Request:
     """Return the plan for such problems and parameters; the last one of a thread is kept."""
-    kept: Plan | None = getattr(_KEPT, "plan", None)
+    kept: Request | None = getattr(_KEPT, "plan", None)
     if kept is None or not kept.fits(problem, wrt):
-        kept = _KEPT.plan = Plan(problem, wrt)
+        kept = _KEPT.plan = Request(problem, wrt)
     return kept

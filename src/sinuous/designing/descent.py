@@ -12,7 +12,7 @@ import numpy as np
 
 from sinuous.assessing.tasks import Meet
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task as Chunk
+from sinuous.batch.work import Chunk
 from sinuous.checks import Floats
 from sinuous.derivatives.parameters import plan_for
 from sinuous.derivatives.rows import KeptRows, metric

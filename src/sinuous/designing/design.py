@@ -1,6 +1,5 @@
 """What a design found: the best robots, what they cost, and what decides."""
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +11,10 @@ from sinuous.errors import InputError
 from sinuous.reprs import ShortRepr
 from sinuous.robot.robot import Robot
 from sinuous.words import duration
-from sinuous.writing.documents import written
+from sinuous.writing.documents import write_table
 
 
-class Found(NamedTuple):
+class FoundRobot(NamedTuple):
     """One robot of the front.
 
     Attributes
@@ -84,7 +83,7 @@ class Design(ShortRepr):
     Attributes
     ----------
     minimise : tuple of str
-    front : tuple of Found
+    front : tuple of FoundRobot
         Robots that no other is better than, by the first objective; empty where none does all tasks.
     deciding : str or None
         The task that decides: which fails first when the best robot changes, or most often where none does all.
@@ -100,7 +99,7 @@ class Design(ShortRepr):
     """
 
     minimise: tuple[Objective, ...]
-    front: tuple[Found, ...]
+    front: tuple[FoundRobot, ...]
     deciding: str | None
     changes: tuple[Change, ...]
     cut: tuple[Cut, ...]
@@ -115,7 +114,7 @@ class Design(ShortRepr):
         return bool(self.front)
 
     @property
-    def best(self) -> Found | None:
+    def best(self) -> FoundRobot | None:
         """The first of the front; `None` where there is none."""
         return self.front[0] if self.front else None
 
@@ -141,10 +140,7 @@ class Design(ShortRepr):
             When the file cannot be written.
         """
         rows = [{**found.values, **found.objectives, "done": found.done, "share": found.share} for found in self.front]
-        with written(file), Path(file).open("w", encoding="utf-8", newline="") as out:
-            writer = csv.DictWriter(out, list(rows[0]) if rows else list(self.minimise), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        write_table(file, rows[0] if rows else self.minimise, (row.values() for row in rows))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""

@@ -22,6 +22,7 @@ import yaml
 
 from sinuous import checks
 from sinuous.errors import InputError, shown
+from sinuous.writing.documents import readable
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML has it; only its parser is used
 
@@ -179,13 +180,12 @@ def read_text(file: Path, key: str = "file") -> str:
     InputError
         For `key`, when the file is not there, not readable, or not UTF-8.
     """
+    with readable(file, key):
+        content = file.read_bytes()
     try:
-        return file.read_bytes().decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(key, f"not UTF-8 at byte {error.start}", str(file), "a text file in UTF-8") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(key, f"cannot be read: {reason}", str(file), "the name of a file that can be read") from None
 
 
 def join(key: str, inner: str | int) -> str:

@@ -1,7 +1,6 @@
 """Motions as tables: configurations at other times than the knots, and the files CSV, NPZ and ROS JSON."""
 
-import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -15,6 +14,7 @@ from sinuous.errors import InputError
 from sinuous.export.ros import Of, joint_map, joint_trajectory, write_json
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
+from sinuous.writing.documents import readable, write_archive, write_table
 
 
 def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
@@ -49,7 +49,7 @@ def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:
     robot = solutions[0].problem.robot
     numbers = _numbers(robot, np.stack([solution.q for solution in solutions]))
     rows = ([i, str(each.status), *row] for i, (each, row) in enumerate(zip(solutions, numbers, strict=True), 1))
-    _write(file, ["solution", "status", *columns(robot)], rows)
+    write_table(file, ["solution", "status", *columns(robot)], rows)
 
 
 def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> None:
@@ -61,22 +61,12 @@ def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> No
         When the file cannot be written.
     """
     rows = ([time, *row] for time, row in zip(times.tolist(), _numbers(robot, q), strict=True))
-    _write(file, ["time", *columns(robot)], rows)
+    write_table(file, ["time", *columns(robot)], rows)
 
 
 def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
     """Configurations and actuators (T, 3 n + m)."""
     return np.concatenate([q.reshape(len(q), 3 * len(robot)), robot.to_actuators(q)], axis=-1).tolist()
-
-
-def _write(file: str | Path, header: list[str], rows: Iterable[Sequence[object]]) -> None:
-    try:
-        with Path(file).open("w", encoding="utf-8", newline="") as out:
-            table = csv.writer(out, lineterminator="\n")
-            table.writerow(header)
-            table.writerows(rows)
-    except OSError as error:
-        raise _cannot_write(file, error) from None
 
 
 def write_ros(
@@ -118,29 +108,16 @@ def write_npz(file: str | Path, robot: Robot, times: Floats, q: Floats, proved: 
         "actuator_units": np.array([actuator.unit or "" for actuator in robot.actuators], np.str_),
         "proved": proved,
     }
-    try:
-        with Path(file).open("wb") as out:
-            np.savez_compressed(out, allow_pickle=False, **values)
-    except OSError as error:
-        raise _cannot_write(file, error) from None
+    write_archive(file, compressed=True, **values)
 
 
 def read_npz(file: str | Path, robot: Robot) -> tuple[Floats, Floats]:
     """Read knots (T, n, 3) and times (T,) from an NPZ file; see `Motion.from_npz`."""
-    try:
-        with np.load(file, allow_pickle=False) as values:
-            q, times = (values[key] for key in ("q", "times"))
-    except OSError as error:
-        raise InputError(
-            "file", f"cannot be read: {error.strerror or error}", str(file), "a file of a motion"
-        ) from None
-    except (ValueError, KeyError, BadZipFile):
-        raise InputError("file", "holds no motion", str(file), "arrays q and times in NPZ") from None
-    try:
+    with readable(file):
+        try:
+            with np.load(file, allow_pickle=False) as values:
+                q, times = (values[key] for key in ("q", "times"))
+        except (ValueError, KeyError, BadZipFile):
+            raise InputError("file", "holds no motion", str(file), "arrays q and times in NPZ") from None
+    with checks.in_file(file):
         return checks.rows("q", q, len(robot), 3), times
-    except InputError as error:
-        raise error.in_file(file) from None
-
-
-def _cannot_write(file: str | Path, error: OSError) -> InputError:
-    return InputError("file", f"cannot be written: {error.strerror}", str(file), "a file that can be written")

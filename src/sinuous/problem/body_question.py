@@ -9,7 +9,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.statics.body import body_of
+from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import Equilibrium
 
 
@@ -56,6 +56,4 @@ def _turned(target: Target, robot: Robot, end: int, rolls: Floats) -> Target:
         return target.changed(segment=None)
     if target.rotation is None:
         return target.changed(segment=end + 1)
-    cosine, sine = np.cos(rolls[end]), np.sin(rolls[end])
-    back = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return target.changed(segment=end + 1, rotation=target.rotation @ back)
+    return target.changed(segment=end + 1, rotation=target.rotation @ rolled(-float(rolls[end]))[:3, :3])

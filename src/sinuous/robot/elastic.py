@@ -142,7 +142,7 @@ BALANCE = 1e-9
 """By how much moments may be out of balance, relative to those of the stiffness at 1 rad, and count as balanced."""
 
 
-class Group(NamedTuple):
+class LineGroup(NamedTuple):
     """The elastic lines that end at one segment.
 
     Attributes
@@ -224,7 +224,7 @@ class Elastic(Frozen):
     _varies: NDArray[np.bool_]
     springs: Springs
     _columns: NDArray[np.intp]
-    _groups: tuple[Group, ...]
+    _groups: tuple[LineGroup, ...]
 
     def __init__(self, segments: Sequence[Segment], jacobian: Floats, lines: Sequence[tuple[int, Lines, int]]) -> None:
         places = np.array([place for place, _, _ in lines], np.intp)
@@ -369,7 +369,7 @@ def _refuse_loose(segments: Sequence[Segment], springs: Springs, columns: NDArra
         raise InputError(key, "missing", segments[k].stiffness, wanted)
 
 
-def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Iterator[Group]:
+def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Iterator[LineGroup]:
     """Yield the lines that end at each segment, from the tip to the base."""
     for k in sorted(set(ends), reverse=True):
         lines = np.array([i for i, end in enumerate(ends) if end == k], np.intp)
@@ -386,4 +386,4 @@ def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Ite
         hold = float(np.abs(springs.resistance[..., coordinates]).sum())
         arm = float(np.linalg.norm(arms, axis=1).max(initial=0.0)) or 1.0
         spread = np.asarray(np.linalg.pinv(arms.T, rcond=RANK), np.float64)
-        yield Group(lines, coordinates, spread, common, arm, hold / arm)
+        yield LineGroup(lines, coordinates, spread, common, arm, hold / arm)

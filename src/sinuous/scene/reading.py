@@ -14,6 +14,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import pose
+from sinuous.writing.documents import readable
 from sinuous.writing.plain import plain, pose_arguments
 
 
@@ -21,14 +22,8 @@ def check_file(file: Path, kinds: Sequence[str]) -> None:
     """Refuse a file that is not there or cannot be read, or whose name does not end in one of `kinds`."""
     if file.suffix.lower() not in kinds:
         raise InputError("file", "", str(file), "a name that ends in " + ", ".join(kinds))
-    try:
-        with file.open("rb"):
-            pass
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(
-            "file", f"cannot be read: {reason}", str(file), "the name of a file that can be read"
-        ) from None
+    with readable(file), file.open("rb"):
+        pass
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -70,7 +65,7 @@ class Placement(Frozen):
         return moved
 
 
-class Source(NamedTuple):
+class Origin(NamedTuple):
     """Where an obstacle was read from.
 
     Attributes
@@ -88,7 +83,7 @@ class Source(NamedTuple):
     parts: int = 1
 
     @classmethod
-    def of(cls, file: str | Path, **arguments: Any) -> "Source":
+    def of(cls, file: str | Path, **arguments: Any) -> "Origin":
         """Remember a file and how it was read; what says nothing is left out."""
         written = {key: plain(value) for key, value in arguments.items()}
         return cls(Path(file).absolute(), {key: value for key, value in written.items() if value is not None})

@@ -29,7 +29,7 @@ MOST_LINES = 6
 """Most lines about what holds a configuration back."""
 
 
-@dataclass(frozen=True, repr=False, eq=False)
+@dataclass(frozen=True, repr=False)
 class Explanation(NotebookMixin):
     """Why a solve ended as it did, and what would help; prints itself.
 

@@ -1,5 +1,6 @@
 """A robot as a body of arcs: the tables that the kernels of statics read."""
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
 from sinuous.robot.loads import Force, Load
@@ -22,7 +24,7 @@ KEPT = 64
 """Robots whose bodies are kept."""
 
 
-class Lines(NamedTuple):
+class ElasticLines(NamedTuple):
     """Tendons and chambers that run through what gives, (t,) each.
 
     Attributes
@@ -67,6 +69,16 @@ class Tables(NamedTuple):
     states: Floats
     tensions: Floats
 
+    def body(self, base: Floats) -> tuple[Floats, Floats, Floats, Floats, int]:
+        """What kernels read of a body at rest: the pose of its base (4, 4) as a row, arcs, loads, lines and slopes."""
+        return packing.pose_row(base), self.arcs, self.loads, self.lines, self.slopes
+
+    def buffer(self) -> Floats:
+        """Scratch for a search, or for derivatives."""
+        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+        return np.empty(room_for(len(self.arcs), len(self.lines), self.slopes))
+
 
 class Body(NamedTuple):
     """What is the same in all configurations of a robot.
@@ -84,7 +96,7 @@ class Body(NamedTuple):
         Whether tendons or chambers hold its bend, so that it has its own one without them.
     sections : ndarray (n, 10)
         The same as kernels read it, and weights per length.
-    lines : Lines
+    lines : ElasticLines
     line_table : ndarray (t, 10)
         The same as kernels read it, for no drive.
     carried : ndarray (k, 10)
@@ -98,7 +110,7 @@ class Body(NamedTuple):
     rest: Floats
     pulled: NDArray[np.bool_]
     sections: Floats
-    lines: Lines
+    lines: ElasticLines
     line_table: Floats
     carried: Floats
 
@@ -149,7 +161,7 @@ def _stiffness(segment: "Segment") -> tuple[float, float, float]:
     return (t.RIGID,) * 3 if own is None else (own.bend, own.twist, own.stretch)
 
 
-def _lines(robot: "Robot", bending: Floats) -> Lines:
+def _lines(robot: "Robot", bending: Floats) -> ElasticLines:
     """Tendons and chambers through segments of these stiffnesses EI (n,)."""
     rows, at = [], 0
     lengths = np.array([0.5 * sum(segment.length) for segment in robot.segments])
@@ -164,7 +176,7 @@ def _lines(robot: "Robot", bending: Floats) -> Lines:
             at += 0 if own is None else len(own.angles)
         at += segment.stage is not None
     pushes = [robot.actuators[row[0]].kind == "chamber" for row in rows]
-    return Lines(
+    return ElasticLines(
         np.array([row[0] for row in rows], np.intp),
         np.array([row[1:3] for row in rows], np.intp).reshape(-1, 2),
         np.array([row[3] for row in rows]).reshape(-1, 2),
@@ -209,7 +221,7 @@ def lengths_of_lines(body: Body, displacements: Floats | None, follow: Floats | 
     return result
 
 
-def _line_table(own: Lines, counts: NDArray[np.intp], ends: NDArray[np.intp]) -> Floats:
+def _line_table(own: ElasticLines, counts: NDArray[np.intp], ends: NDArray[np.intp]) -> Floats:
     table = np.zeros((len(own.actuators), t.LINE_WIDTH))
     first, last = own.sections.T
     table[:, t.FIRST_ARC], table[:, t.LAST_ARC] = ends[first] - counts[first] + 1, ends[last]
@@ -232,3 +244,22 @@ def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -
         elif robot.gravity is not None:
             row[t.FORCE : t.MOMENT] = load.mass * robot.gravity
     return table[np.argsort(table[:, t.LOAD_ARC], kind="stable")]
+
+
+def unrolled(states: Floats) -> Floats:
+    """Bodies (..., N, 3) as robots of arcs, in states (..., N, 4): bends turned so that none is twisted."""
+    twists = states[..., t.TWIST]
+    turns = np.cumsum(twists, axis=-1) - twists
+    cosine, sine = np.cos(turns), np.sin(turns)
+    result = np.empty((*twists.shape, 3))
+    result[..., 0] = cosine * states[..., 0] - sine * states[..., 1]
+    result[..., 1] = sine * states[..., 0] + cosine * states[..., 1]
+    result[..., 2] = states[..., t.LENGTH]
+    return result
+
+
+def rolled(angle: float) -> Floats:
+    """Return a roll about z as a pose (4, 4)."""
+    result = np.eye(4)
+    result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return result

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from sinuous import checks, packing
+from sinuous import checks
 from sinuous.arguments import LoadParameter, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -15,8 +15,8 @@ from sinuous.kernels.statics import layout as t
 from sinuous.reprs import call
 from sinuous.robot.loads import Force, Load
 from sinuous.robot.segment import straight
-from sinuous.statics.body import KEPT, Tables, body_of, tables_of
-from sinuous.statics.response import Question, Response
+from sinuous.statics.body import KEPT, Tables, body_of, rolled, tables_of, unrolled
+from sinuous.statics.response import Loading, Response
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
@@ -25,12 +25,17 @@ ALIKE = 1e-4
 """Distance between ends of arcs up to which two equilibria are one, relative to the length of the robot."""
 
 
-class Found(NamedTuple):
+class FoundState(NamedTuple):
     """What the kernel found: states (N, 4), tensions (t,), and its record."""
 
     states: Floats
     tensions: Floats
     record: Floats
+
+    @property
+    def reached(self) -> float:
+        """Share of the load for which it is an equilibrium: 1 where one was found."""
+        return float(self.record[0])
 
 
 class Equilibrium(Frozen):
@@ -54,7 +59,7 @@ class Equilibrium(Frozen):
         Moment about the base, and force, with which the base holds the robot; in world axes.
     iterations : int
         Newton steps.
-    question : Question
+    question : Loading
         What was asked: robot, loads and drive.
     """
 
@@ -66,11 +71,11 @@ class Equilibrium(Frozen):
     stable: bool
     reaction: Floats
     iterations: int
-    question: Question
+    question: Loading
     _begin: Any
     _pulls: Floats
 
-    def __init__(self, question: Question, q: Floats, tables: Tables, found: Found) -> None:
+    def __init__(self, question: Loading, q: Floats, tables: Tables, found: FoundState) -> None:
         from sinuous.kernels.statics import equilibrium as kernel  # noqa: PLC0415
 
         robot = question.robot
@@ -101,12 +106,7 @@ class Equilibrium(Frozen):
     @cached_property
     def arcs(self) -> Floats:
         """Configuration (N, 3) of `body`: bends turned so that no arc is twisted; read-only."""
-        rolls = np.concatenate([[0.0], np.cumsum(self.states[:-1, t.TWIST])])
-        cosine, sine = np.cos(rolls), np.sin(rolls)
-        x, y = self.states[:, 0], self.states[:, 1]
-        result = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
-        result.flags.writeable = False
-        return result
+        return checks.closed(unrolled(self.states))
 
     @cached_property
     def body(self) -> "Robot":
@@ -119,7 +119,7 @@ class Equilibrium(Frozen):
         ends = body_of(self.robot).ends
         frames = self.body.forward(self.arcs)[ends]
         rolls = np.cumsum(self.states[:, t.TWIST])[ends]
-        return frames @ np.stack([_roll(float(angle)) for angle in rolls])
+        return frames @ np.stack([rolled(float(angle)) for angle in rolls])
 
     @property
     def tip(self) -> Floats:
@@ -158,7 +158,7 @@ class Equilibrium(Frozen):
             states[gives, :2] = (turns / own.counts[:, None])[own.owners][gives]
             for descends in (True, False):
                 found = run(self.robot, self._begin._replace(states=states, tensions=self._pulls), descends)
-                if found is not None:
+                if found.reached >= 1.0:
                     one = Equilibrium(self.question, self.q, self._begin, found)
                     if all(one.apart(other) > ALIKE * size for other in known):
                         known.append(one)
@@ -180,12 +180,12 @@ class Equilibrium(Frozen):
         """
         return Response(self, wrt)
 
-    def beside(self, question: Question) -> "Equilibrium | None":
+    def beside(self, question: Loading) -> "Equilibrium | None":
         """Return the equilibrium of another question that Newton's method finds from this one; `None` where none."""
         q, tables = driven(question)
         near = tables._replace(states=self.states, tensions=self._pulls)
         found = run(question.robot, near, descends=False)
-        return None if found is None else Equilibrium(question, q, near, found)
+        return None if found.reached < 1.0 else Equilibrium(question, q, near, found)
 
     def apart(self, other: "Equilibrium") -> float:
         """Largest distance between ends of arcs of two equilibria of one robot."""
@@ -209,7 +209,7 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
     uncertainty = robot.uncertainty
     if uncertainty is not None and isinstance(uncertainty.bound, tuple):
         away["uncertainty"] = type(uncertainty)(tuple(uncertainty.bound[k] for k in owners), uncertainty.level)
-    tool = _roll(roll) @ robot.tool
+    tool = rolled(roll) @ robot.tool
     return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 
 
@@ -221,13 +221,7 @@ def longest_body(robot: "Robot") -> "Robot":
     return body_robot(robot, longest[own.owners], 0.0)
 
 
-def _roll(angle: float) -> Floats:
-    result = np.eye(4)
-    result[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    return result
-
-
-def find_equilibrium(question: Question) -> Equilibrium:
+def find_equilibrium(question: Loading) -> Equilibrium:
     """Return the equilibrium of a robot under load.
 
     Raises
@@ -239,8 +233,8 @@ def find_equilibrium(question: Question) -> Equilibrium:
     _refuse_rigid(robot)
     q, tables = driven(question)
     found = run(robot, tables)
-    if found is None:
-        problem = f"no equilibrium was found beyond {100.0 * reached(robot, tables):.0f} % of the load"
+    if found.reached < 1.0:
+        problem = f"no equilibrium was found beyond {100.0 * found.reached:.0f} % of the load"
         loads = list(question.loads) or "gravity and payload"
         raise InputError("load", problem, loads, "a load that the robot can hold")
     return Equilibrium(question, q, tables, found)
@@ -256,7 +250,7 @@ def under_load(robot: "Robot", q: Floats) -> Equilibrium | None:
         return None
 
 
-def driven(question: Question) -> tuple[Floats, Tables]:
+def driven(question: Loading) -> tuple[Floats, Tables]:
     """Return the configuration (n, 3) that a drive makes without load, and the tables of the robot."""
     robot, loads, drive, values, initial = question
     if drive == "q":
@@ -294,27 +288,13 @@ def _refuse_rigid(robot: "Robot") -> None:
         )
 
 
-def run(robot: "Robot", tables: Tables, descends: bool = True) -> Found | None:
-    """Find an equilibrium from where the tables begin; `None` where there is none to be found.
+def run(robot: "Robot", tables: Tables, descends: bool = True) -> FoundState:
+    """Look for an equilibrium from where the tables begin.
 
-    Where it `descends`, a stable one if there is one near; else any.
+    Where it `descends`, for a stable one if there is one near; else for any.
     """
-    found = _run(robot, tables, descends)
-    return found if found.record[0] >= 1.0 else None
-
-
-def reached(robot: "Robot", tables: Tables) -> float:
-    """Share of the load up to which equilibria are found."""
-    return float(_run(robot, tables).record[0])
-
-
-def _run(robot: "Robot", tables: Tables, descends: bool = True) -> Found:
     from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
-    from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
-    arcs, loads, lines, slopes, _, states, tensions = tables
-    found = Found(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
-    room = room_for(len(arcs), len(lines), slopes) + states.size + len(lines)
-    body = packing.pose_row(robot.base), arcs, loads, lines, slopes
-    equilibrate(*body, *found[:2], descends, np.empty(room), found.record)
+    found = FoundState(tables.states.copy(), tables.tensions.copy(), np.zeros(RECORD_WIDTH))
+    equilibrate(*tables.body(robot.base), *found[:2], descends, tables.buffer(), found.record)
     return found

@@ -1,6 +1,5 @@
 """A body at rest under load, as searches and proofs read it: quickly found from one beside it, without the noun."""
 
-import math
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -11,7 +10,7 @@ from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
 from sinuous.robot.robot import LIMIT_ROUNDING, Robot
-from sinuous.statics.body import Tables, body_of, lengths_of_lines, tables_of
+from sinuous.statics.body import Tables, body_of, lengths_of_lines, rolled, tables_of, unrolled
 from sinuous.statics.equilibrium import longest_body, run
 
 STEP = 1e-6
@@ -66,55 +65,31 @@ class Rest:
             begin = begin._replace(states=before.states + change, tensions=before.tensions)
         found = run(robot, begin)
         self.states = None
-        if found is not None and found.record[UNSTABLE] == 0.0:
+        if found.reached >= 1.0 and found.record[UNSTABLE] == 0.0:
             self.states, self.tensions = found.states, found.tensions
 
     @cached_property
     def slopes(self) -> Floats:
         """How the states change with the drive (3 n, N, 4): the derivative of the equilibrium."""
         from sinuous.kernels.statics.drive import differentiate  # noqa: PLC0415
-        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
-        robot, (arcs, loads, lines, slopes, _, _, _) = self.robot, self.tables
-        x, tensions = self.found
-        own = body_of(robot)
-        columns, pulls = np.empty((self.q.size, *x.shape)), np.empty((self.q.size, len(lines)))
-        of_lines, buffer = lines_that_follow(robot, self.q), np.empty(room_for(len(x), len(lines), slopes))
-        base, q = packing.pose_row(robot.base), np.array(self.q, order="C")
-        differentiate(base, own.sections, of_lines, q, arcs, loads, lines, slopes, x, tensions, buffer, columns, pulls)
+        robot, tables, found = self.robot, self.tables, self.found
+        columns, pulls = np.empty((self.q.size, *found[0].shape)), np.empty((self.q.size, len(tables.lines)))
+        drive = body_of(robot).sections, lines_that_follow(robot, self.q), np.array(self.q, order="C")
+        differentiate(*tables.body(robot.base), *found, *drive, tables.buffer(), columns, pulls)
         return columns
 
     def answers(self, beside: Sequence[Tables], steps: Floats) -> Floats:
         """How the states change with p parameters (p, N, 4): tables with so much (p,) more of each."""
         from sinuous.kernels.statics.answers import answer  # noqa: PLC0415
-        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
-        arcs, loads, lines, slopes, _, states, _ = self.tables
-        x, tensions = self.found
-        over = 1.0 / steps
-        rigid = np.isinf(arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TWIST_STIFFNESS, t.STRETCH_STIFFNESS]])
-        given = np.array([np.where(rigid, each.states - states, 0.0) for each in beside])
-        beside_arcs, beside_loads = np.array([each.arcs for each in beside]), np.array([each.loads for each in beside])
-        beside_lines = np.array([each.lines for each in beside])
-        columns, pulls = np.empty((len(over), *x.shape)), np.empty((len(over), len(lines)))
-        base, buffer = packing.pose_row(self.robot.base), np.empty(room_for(len(x), len(lines), slopes))
-        answer(
-            base,
-            arcs,
-            loads,
-            lines,
-            slopes,
-            x,
-            tensions,
-            beside_arcs,
-            beside_loads,
-            beside_lines,
-            given,
-            over,
-            buffer,
-            columns,
-            pulls,
-        )
+        own, found, over = self.tables, self.found, 1.0 / steps
+        stiffness = own.arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TWIST_STIFFNESS, t.STRETCH_STIFFNESS]]
+        given = np.array([np.where(np.isinf(stiffness), each.states - own.states, 0.0) for each in beside])
+        arcs, loads = np.array([each.arcs for each in beside]), np.array([each.loads for each in beside])
+        others = arcs, loads, np.array([each.lines for each in beside])
+        columns, pulls = np.empty((len(over), *found[0].shape)), np.empty((len(over), len(own.lines)))
+        answer(*own.body(self.robot.base), *found, *others, given, over, own.buffer(), columns, pulls)
         return columns
 
     @property
@@ -181,18 +156,6 @@ def lines_that_follow(robot: Robot, q: Floats) -> Floats:
     return lengths_of_lines(own, drive.displacements(q) + stretch[0] - follow @ q.ravel(), follow)
 
 
-def unrolled(states: Floats) -> Floats:
-    """Bodies (..., N, 3) as robots of arcs, in states (..., N, 4): bends turned so that none is twisted."""
-    twists = states[..., t.TWIST]
-    turns = np.cumsum(twists, axis=-1) - twists
-    cosine, sine = np.cos(turns), np.sin(turns)
-    result = np.empty((*twists.shape, 3))
-    result[..., 0] = cosine * states[..., 0] - sine * states[..., 1]
-    result[..., 1] = sine * states[..., 0] + cosine * states[..., 1]
-    result[..., 2] = states[..., t.LENGTH]
-    return result
-
-
 class Way:
     """The state that is linear between two shapes, while the motors run evenly from one to the other.
 
@@ -204,7 +167,6 @@ class Way:
 
     def __init__(self, one: Rest, other: Rest) -> None:
         self._one, self._other = one, other
-        self._base = packing.pose_row(one.robot.base)
 
     def drive(self, share: float) -> tuple[Floats, Floats | None]:
         """Where the drive is at a share of the way (n, 3), and the displacements of actuators (m,) that stretch."""
@@ -225,28 +187,13 @@ class Way:
         That is the change of states (4 N, 4 N) for a unit of force on each, while lines hold nothing.
         """
         from sinuous.kernels.statics.flexibility import soften  # noqa: PLC0415
-        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
         one, other = self._one, self._other
-        assert one.states is not None
-        assert other.states is not None
         q, displacements = self.drive(share)
         tables = tables_of(one.robot, q, (), displacements)
-        arcs, loads, lines, slopes, _, _, _ = tables
         x, tensions = ((1.0 - share) * a + share * b for a, b in zip(one.found, other.found, strict=True))
         left, out = np.empty(x.shape), np.empty((x.size if softness else 0, *x.shape))
-        soften(
-            self._base,
-            arcs,
-            loads,
-            lines,
-            slopes,
-            x,
-            tensions,
-            np.empty(room_for(len(x), len(lines), slopes)),
-            left,
-            out,
-        )
+        soften(*tables.body(one.robot.base), x, tensions, tables.buffer(), left, out)
         return tables, left, out.reshape(len(out), x.size)
 
 
@@ -256,13 +203,6 @@ def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
         return robot, q
     body = longest_body(robot)
     return body, np.array([Rest(robot, one).shown for one in q]).reshape(-1, len(body), 3)
-
-
-def rolled(angle: float) -> Floats:
-    """Return a roll about z as a pose (4, 4)."""
-    result = np.eye(4)
-    result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
-    return result
 
 
 def stretches_allowed(robot: Robot) -> Floats:

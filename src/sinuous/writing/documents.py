@@ -1,8 +1,12 @@
 """Plain values as a document: YAML that a person likes to read, or JSON; and arrays as an archive (NPZ)."""
 
+import csv
 import json
+import os
+import platform
 import re
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -33,6 +37,48 @@ def written(file: str | Path, key: str = "file") -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError(key, f"cannot be written: {error.strerror or error}", str(file), wanted) from None
+
+
+@contextmanager
+def readable(file: str | Path, key: str = "file") -> Iterator[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be read."""
+    wanted = "the name of a file that can be read"
+    if "\0" in str(file):
+        raise InputError(key, "cannot be read: a null character in its name", str(file), wanted)
+    try:
+        yield
+    except OSError as error:
+        raise InputError(key, f"cannot be read: {error.strerror or error}", str(file), wanted) from None
+
+
+@contextmanager
+def draft_of(file: Path) -> Iterator[Path]:
+    """Yield another name, to be written within; the file gets its own name when that succeeds.
+
+    No two threads or processes write the same draft, also not on different machines.
+    """
+    own = f"{platform.node()}-{os.getpid()}-{threading.get_ident()}"
+    draft = file.with_name(f".{file.stem}.{own}{file.suffix}")
+    try:
+        yield draft
+        draft.replace(file)
+    except BaseException:
+        draft.unlink(missing_ok=True)
+        raise
+
+
+def write_table(file: str | Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table as CSV; what is not known (`None`) is an empty cell.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with written(file), Path(file).open("w", encoding="utf-8", newline="") as out:
+        table = csv.writer(out, lineterminator="\n")
+        table.writerow(header)
+        table.writerows(rows)
 
 
 def write_xml(file: str | Path, root: Element) -> None:
@@ -134,14 +180,8 @@ def write_archive(file: str | Path, *, compressed: bool = False, **arrays: Any) 
         When the file cannot be written.
     """
     path = Path(file)
-    draft = path.with_name(f".{path.name}.draft")
-    with written(path):
-        try:
-            with draft.open("wb") as out:
-                (np.savez_compressed if compressed else np.savez)(out, **arrays)
-            draft.replace(path)
-        finally:
-            draft.unlink(missing_ok=True)
+    with written(path), draft_of(path) as draft, draft.open("wb") as out:
+        (np.savez_compressed if compressed else np.savez)(out, **arrays)
 
 
 @contextmanager

@@ -14,9 +14,12 @@ from sinuous.kernels.body.contacts import contacts as kernel_contacts
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER, SOFT
+from sinuous.kernels.chain.kinematics import body_point
+from sinuous.kernels.fields.distances import coarseness
 from sinuous.kernels.fields.solids import EXACT
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import (
@@ -31,6 +34,7 @@ from tests.helpers import (
 )
 from tests.kernels.step.test_targets import Case
 from tests.kernels.workspace import NEVER, make_clock
+from tests.scene import shapes
 
 SAMPLES = 120
 SLACK = 0.1
@@ -283,6 +287,22 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
             else:
                 assert least >= margin - 1e-12
     assert found > 30
+
+
+def test_samples_take_no_place_from_the_rows_beside_a_mesh() -> None:
+    mesh = Mesh(*shapes.ball(3), inside=True)
+    scene, found = Scene([mesh]), 0
+    assert coarseness(kernel_scene(scene)) > 0.0
+    for shape in configurations(3, N, 12):
+        q = 0.3 * shape
+        frames = frames_of(q)
+        for k in range(N):
+            places = [body_point(q, frames, k, (i + 0.5) / 8) for i in range(8)]
+            gaps = RADII[k] + 0.05 - scene.distance(places)
+            rows, at, _ = contacts(q, frames, scene, k, (0.05, 0.0), 3)
+            np.testing.assert_allclose(np.sort(rows.value[:at]) * 2.0, np.sort(gaps[gaps > 0.0]), atol=1e-9)
+            found += 0 < at < 8
+    assert found > 5
 
 
 def test_rows_are_never_more_than_there_is_room_for() -> None:

@@ -23,6 +23,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.documents import NUMBER
 from sinuous.problem.target import KEYS
+from sinuous.writing.documents import readable
 
 
 class _Member:
@@ -306,12 +307,8 @@ def open_source(targets: Any) -> Source:
     if isinstance(targets, str | Path):
         file = Path(targets)
         ending = _ending("targets", file)
-        try:
+        with readable(file, "targets"), checks.in_file(file):
             return SOURCES[ending](file)
-        except OSError as error:
-            raise InputError("targets", f"cannot be read: {error.strerror}", str(file), "a table of targets") from None
-        except InputError as error:
-            raise error.in_file(file) from None
     if isinstance(targets, Mapping):
         return ArraySource(targets)
     if hasattr(targets, "__array__") or isinstance(targets, list | tuple):

@@ -8,6 +8,7 @@ from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import Scene, slope_known
+from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Vec, scale
 from sinuous.kernels.tables import RADIUS
 
@@ -53,8 +54,13 @@ def contacts(
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
-        d, _, nearest = closest(scene, among, count, p, wished + 0.5 * length * width, look.mode)
-        if level < look.depth and d < wished + 0.5 * length * width:
+        halves, reach, mode = level < look.depth, wished, look.mode
+        if halves:  # only whether anything is in reach matters, and samples mostly know that
+            reach, mode = wished + 0.5 * length * width, BOUND if mode == EXACT else mode
+        d, most, nearest = closest(scene, among, count, p, reach, mode)
+        if mode == BOUND and d < reach <= most:
+            d, _, nearest = closest(scene, among, count, p, reach, EXACT)
+        if halves and d < reach:
             level, piece = level + 1, 2 * piece
             continue
         level, piece = following(level, piece)

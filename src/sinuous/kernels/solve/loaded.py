@@ -76,8 +76,8 @@ Drive = namedtuple("Drive", ["sections", "of_lines", "bounds", "pulls"])
 """The robot as `statics.drive` has it; limits of actuators (a, 3 n + 2), the derivative of a displacement by the drive,
 then its least and most; and least and most stretch of lines (t, 2), infinite where there are no such limits."""
 
-Shape = namedtuple("Shape", ["q", "x", "tensions", "kept", "record"])
-"""A drive (n, 3), states (N, 4), tensions (t,); scratch (4 N + t,) and record (10,) of the search for the latter."""
+Shape = namedtuple("Shape", ["q", "x", "tensions", "record"])
+"""A drive (n, 3), states (N, 4), tensions (t,); and the record (10,) of the search for the latter."""
 
 Step = namedtuple("Step", "ends rows columns pulls jacobian weights values side listed system root mean bound change")
 """Frames of the base and of ends of segments (n + 1, 12) and rows of targets; derivatives of states (3 n, N, 4) and
@@ -91,7 +91,7 @@ def room(segments: int, arcs: int, lines: int, slopes: int, targets: int, actuat
     """Numbers that `correct` takes from a buffer."""
     n, r, state = segments, 6 * targets + actuators + lines, 4 * arcs + lines
     step = 12 * (n + 1) + rows_size(n, 6 * targets) + 3 * n * state + r * (6 * n + 5 + r) + 16 * n
-    return room_for(arcs, lines, slopes) + t.ARC_WIDTH * arcs + 3 * n + 2 * state + e.RECORD_WIDTH + step
+    return room_for(arcs, lines, slopes) + t.ARC_WIDTH * arcs + 3 * n + state + e.RECORD_WIDTH + step
 
 
 @entry
@@ -132,8 +132,8 @@ def correct(
     if record[FOUND] == 0.0:
         copy(trial.x, x)
         tensions[:] = 0.0
-    own = Shape(q, x, tensions, trial.kept, trial.record)
-    e.settle(x, tensions, body, True, space, own.kept, own.record)
+    own = Shape(q, x, tensions, trial.record)
+    e.settle(x, tensions, body, True, space, own.record)
     _correct(problem, drive, own, trial, body, space, step, record)
 
 
@@ -164,7 +164,6 @@ def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: 
     q, rest = cut(rest, n, 3)
     x, rest = cut(rest, arcs, t.STATE_WIDTH)
     tensions, rest = rest[:lines], rest[lines:]
-    kept, rest = rest[: 4 * arcs + lines], rest[4 * arcs + lines :]
     found, rest = rest[: e.RECORD_WIDTH], rest[e.RECORD_WIDTH :]
     ends, rest = cut(rest, n + 1, 12)
     size, r = rows_size(n, 6 * targets), 6 * targets + actuators + lines
@@ -183,7 +182,7 @@ def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: 
     bound, rest = cut_whole(rest, n)
     change, rest = cut(rest, n, 3)
     mean[:] = 0.0
-    shape = Shape(q, x, tensions, kept, found)
+    shape = Shape(q, x, tensions, found)
     step = Step(ends, rows, columns, pulls, jacobian, weights, values, side, listed, system, root, mean, bound, change)
     return shape, step
 

@@ -7,8 +7,7 @@ table is linear in what it is made of, so that is exact but for rounding, and ne
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.newton import LENGTHS, TAUT, WANTED, Body, Space, along, answer_lines, carve, look
-from sinuous.kernels.statics.pulls import solve_taut
+from sinuous.kernels.statics.newton import LENGTHS, Body, Space, answer_lines, begin, find_taut, hold, look
 from sinuous.kernels.statics.sweeps import solve
 
 
@@ -37,9 +36,7 @@ def answer(
     (p, k, 10) and `beside_lines` (p, t, 10), and the changes `given` (p, N, 4) of what is rigid; `over` (p,) is one by
     how much more that is.
     """
-    space, _ = carve(buffer, x.shape[0], lines.shape[0], slopes)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
+    body, space = begin(base, arcs, loads, lines, slopes, buffer)
     columns[:], pulls[:] = 0.0, 0.0
     for p in range(columns.shape[0]):
         for k in range(x.shape[0]):
@@ -48,28 +45,16 @@ def answer(
         beside = Body(beside_arcs[p], beside_loads[p], beside_lines[p])
         look(space.trial, tensions, beside, 1.0, False, space)
         _add(beside.lines, tensions, over[p], space, columns[p], pulls[p])
-    held = _find_taut(lines, tensions, space)
-    look(x, tensions, Body(arcs, loads, lines), 1.0, False, space)
-    if held:
-        answer_lines(lines, x.shape[0], space)
+    find_taut(lines, tensions, space)
+    look(x, tensions, body, 1.0, False, space)
+    answer_lines(lines, x.shape[0], space)
     for p in range(columns.shape[0]):
         _add(lines, tensions, -over[p], space, columns[p], pulls[p])
         solve(columns[p], space.none, space.stages, columns[p])
-        if held:
-            _hold(lines, space, columns[p], pulls[p])
+        hold(lines, space, columns[p], pulls[p])
         for k in range(x.shape[0]):
             for j in range(4):
                 columns[p, k, j] += over[p] * given[p, k, j]
-
-
-def _find_taut(lines: Array, tensions: Array, space: Space) -> bool:
-    """Fill which lines are taut; returns whether the length of any is held."""
-    held = False
-    for i in range(lines.shape[0]):
-        held = held or lines[i, t.HELD] > 0.0
-        taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
-        space.small[TAUT, i] = 1.0 if taut else 0.0
-    return held
 
 
 def _add(lines: Array, tensions: Array, share: float, space: Space, column: Array, pulls: Array) -> None:
@@ -80,17 +65,3 @@ def _add(lines: Array, tensions: Array, share: float, space: Space, column: Arra
     for i in range(lines.shape[0]):
         value = lines[i, t.VALUE] + lines[i, t.COMPLIANCE] * tensions[i]
         pulls[i] += share * (space.small[LENGTHS, i] - value)
-
-
-def _hold(lines: Array, space: Space, column: Array, pulls: Array) -> None:
-    """Let taut lines answer the change `column` (N, 4) of states; `pulls` (t,) of their lengths become tensions."""
-    for i in range(lines.shape[0]):
-        space.small[WANTED, i] = along(lines, i, column, space) + pulls[i] if space.small[TAUT, i] > 0.0 else 0.0
-        pulls[i] = 0.0
-    solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], pulls, space.scratch[: lines.shape[0]])
-    count = column.shape[0]
-    for i in range(lines.shape[0]):
-        if pulls[i] != 0.0:
-            for k in range(count):
-                for j in range(4):
-                    column[k, j] -= pulls[i] * space.changes[i * count + k, j]

@@ -1,5 +1,7 @@
 """What is known of every arc in one state: kinematics, its own energy, its weight, and its lines."""
 
+import math
+
 from sinuous.kernels.chain.arc import carry, pose_and_columns
 from sinuous.kernels.chain.kinematics import compose, frame, put_frame
 from sinuous.kernels.maths.vectors import (
@@ -13,6 +15,7 @@ from sinuous.kernels.maths.vectors import (
     get_vec,
     mat_vec,
     put_vec,
+    scale,
     sub,
     vec_mat,
 )
@@ -28,7 +31,6 @@ from sinuous.kernels.statics.profile import (
     place,
     slopes,
 )
-from sinuous.kernels.statics.roll import about_z
 
 
 def assemble(
@@ -45,8 +47,7 @@ def assemble(
         even = even_functions(vx * vx + vy * vy)
         _bend(x, arcs, k, stages)
         _run_lines(x, lines, tensions, k, end_profile(even), stages, along_arcs)
-        weight = get_vec(arcs, k, t.WEIGHT)
-        weight = (share * weight[0], share * weight[1], share * weight[2])
+        weight = scale(share, get_vec(arcs, k, t.WEIGHT))
         arm = sub(position, origin)
         _weigh(vx, vy, length, center_profile(even), rotation, arm, weight, k, stages)
         turn, shift, by_x, by_y, stretch = pose_and_columns(vx, vy, length)
@@ -59,6 +60,12 @@ def assemble(
         put_vec(stages, k, t.COLUMNS + 21, mat_vec(frame(frames, k)[0], stretch))
         rotation, position = compose(rotation, position, about_z(twist), ZERO)
         put_frame(frames, k + 1, rotation, position)
+
+
+def about_z(angle: float) -> Mat:
+    """The rotation about z by an angle, rad."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return (cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0)
 
 
 def _put_twist(stages: Array, k: int, column: int, twist: tuple[Vec, Vec]) -> None:

@@ -10,9 +10,8 @@ import math
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array, add, cross, dot, get_vec, mat_vec, scale
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.newton import TAUT, WANTED, Body, Space, along, answer_lines, carve, look
-from sinuous.kernels.statics.pulls import solve_taut
-from sinuous.kernels.statics.roll import about_z
+from sinuous.kernels.statics.assembly import about_z
+from sinuous.kernels.statics.newton import Body, Space, answer_lines, begin, find_taut, hold, look
 from sinuous.kernels.statics.sweeps import impose, solve
 
 SMALL = 1e-3
@@ -88,15 +87,15 @@ def _chord_slope(sections: Array, lines: Array, i: int, q: Array, s: int, c: int
 @entry
 def differentiate(
     base: Array,
-    sections: Array,
-    of_lines: Array,
-    q: Array,
     arcs: Array,
     loads: Array,
     lines: Array,
     slopes: int,
     x: Array,
     tensions: Array,
+    sections: Array,
+    of_lines: Array,
+    q: Array,
     buffer: Array,
     columns: Array,
     pulls: Array,
@@ -106,13 +105,8 @@ def differentiate(
     `x` (N, 4) and `tensions` (t,) are an equilibrium at `q`; the rest as for `lay_out` and `equilibrium.equilibrate`.
     `buffer` has `newton.room_for` numbers.
     """
-    space, _ = carve(buffer, x.shape[0], lines.shape[0], slopes)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
-    body = Body(arcs, loads, lines)
-    for i in range(lines.shape[0]):
-        taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
-        space.small[TAUT, i] = 1.0 if taut else 0.0
+    body, space = begin(base, arcs, loads, lines, slopes, buffer)
+    find_taut(lines, tensions, space)
     look(x, tensions, body, 1.0, False, space)
     answer_drive(sections, of_lines, q, x, body, space, columns, pulls)
 
@@ -122,19 +116,19 @@ def answer_drive(
     sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Space, columns: Array, pulls: Array
 ) -> None:
     """Do that for an equilibrium that was just looked at."""
-    lines, first, held = body.lines, 0, False
-    for i in range(lines.shape[0]):
-        held = held or lines[i, t.HELD] > 0.0
-    if held:
-        answer_lines(lines, x.shape[0], space)
+    lines, first = body.lines, 0
+    answer_lines(lines, x.shape[0], space)
     for s in range(q.shape[0]):
         for c in range(3):
             at = 3 * s + c
             own = columns[at]
             _ask(sections, x, body.arcs, first, s, c, space.stages, own, space.trial)
             solve(own, space.trial, space.stages, own)
-            if held:
-                _pull(sections, of_lines, q, lines, s, c, space, own, pulls[at])
+            for i in range(lines.shape[0]):
+                pulls[at, i] = -of_lines[i, at]
+                if lines[i, t.STRAIGHT] > 0.0 and lines[i, t.FIRST_ARC] <= first <= lines[i, t.LAST_ARC]:
+                    pulls[at, i] -= _chord_slope(sections, lines, i, q, s, c)
+            hold(lines, space, own, pulls[at])
         first += int(sections[s, t.COUNT])
 
 
@@ -190,33 +184,3 @@ def _bend(x: Array, arcs: Array, k: int, c: int, share: float, pulled: bool, wan
         wanted[k, t.BEND_X] += bend * rx
         wanted[k, t.BEND_Y] += bend * ry
         wanted[k, t.TWIST] -= 0.5 * bend * (x[k, t.BEND_X] * ry - x[k, t.BEND_Y] * rx)
-
-
-def _pull(
-    sections: Array,
-    of_lines: Array,
-    q: Array,
-    lines: Array,
-    s: int,
-    c: int,
-    space: Space,
-    own: Array,
-    pulls: Array,
-) -> None:
-    """Let taut lines answer the change `own` (N, 4) of states; fill `pulls` (t,) with the change of their tensions."""
-    count, k = own.shape[0], 0
-    for i in range(s):
-        k += int(sections[i, t.COUNT])
-    for i in range(lines.shape[0]):
-        pulls[i] = space.small[WANTED, i] = 0.0
-        if space.small[TAUT, i] > 0.0:
-            value = of_lines[i, 3 * s + c]
-            if lines[i, t.STRAIGHT] > 0.0 and lines[i, t.FIRST_ARC] <= k <= lines[i, t.LAST_ARC]:
-                value += _chord_slope(sections, lines, i, q, s, c)
-            space.small[WANTED, i] = along(lines, i, own, space) - value
-    solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], pulls, space.scratch[: lines.shape[0]])
-    for i in range(lines.shape[0]):
-        if pulls[i] != 0.0:
-            for k in range(count):
-                for j in range(4):
-                    own[k, j] -= pulls[i] * space.changes[i * count + k, j]

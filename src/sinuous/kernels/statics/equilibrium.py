@@ -1,11 +1,12 @@
 """Equilibria of a body of arcs: what Python calls."""
 
 from sinuous.kernels.compile import entry, shared
-from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics import newton
-from sinuous.kernels.statics.newton import Body, Space, answer_lines, carve, descend, look
+from sinuous.kernels.statics.newton import Body, Space, answer_lines, begin, descend, find_taut, look
 from sinuous.kernels.statics.pulls import solve_taut
+from sinuous.kernels.statics.sweeps import stiffness_of
 
 SHARE, ITERATIONS, UNSTABLE, LEFT, MOMENT, FORCE = 0, 1, 2, 3, 4, 7
 """Columns of a record: share of the loads for which an equilibrium was found; Newton steps; how many directions lower
@@ -38,22 +39,19 @@ def equilibrate(
     Where it `descends`, to a stable one if there is one near; else to any, under all of the load or not at all.
 
     `base` (1, 12); arcs (N, 9), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
-    `buffer` has `newton.room_for` numbers and 4 N + t more.
+    `buffer` has `newton.room_for` numbers.
     """
-    space, rest = carve(buffer, x.shape[0], lines.shape[0], slopes)
-    body = Body(arcs, loads, lines)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
-    settle(x, tensions, body, descends, space, rest, record)
+    body, space = begin(base, arcs, loads, lines, slopes, buffer)
+    settle(x, tensions, body, descends, space, record)
 
 
 @shared
-def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, rest: Array, record: Array) -> None:
-    """Do that in a space that is laid out, whose first frame is the base; `rest` has 4 N + t numbers."""
-    _start_taut(body.lines, tensions, space)
+def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, record: Array) -> None:
+    """Do that in a space that is laid out, whose first frame is the base."""
+    find_taut(body.lines, tensions, space)
     record[ITERATIONS] = 0.0
     if descends:
-        _continue(x, tensions, body, space, rest, record)
+        _continue(x, tensions, body, space, record)
     else:
         found, steps = descend(x, tensions, body, 1.0, False, space, newton.MOST_ITERATIONS)
         record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
@@ -63,58 +61,44 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, 
     for trial in range(2):
         if record[UNSTABLE] == 0.0 or not descends:
             return
-        _leave(x, tensions, body, space, rest, trial, record)
+        _leave(x, tensions, body, space, trial, record)
 
 
 def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, record: Array) -> None:
     """Go from a state that is near an equilibrium to it, in so many steps at most or not at all."""
-    _start_taut(body.lines, tensions, space)
+    find_taut(body.lines, tensions, space)
     found, steps = descend(x, tensions, body, 1.0, True, space, most)
     record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
     if found:
         _judge(x, tensions, body, space, record)
 
 
-def _start_taut(lines: Array, tensions: Array, space: Space) -> None:
-    for i in range(lines.shape[0]):
-        taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
-        space.small[newton.TAUT, i] = 1.0 if taut else 0.0
-        if lines[i, t.HELD] == 0.0:
-            tensions[i] = lines[i, t.VALUE]
-
-
-def _keep(x: Array, tensions: Array, kept: Array) -> None:
-    count = x.shape[0]
-    for k in range(count):
-        for j in range(4):
-            kept[4 * k + j] = x[k, j]
+def _keep(x: Array, tensions: Array, space: Space) -> None:
+    copy(x, space.kept)
     for i in range(tensions.shape[0]):
-        kept[4 * count + i] = tensions[i]
+        space.small[newton.KEPT, i] = tensions[i]
 
 
-def _restore(x: Array, tensions: Array, kept: Array) -> None:
-    count = x.shape[0]
-    for k in range(count):
-        for j in range(4):
-            x[k, j] = kept[4 * k + j]
+def _restore(x: Array, tensions: Array, lines: Array, space: Space) -> None:
+    copy(space.kept, x)
     for i in range(tensions.shape[0]):
-        tensions[i] = kept[4 * count + i]
+        tensions[i] = space.small[newton.KEPT, i]
+    find_taut(lines, tensions, space)
 
 
-def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, record: Array) -> None:
+def _continue(x: Array, tensions: Array, body: Body, space: Space, record: Array) -> None:
     """Try all of the load; where that does not end, a smaller share first, and more from there."""
     reached, step = 0.0, 1.0
-    _keep(x, tensions, rest)
+    _keep(x, tensions, space)
     while reached < 1.0 and step >= SMALLEST_SHARE:
         share = min(1.0, reached + step)
         found, steps = descend(x, tensions, body, share, True, space, newton.MOST_ITERATIONS)
         record[ITERATIONS] += steps
         if found:
             reached, step = share, 2.0 * step
-            _keep(x, tensions, rest)
+            _keep(x, tensions, space)
         else:
-            _restore(x, tensions, rest)
-            _start_taut(body.lines, tensions, space)
+            _restore(x, tensions, body.lines, space)
             step *= 0.25
     record[SHARE] = reached
 
@@ -125,7 +109,7 @@ def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -
     left, lines = 0.0, body.lines
     for k in range(x.shape[0]):
         for j in range(4):
-            if arcs_give(body.arcs, k, j):
+            if stiffness_of(body.arcs, k, j) < t.RIGID:
                 left = max(left, abs(space.stages[k, t.RESIDUAL + j]))
     if negative > 0 and lines.shape[0] > 0:  # tendons that are held may hold what would fall
         answer_lines(lines, x.shape[0], space)
@@ -138,23 +122,17 @@ def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -
         record[MOMENT + i], record[FORCE + i] = moment[i], force[i]
 
 
-def arcs_give(arcs: Array, k: int, j: int) -> bool:
-    """Whether a coordinate of an arc can change."""
-    return bool(arcs[k, max(0, j - 1)] < t.RIGID)
-
-
-def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, trial: int, record: Array) -> None:
+def _leave(x: Array, tensions: Array, body: Body, space: Space, trial: int, record: Array) -> None:
     """Leave an unstable equilibrium for a stable one, where there is one near; else stay."""
-    _keep(x, tensions, rest)
+    _keep(x, tensions, space)
     count = x.shape[0]
     for k in range(count):
-        if arcs_give(body.arcs, k, 0):
+        if body.arcs[k, t.BEND_STIFFNESS] < t.RIGID:
             x[k, trial] += NUDGE * (1.0 + 0.3 * k / count) / count
             x[k, 1 - trial] += 0.1 * NUDGE / count
     found, steps = descend(x, tensions, body, 1.0, True, space, 2 * newton.MOST_ITERATIONS)
     record[ITERATIONS] += steps
     if not found:
-        _restore(x, tensions, rest)
-        _start_taut(body.lines, tensions, space)
+        _restore(x, tensions, body.lines, space)
         return
     _judge(x, tensions, body, space, record)

@@ -3,7 +3,7 @@
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.newton import Body, carve, look
+from sinuous.kernels.statics.newton import begin, look
 from sinuous.kernels.statics.sweeps import solve
 
 
@@ -26,10 +26,8 @@ def soften(
     gradient of the energy. `x` (N, 4) and the rest as for `equilibrium.equilibrate`; `buffer` has `newton.room_for`
     numbers.
     """
-    space, _ = carve(buffer, x.shape[0], lines.shape[0], slopes)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
-    look(x, tensions, Body(arcs, loads, lines), 1.0, False, space)
+    body, space = begin(base, arcs, loads, lines, slopes, buffer)
+    look(x, tensions, body, 1.0, False, space)
     for k in range(x.shape[0]):
         for j in range(4):
             left[k, j] = space.stages[k, t.RESIDUAL + j]

@@ -11,7 +11,7 @@ from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.assembly import assemble
-from sinuous.kernels.statics.pulls import find_tensions
+from sinuous.kernels.statics.pulls import find_tensions, solve_taut
 from sinuous.kernels.statics.sweeps import factorise, solve
 
 MOST_ITERATIONS = 60
@@ -46,12 +46,13 @@ SHORTEST, LONGEST = 0.2, 3.0
 Body = namedtuple("Body", ["arcs", "loads", "lines"])
 """Tables of a body, its loads and its lines, see `layout`."""
 
-Space = namedtuple("Space", "frames stages slopes changes step trial none matrix scratch small")
+Space = namedtuple("Space", "frames stages slopes changes step trial none kept matrix scratch small")
 """Frames (N + 1, 12), `stages` (N, 128), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step,
-the state that is tried and no change (N, 4), the system of tensions (t, t), scratch, and six rows of t numbers:
-lengths, right-hand side, tensions that are tried, who is taut, change of length, and tensions before."""
+the state that is tried, no change and the state that is kept (N, 4), the system of tensions (t, t), scratch, and seven
+rows of t numbers: lengths, right-hand side, tensions that are tried, who is taut, change of length, tensions before,
+and those that are kept."""
 
-LENGTHS, WANTED, TENSIONS, TAUT, CHANGE, BEFORE = range(6)
+LENGTHS, WANTED, TENSIONS, TAUT, CHANGE, BEFORE, KEPT = range(7)
 
 
 def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Array]:
@@ -64,16 +65,34 @@ def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Arr
     trial, rest = cut(rest, arcs, t.STATE_WIDTH)
     none, rest = cut(rest, arcs, t.STATE_WIDTH)
     none[:] = 0.0
+    kept, rest = cut(rest, arcs, t.STATE_WIDTH)
     matrix, rest = cut(rest, lines, lines)
     scratch, rest = cut(rest, lines + 1 + 11, max(lines + 1, 12))
-    small, rest = cut(rest, 6, lines)
-    return Space(frames, stages, along, changes, step, trial, none, matrix, scratch, small), rest
+    small, rest = cut(rest, 7, lines)
+    return Space(frames, stages, along, changes, step, trial, none, kept, matrix, scratch, small), rest
 
 
 def room_for(arcs: int, lines: int, slopes: int) -> int:
     """Numbers that `carve` takes."""
-    fixed = 12 * (arcs + 1) + (t.STAGE_WIDTH + 12) * arcs + 5 * slopes + 4 * lines * arcs + lines * lines
-    return fixed + (lines + 12) * max(lines + 1, 12) + 6 * lines
+    fixed = 12 * (arcs + 1) + (t.STAGE_WIDTH + 16) * arcs + 5 * slopes + 4 * lines * arcs + lines * lines
+    return fixed + (lines + 12) * max(lines + 1, 12) + 7 * lines
+
+
+def begin(base: Array, arcs: Array, loads: Array, lines: Array, slopes: int, buffer: Array) -> tuple[Body, Space]:
+    """A body, and a space laid out in a buffer of `room_for` numbers whose first frame is the base (1, 12)."""
+    space, _ = carve(buffer, arcs.shape[0], lines.shape[0], slopes)
+    for j in range(12):
+        space.frames[0, j] = base[0, j]
+    return Body(arcs, loads, lines), space
+
+
+def find_taut(lines: Array, tensions: Array, space: Space) -> None:
+    """Fill which lines are taut, and the tensions (t,) that are held."""
+    for i in range(lines.shape[0]):
+        taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
+        space.small[TAUT, i] = 1.0 if taut else 0.0
+        if lines[i, t.HELD] == 0.0:
+            tensions[i] = lines[i, t.VALUE]
 
 
 @shared
@@ -119,6 +138,25 @@ def answer_lines(lines: Array, count: int, space: Space) -> None:
             space.matrix[i, i] += lines[i, t.COMPLIANCE]
 
 
+def hold(lines: Array, space: Space, column: Array, pulls: Array) -> None:
+    """Let taut lines answer the change `column` (N, 4) of states; `pulls` (t,) of their lengths become tensions."""
+    for i in range(lines.shape[0]):
+        space.small[WANTED, i] = along(lines, i, column, space) + pulls[i] if space.small[TAUT, i] > 0.0 else 0.0
+        pulls[i] = 0.0
+    solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], pulls, space.scratch[: lines.shape[0]])
+    for i in range(lines.shape[0]):
+        _pull(i, pulls[i], space, column)
+
+
+def _pull(i: int, tension: float, space: Space, column: Array) -> None:
+    """Take off states (N, 4) what so much more tension of line i changes."""
+    count = column.shape[0]
+    if tension != 0.0:
+        for k in range(count):
+            for j in range(4):
+                column[k, j] -= tension * space.changes[i * count + k, j]
+
+
 def find_step(tensions: Array, body: Body, space: Space) -> int:
     """Fill the step, and the tensions after it, from what was seen at a state.
 
@@ -147,11 +185,8 @@ def find_step(tensions: Array, body: Body, space: Space) -> int:
     scratch = space.scratch[: lines.shape[0]]
     holding = find_tensions(lines, space.matrix, small[WANTED], small[TAUT], small[TENSIONS], scratch)
     for i in range(lines.shape[0]):
-        more = small[TENSIONS, i] - tensions[i]
-        if lines[i, t.HELD] > 0.0 and more != 0.0:
-            for k in range(count):
-                for j in range(4):
-                    space.step[k, j] -= more * space.changes[i * count + k, j]
+        if lines[i, t.HELD] > 0.0:
+            _pull(i, small[TENSIONS, i] - tensions[i], space, space.step)
     return holding
 
 

@@ -10,7 +10,20 @@ derivative of the energy, wherever there is one: moments that stay as they are i
 
 from sinuous.kernels.chain.arc import pose_and_columns
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.maths.vectors import Array, Vec, add, cross, dot, get_vec, mat_vec, put_vec, sub, vec_mat
+from sinuous.kernels.maths.vectors import (
+    Array,
+    Vec,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    get_vec,
+    mat_vec,
+    put_vec,
+    scale,
+    sub,
+    vec_mat,
+)
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.profile import by_bends, by_length, end_profile, even_functions
 
@@ -57,22 +70,18 @@ def factorise(
             last -= 1
         _pivot(x, frames, k, origin, moment, force, P, arcs, stages, scratch)
         negative += _invert(arcs, k, descends, stages, scratch)
-        weight = share_of(get_vec(arcs, k, t.WEIGHT), share)
+        weight = scale(share, get_vec(arcs, k, t.WEIGHT))
         _close(k, weight, P, stages, scratch)
         center = get_vec(stages, k, t.CENTER)
         moment, force = add(moment, cross(center, weight)), add(force, weight)
     return negative, moment, force
 
 
-def share_of(force: Vec, share: float) -> Vec:
-    return share * force[0], share * force[1], share * force[2]
-
-
 def _load(frames: Array, loads: Array, i: int, share: float, origin: Vec) -> tuple[Vec, Vec, Vec]:
     """Moment and force of a load, and where it acts, from the base."""
     rotation, position = frame(frames, int(loads[i, t.LOAD_ARC]) + 1)
     place = add(sub(position, origin), mat_vec(rotation, get_vec(loads, i, t.OFFSET)))
-    return share_of(get_vec(loads, i, t.MOMENT), share), share_of(get_vec(loads, i, t.FORCE), share), place
+    return scale(share, get_vec(loads, i, t.MOMENT)), scale(share, get_vec(loads, i, t.FORCE)), place
 
 
 def _stiffen(P: Array, p: Vec, f: Vec) -> None:
@@ -282,6 +291,6 @@ def move(k: int, change: Array, omega: Vec, v: Vec, stages: Array) -> Wrench:
     """The twist of the end of arc k, from that of its beginning and a change of states (N, 4)."""
     for i in range(4):
         share, column = change[k, i], t.COLUMNS + 6 * i
-        omega = add(omega, share_of(get_vec(stages, k, column), share))
-        v = add(v, share_of(get_vec(stages, k, column + 3), share))
+        omega = add_scaled(omega, share, get_vec(stages, k, column))
+        v = add_scaled(v, share, get_vec(stages, k, column + 3))
     return omega, v

@@ -1,15 +1,14 @@
 """Arrays kept on disk under the hash of what they were computed from."""
 
 import os
-import tempfile
 import zipfile
 import zlib
-from pathlib import Path
 
 import numpy as np
 
 from sinuous.caches import places, writable
 from sinuous.checks import Floats
+from sinuous.writing.documents import draft_of
 
 MOST = 32
 """Files kept; the oldest go first."""
@@ -36,14 +35,8 @@ def save(name: str, values: Floats) -> None:
     if directory is None:
         return
     try:
-        handle, temporary = tempfile.mkstemp(dir=directory, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez(file, values=values)
-            Path(temporary).replace(directory / f"{name}.npz")
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with draft_of(directory / f"{name}.npz") as draft:
+            np.savez(draft, values=values)
         files = sorted(directory.glob("*.npz"), key=lambda file: file.stat().st_mtime, reverse=True)
         for old in files[MOST:]:
             old.unlink(missing_ok=True)

@@ -9,8 +9,8 @@ from sinuous.packing import pose_row
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.solving.between.loaded import Ways
 from sinuous.statics.between import Leave, leave
+from sinuous.statics.body import rolled
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import rolled
 
 
 class Tip:

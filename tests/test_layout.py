@@ -157,3 +157,15 @@ def test_there_is_no_circle_of_imports() -> None:
 
     for name in names:
         visit(name, ())
+
+
+def test_no_two_classes_have_one_name() -> None:
+    """But a command of the shell has the name of the class whose work it does."""
+    commands = PACKAGE / "cli" / "app.py"
+    places: dict[str, list[str]] = {}
+    for file in SOURCES:
+        for node in parsed(file).body:
+            if isinstance(node, ast.ClassDef) and file != commands:
+                places.setdefault(node.name, []).append(module(file))
+    twice = [f"{name}: {', '.join(there)}" for name, there in places.items() if len(there) > 1]
+    assert not twice, "\n".join(twice)

@@ -10,7 +10,7 @@ from benchmarks.problems import ProblemSet
 from sinuous.checks import Floats
 from sinuous.display.bounds import Bounds, best_view
 from sinuous.display.contents import Arm, Contents, MovingArm
-from sinuous.display.style import TARGET, View
+from sinuous.display.style import TARGET, Viewpoint
 from sinuous.pictures.plot import draw_contents
 from sinuous.pictures.space import axes_box, set_bounds
 from sinuous.problem.target import Target
@@ -19,7 +19,7 @@ from sinuous.robot.robot import Robot
 ALONG = 24
 """Points of a line, a segment."""
 
-VIEW = View(18.0, -60.0)
+VIEW = Viewpoint(18.0, -60.0)
 
 
 def draw_arms(axes: Any, robot: Robot, arms: dict[str, Floats], target: Target, title: str) -> None:

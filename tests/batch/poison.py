@@ -6,18 +6,18 @@ from pathlib import Path
 
 import sinuous as sn
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task, Work
+from sinuous.batch.work import Chunk, ChunkSolver
 from tests.batch.questions import BALL, OPTIONS, ROBOT
 
 
-class Poisonous(Work):
+class Poisonous(ChunkSolver):
     """Fails in one chunk, kills its worker in another, and in a third one kills the first worker that tries it."""
 
     def __init__(self, folder: Path, raising: int = -1, killing: int = -1, unlucky: int = -1) -> None:
         super().__init__(sn.Solver(ROBOT, [BALL], **OPTIONS))
         self._folder, self._raising, self._killing, self._unlucky = folder, raising, killing, unlucky
 
-    def __call__(self, task: Task) -> Block:
+    def __call__(self, task: Chunk) -> Block:
         with (self._folder / "tried").open("a", encoding="utf-8") as out:
             out.write(f"{task.number}\n")
         if task.number == self._raising:

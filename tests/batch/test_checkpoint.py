@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.batch.checkpoint import Checkpoint, Memory
+from sinuous.batch.checkpoint import Checkpoint, InMemory
 from sinuous.errors import InputError
 
 CHUNK: dict[str, Any] = {"q": np.arange(6.0).reshape(2, 3), "text": np.array(["a", "größe"]), "none": np.empty((0, 3))}
@@ -21,7 +21,7 @@ def begun(folder: Path, **record: Any) -> Checkpoint:
 
 @pytest.mark.parametrize("in_memory", [True, False])
 def test_what_is_written_is_read(in_memory: bool, tmp_path: Path) -> None:
-    chunks = Memory() if in_memory else begun(tmp_path)
+    chunks = InMemory() if in_memory else begun(tmp_path)
     for number in (12, 3, 1_234_567_890):
         chunks.write(number, CHUNK)
     assert chunks.done() == [3, 12, 1_234_567_890]

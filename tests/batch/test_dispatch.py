@@ -11,16 +11,16 @@ import pytest
 from sinuous.batch.dispatch import MOST_TRIES, Dispatcher
 from sinuous.batch.engines import Engine, GivenExecutor, LostError, Processes, Threads
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task
+from sinuous.batch.work import Chunk
 from tests.batch.poison import Poisonous
 from tests.batch.questions import points
 
 CHUNKS, ROWS = 7, 5
 
 
-def tasks() -> Iterator[Task]:
+def tasks() -> Iterator[Chunk]:
     for number in range(CHUNKS):
-        yield Task(number, number * ROWS, {"positions": points(CHUNKS * ROWS)[number * ROWS : (number + 1) * ROWS]})
+        yield Chunk(number, number * ROWS, {"positions": points(CHUNKS * ROWS)[number * ROWS : (number + 1) * ROWS]})
 
 
 def dispatch(engine: Engine) -> tuple[Dispatcher, list[int]]:
@@ -85,7 +85,7 @@ def test_an_executor_that_takes_no_more_is_lost(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_kept_ends_it(tmp_path: Path) -> None:
-    def keep(task: Task, block: Block) -> None:
+    def keep(task: Chunk, block: Block) -> None:
         raise OSError(28, "No space left on device")
 
     engine = Threads(Poisonous(tmp_path), 2)

@@ -10,7 +10,7 @@ import pytest
 import sinuous as sn
 from sinuous.batch import engines
 from sinuous.batch.engines import from_file, pickled, solve_file, to_file
-from sinuous.batch.work import Task, Work
+from sinuous.batch.work import Chunk, ChunkSolver
 from sinuous.checks import Floats
 from tests.batch.questions import BALL, OPTIONS, ROBOT, points
 
@@ -27,9 +27,9 @@ def test_a_value_is_read_once_and_its_file_is_deleted(tmp_path: Path) -> None:
 
 def test_what_goes_through_pipes_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     """A worker that is killed half-way through an answer would leave the others waiting for the rest of it."""
-    work = Work(sn.Solver(sn.Robot.uniform(2, length=(0.8, 1.2), max_bend=2.0)))
+    work = ChunkSolver(sn.Solver(sn.Robot.uniform(2, length=(0.8, 1.2), max_bend=2.0)))
     positions = np.random.default_rng(0).uniform((-0.3, -0.3, 1.5), (0.3, 0.3, 2.0), (200, 3))
-    task = Task(0, 0, {"positions": positions})
+    task = Chunk(0, 0, {"positions": positions})
     engines._take_work(pickle.dumps(work))
     asked = to_file(task, str(tmp_path))
     answered = solve_file(asked)
@@ -46,14 +46,14 @@ def plane(at: Floats) -> Floats:
 
 def test_a_field_of_a_lambda_cannot_travel_and_that_is_said() -> None:
     field = sn.Field(lambda at: at[:, 0] - 10.0, LOW, HIGH, 10)
-    work = Work(sn.Solver(ROBOT, [BALL, field], routes=False))
+    work = ChunkSolver(sn.Solver(ROBOT, [BALL, field], routes=False))
     with pytest.raises(sn.InputError, match=r"^scene\[1\]: expected a function of a module .*cannot travel"):
         pickled(work)
 
 
 def test_a_field_of_a_function_of_a_module_travels_and_what_comes_solves_alike() -> None:
-    work = Work(sn.Solver(ROBOT, [BALL, sn.Field(plane, LOW, HIGH, 10)], **OPTIONS))
-    task = Task(0, 0, {"positions": points(6)})
+    work = ChunkSolver(sn.Solver(ROBOT, [BALL, sn.Field(plane, LOW, HIGH, 10)], **OPTIONS))
+    task = Chunk(0, 0, {"positions": points(6)})
     here, there = work(task), pickle.loads(pickled(work)).prepare()(task)
     for name, column in here.items():
         np.testing.assert_array_equal(column, there[name])

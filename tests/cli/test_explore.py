@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from sinuous.exploring.explore import _Run
+from sinuous.exploring.explore import _ExplorationRun
 
 FILE = """
 robot:
@@ -44,7 +44,7 @@ def test_what_was_done_is_kept_after_an_interrupt(
 ) -> None:
     assert main(OWN) == 0
     with monkeypatch.context() as patch:
-        patch.setattr(_Run, "round", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(_ExplorationRun, "round", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
         assert main(OWN) == 130
     told = "sinuous: interrupted; rounds that were done are in arm.npz, the same command goes on\n"
     assert capsys.readouterr().err == told

@@ -251,7 +251,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     problem: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second has obstacles: the search for routes must not be compiled between two results."""
-    from sinuous.cli.answers import Answers
+    from sinuous.cli.answers import AnswerWriter
     from sinuous.solving.routing.searches import Searches
 
     events: list[str] = []
@@ -264,7 +264,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
         return call
 
     monkeypatch.setattr(Searches, "load", noted("load", Searches.load))
-    monkeypatch.setattr(Answers, "write", noted("write", Answers.write))
+    monkeypatch.setattr(AnswerWriter, "write", noted("write", AnswerWriter.write))
     assert main(["solve", problem("easy.yaml"), problem("scene.yaml"), "--json"]) == 0
     assert events == ["load", "write", "load", "write"]
     events.clear()

@@ -8,7 +8,7 @@ import pytest
 
 from sinuous.cli import warm
 from sinuous.cli.app import main
-from sinuous.cli.warm_steps import Step
+from sinuous.cli.warm_steps import WarmStep
 from sinuous.kernels.compiling import pieces
 from tests.cli.test_progress import Terminal
 
@@ -22,7 +22,7 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[pieces.Piece], None]:
     def compile_it(piece: pieces.Piece) -> None:
         pieces._tellers[-1](piece)
 
-    steps = [Step("one", lambda: compile_it(FIRST)), Step("another", lambda: None)]
+    steps = [WarmStep("one", lambda: compile_it(FIRST)), WarmStep("another", lambda: None)]
     monkeypatch.setattr(warm, "steps", lambda methods: steps)
     monkeypatch.setattr(warm, "cores", lambda: 1)
     return compile_it
@@ -45,7 +45,7 @@ def test_it_says_what_is_compiled_and_how_many_are_left(
 def test_what_is_there_is_not_compiled_again(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)])
+    monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None)])
     monkeypatch.setattr(warm, "cores", lambda: 1)
     assert main(["warm"]) == 0
     said = capsys.readouterr()
@@ -56,7 +56,7 @@ def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkey
     def interrupted() -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None), Step("two", interrupted)])
+    monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None), WarmStep("two", interrupted)])
     monkeypatch.setattr(warm, "cores", lambda: 1)
     assert main(["warm"]) == 130
     assert capsys.readouterr().err == "sinuous: interrupted after 1 of 2; what is compiled stays so\n"
@@ -65,7 +65,7 @@ def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkey
 def test_methods_are_chosen_by_name(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str, ...]] = []
 
-    def steps(methods: Iterable[str]) -> list[Step]:
+    def steps(methods: Iterable[str]) -> list[WarmStep]:
         asked.append(tuple(methods))
         return []
 
@@ -87,7 +87,7 @@ def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatc
 
 
 def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)] * 99)
+    monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None)] * 99)
     with pytest.raises(IndexError):
         warm._use_in_processes(1, ("dls",), warm._Shown(99))
 
@@ -110,8 +110,8 @@ def test_the_store_is_shown_and_emptied(
 def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     took: list[tuple[str, float]] = []
     steps = [
-        Step("one", lambda: took.append(("b", 2.5))),
-        Step("kinematics", lambda: took.append(("a", 1.0))),
+        WarmStep("one", lambda: took.append(("b", 2.5))),
+        WarmStep("kinematics", lambda: took.append(("a", 1.0))),
     ]
     monkeypatch.setattr(warm, "TOOK", took)
     monkeypatch.setattr(warm, "steps", lambda methods: steps)

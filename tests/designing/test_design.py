@@ -16,7 +16,7 @@ from sinuous.designing import descent, find
 from sinuous.designing.design import Design
 from sinuous.designing.fields import Space
 from sinuous.designing.judge import Judge
-from sinuous.designing.search import Candidates, Search, front
+from sinuous.designing.search import RobotCandidates, RobotSearch, front
 from sinuous.robot.segment import straight
 from sinuous.solution.verification import verify
 from tests.helpers import refused
@@ -122,7 +122,7 @@ def test_any_number_of_workers_and_any_interruption_leave_it_the_same(
 ) -> None:
     whole = run(robots=64)
     assert run(robots=64, workers=3).to_dict()["front"] == whole.to_dict()["front"]
-    judged, count = find._Run._judged, []
+    judged, count = find._DesignRun._judged, []
 
     def interrupted(self: Any, *arguments: Any) -> Any:
         count.append(1)
@@ -130,7 +130,7 @@ def test_any_number_of_workers_and_any_interruption_leave_it_the_same(
             raise KeyboardInterrupt
         return judged(self, *arguments)
 
-    monkeypatch.setattr(find._Run, "_judged", interrupted)
+    monkeypatch.setattr(find._DesignRun, "_judged", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(robots=64, out=tmp_path / "front.csv")
     assert len(list((tmp_path / "front.csv.parts").glob("chunk-*"))) == 2
@@ -147,7 +147,7 @@ def test_processes_and_dask_find_the_same_and_go_on_where_another_was_interrupte
 ) -> None:
     pytest.importorskip("distributed")
     whole = run(robots=32).to_dict()["front"]
-    judged, count = find._Run._judged, []
+    judged, count = find._DesignRun._judged, []
 
     def interrupted(self: Any, *arguments: Any) -> Any:
         count.append(1)
@@ -155,7 +155,7 @@ def test_processes_and_dask_find_the_same_and_go_on_where_another_was_interrupte
             raise KeyboardInterrupt
         return judged(self, *arguments)
 
-    monkeypatch.setattr(find._Run, "_judged", interrupted)
+    monkeypatch.setattr(find._DesignRun, "_judged", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(robots=32, engine="processes", out=tmp_path / "front.csv")
     with socket() as other:
@@ -243,8 +243,8 @@ def test_the_front_leaves_out_what_something_is_better_than() -> None:
 
 
 def test_generations_stay_within_the_ranges() -> None:
-    search = Search([0, 2], 3, 5, known=(2, np.array([0.5, 0.0, 1.0])))
-    found: list[Candidates] = []
+    search = RobotSearch([0, 2], 3, 5, known=(2, np.array([0.5, 0.0, 1.0])))
+    found: list[RobotCandidates] = []
     for number in range(8):
         combination, shares, begin, source, _ = search.generation(number, found)
         assert set(combination.tolist()) <= {0, 2}
@@ -252,7 +252,7 @@ def test_generations_stay_within_the_ranges() -> None:
         many = len(combination)
         own = shares.sum(axis=1, keepdims=True)
         done = np.full(many, 3), np.ones(many), own, np.full(many, -1)
-        found.append(Candidates(combination, shares, *done, begin, source, np.ones(many, int)))
+        found.append(RobotCandidates(combination, shares, *done, begin, source, np.ones(many, int)))
     assert found[0].combination[0] == 2
     assert found[-1].objectives.min() < found[0].objectives.min()
 

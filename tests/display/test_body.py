@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.display.body import BodySurface, Part
+from sinuous.display.body import BodySurface, ColouredPart
 from sinuous.display.obstacles import as_triangles
 from sinuous.pictures.paint import normals
 from tests.helpers import random_pose
@@ -13,7 +13,7 @@ RNG = np.random.default_rng(1)
 AROUND = 16
 
 
-def body_parts(surface: BodySurface) -> list[Part]:
+def body_parts(surface: BodySurface) -> list[ColouredPart]:
     return [part for part in surface.parts if part.segment is not None]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.display.contents import gather
-from sinuous.viewer.model import Model
+from sinuous.viewer.model import PageModel
 from sinuous.viewer.status import judge, nearest
 
 pytest.importorskip("matplotlib").use("agg")
@@ -146,5 +146,5 @@ def test_the_page_tells_what_holds_of_the_loaded_body() -> None:
     assert near is not None
     least = (np.linalg.norm(shape.backbone(16) - [0.35, 0.0, -0.2], axis=-1)).min() - 0.05 - 0.012
     assert near.distance == pytest.approx(least, abs=1e-4)
-    page = Model(sn.Job(HANGING, sn.Target(direction=(1, 0, 0)), start=Q))
+    page = PageModel(sn.Job(HANGING, sn.Target(direction=(1, 0, 0)), start=Q))
     np.testing.assert_allclose(page.target_frame(0)[:3, 3], shape.tip[:3, 3], atol=1e-9)

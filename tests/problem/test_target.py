@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.poses import rotation_matrix
-from sinuous.problem.target import Goals, Target, target_list, target_table
+from sinuous.problem.target import Target, TipGoals, target_list, target_table
 from sinuous.robot.robot import Robot
 from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
 
@@ -172,7 +172,7 @@ P, D, R = RNG.normal(size=(20, 3)), RNG.normal(size=(20, 3)), Rotation.random(20
     ids="+".join,
 )
 def test_rows_are_those_of_targets(given: dict[str, Any]) -> None:
-    goals = Goals.read(given)
+    goals = TipGoals.read(given)
     names = {"positions": "position", "directions": "direction", "rotations": "rotation", "xyzw": "xyzw"}
     for i in range(20):
         single = Target(**{names[key]: value[i] for key, value in given.items()})
@@ -190,7 +190,7 @@ def test_rows_are_those_of_targets(given: dict[str, Any]) -> None:
 
 def test_what_is_given_may_change_afterwards() -> None:
     own = P.copy()
-    goals = Goals.read({"positions": own})
+    goals = TipGoals.read({"positions": own})
     own[:] = 0.0
     assert goals.positions is not None
     np.testing.assert_array_equal(goals.positions, P)
@@ -198,7 +198,7 @@ def test_what_is_given_may_change_afterwards() -> None:
 
 def test_loose_rotations_are_made_exact_one_like_many() -> None:
     loose = R.as_matrix() + 1e-8 * RNG.normal(size=(20, 3, 3))
-    many = Goals.read({"rotations": loose}).rotations
+    many = TipGoals.read({"rotations": loose}).rotations
     assert many is not None
     for matrix, exact in zip(loose, many, strict=True):
         np.testing.assert_array_equal(exact, rotation_matrix("rotation", matrix))
@@ -208,34 +208,36 @@ def test_loose_rotations_are_made_exact_one_like_many() -> None:
 def test_the_bad_row_is_named() -> None:
     bad = P.copy()
     bad[17, 1] = np.nan
-    refused("positions[17]", lambda: Goals.read({"positions": bad}), "3 finite numbers", "nan")
-    refused("directions[17]", lambda: Goals.read({"directions": bad}), "3 finite numbers")
-    refused("directions[4]", lambda: Goals.read({"directions": np.where(np.arange(20)[:, None] == 4, 0.0, D)}), "zero")
+    refused("positions[17]", lambda: TipGoals.read({"positions": bad}), "3 finite numbers", "nan")
+    refused("directions[17]", lambda: TipGoals.read({"directions": bad}), "3 finite numbers")
+    refused(
+        "directions[4]", lambda: TipGoals.read({"directions": np.where(np.arange(20)[:, None] == 4, 0.0, D)}), "zero"
+    )
     mirrored = R.as_matrix()
     mirrored[5] *= -1.0
-    refused("rotations[5]", lambda: Goals.read({"rotations": mirrored}), "determinant 1")
+    refused("rotations[5]", lambda: TipGoals.read({"rotations": mirrored}), "determinant 1")
     mirrored[2, 0, 0] = np.inf
-    refused("rotations[2]", lambda: Goals.read({"rotations": mirrored}), "rows of 3 finite numbers")
+    refused("rotations[2]", lambda: TipGoals.read({"rotations": mirrored}), "rows of 3 finite numbers")
     quaternions = R.as_quat()
     quaternions[9] = 0.0
-    refused("xyzw[9]", lambda: Goals.read({"xyzw": quaternions}), "not zero")
-    refused("rotations[9]", lambda: Goals.read({"rotations": quaternions}), "not zero")
+    refused("xyzw[9]", lambda: TipGoals.read({"xyzw": quaternions}), "not zero")
+    refused("rotations[9]", lambda: TipGoals.read({"rotations": quaternions}), "not zero")
 
 
 def test_what_does_not_fit_together_is_refused() -> None:
-    refused("positions", partial(Goals.read, {}), "nothing is asked")
-    refused("directions", lambda: Goals.read({"positions": P, "directions": D[:4]}), "positions: 20", "got 4")
-    refused("rotations", lambda: Goals.read({"positions": P, "rotations": R[:4]}), "positions: 20", "got 4")
-    refused("xyzw", lambda: Goals.read({"positions": P[:4], "xyzw": R.as_quat()}), "positions: 4", "got 20")
-    refused("directions", lambda: Goals.read({"positions": P, "directions": D, "rotations": R}), "one of directions")
-    refused("xyzw", lambda: Goals.read({"rotations": R, "xyzw": R.as_quat()}), "one of rotations, xyzw")
+    refused("positions", partial(TipGoals.read, {}), "nothing is asked")
+    refused("directions", lambda: TipGoals.read({"positions": P, "directions": D[:4]}), "positions: 20", "got 4")
+    refused("rotations", lambda: TipGoals.read({"positions": P, "rotations": R[:4]}), "positions: 20", "got 4")
+    refused("xyzw", lambda: TipGoals.read({"positions": P[:4], "xyzw": R.as_quat()}), "positions: 4", "got 20")
+    refused("directions", lambda: TipGoals.read({"positions": P, "directions": D, "rotations": R}), "one of directions")
+    refused("xyzw", lambda: TipGoals.read({"rotations": R, "xyzw": R.as_quat()}), "one of rotations, xyzw")
     shapes = (5, "a", [[1, 2]], P.T, P[0], P[None], [[1, 2, True]], [[1, 2, 3], [1, 2]], True)
-    refused_each("positions", shapes, lambda value: Goals.read({"positions": value}), "rows of 3 finite numbers")
-    refused_each("xyzw", (True, P, R.as_matrix()), lambda value: Goals.read({"xyzw": value}), "rows of 4")
-    refused_each("rotations", (True, P[0], 3), lambda value: Goals.read({"rotations": value}), "quaternions")
+    refused_each("positions", shapes, lambda value: TipGoals.read({"positions": value}), "rows of 3 finite numbers")
+    refused_each("xyzw", (True, P, R.as_matrix()), lambda value: TipGoals.read({"xyzw": value}), "rows of 4")
+    refused_each("rotations", (True, P[0], 3), lambda value: TipGoals.read({"rotations": value}), "quaternions")
 
 
 def test_there_may_be_none() -> None:
-    assert len(Goals.read({"positions": np.empty((0, 3))})) == 0
-    assert Goals.read({"directions": np.empty((0, 3)), "positions": np.empty((0, 3))}).rows.shape == (0, 15)
-    assert len(Goals.read({"rotations": np.empty((0, 3, 3))})) == 0
+    assert len(TipGoals.read({"positions": np.empty((0, 3))})) == 0
+    assert TipGoals.read({"directions": np.empty((0, 3)), "positions": np.empty((0, 3))}).rows.shape == (0, 15)
+    assert len(TipGoals.read({"rotations": np.empty((0, 3, 3))})) == 0

@@ -4,12 +4,12 @@ import numpy as np
 
 from sinuous.kernels.tables import RANDOM, ROUTE, SOLVED, Outcome
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.several import CANDIDATES, CLASS_PATIENCE, Classes, Distinct
 from tests.helpers import Floats
 from tests.solving.classes.places import ROBOT, pillar
 
-CURVES = Curves(ROBOT, Scene(pillar()).snapshot())
+CURVES = ClassCurves(ROBOT, Scene(pillar()).snapshot())
 
 
 def beside(side: float, bend: float = 0.0) -> Floats:

@@ -28,7 +28,7 @@ from sinuous.kernels.tables import (
 from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.search import ENOUGH, FirstSolved
 from sinuous.solving.several import PATIENCE, Distinct
-from sinuous.solving.starts import Batch
+from sinuous.solving.starts import StartBatch
 
 NONE = np.empty((0, 2, 3))
 IMPOSSIBLE = (OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE)
@@ -169,11 +169,11 @@ def test_effort_adds_up_and_the_best_only_gets_better(first: Outcome, later: lis
 class Source:
     """Batches one after the other, and how many of them were asked for."""
 
-    def __init__(self, *batches: Batch, hands: Hands | None = None) -> None:
+    def __init__(self, *batches: StartBatch, hands: Hands | None = None) -> None:
         self.asked = 0
         self._batches, self._hands = batches, hands
 
-    def __iter__(self) -> Iterator[Batch]:
+    def __iter__(self) -> Iterator[StartBatch]:
         for batch in self._batches:
             self.asked += 1
             if self._hands is not None:
@@ -185,10 +185,10 @@ class Answers:
     """A method that gives these answers in turn, and the batches that it was given."""
 
     def __init__(self, *answers: Outcome) -> None:
-        self.seen: list[tuple[Batch, float]] = []
+        self.seen: list[tuple[StartBatch, float]] = []
         self._answers = iter(answers)
 
-    def __call__(self, batch: Batch, seconds: float) -> Outcome:
+    def __call__(self, batch: StartBatch, seconds: float) -> Outcome:
         self.seen.append((batch, seconds))
         return next(self._answers)
 
@@ -199,7 +199,7 @@ def initial(count: int) -> Floats:
 
 def test_no_more_is_asked_for_than_is_needed() -> None:
     hands = Hands()
-    source = Source(*[Batch(SOURCES[ROUTE], initial(2))] * 3, hands=hands)
+    source = Source(*[StartBatch(SOURCES[ROUTE], initial(2))] * 3, hands=hands)
     method = Answers(outcome(starts=1), outcome(starts=1, code=SOLVED))
     search = FirstSolved(outcome(starts=1, seconds=0.5), 100, 9.0, hands)
     search.pursue(iter(source), method)
@@ -211,7 +211,7 @@ def test_no_more_is_asked_for_than_is_needed() -> None:
 
 
 def test_nothing_is_asked_for_when_it_is_over() -> None:
-    source = Source(Batch(SOURCES[ROUTE], initial(1)))
+    source = Source(StartBatch(SOURCES[ROUTE], initial(1)))
     for first, most, seconds in (
         (outcome(code=SOLVED), 100, 9.0),
         (outcome(code=OUT_OF_REACH), 100, 9.0),
@@ -223,7 +223,11 @@ def test_nothing_is_asked_for_when_it_is_over() -> None:
 
 
 def test_a_proof_on_the_way_ends_the_search() -> None:
-    source = Source(Batch(SOURCES[ROUTE], NONE), Batch(SOURCES[ROUTE], NONE, closed=0.25), Batch(SOURCES[ROUTE], NONE))
+    source = Source(
+        StartBatch(SOURCES[ROUTE], NONE),
+        StartBatch(SOURCES[ROUTE], NONE, closed=0.25),
+        StartBatch(SOURCES[ROUTE], NONE),
+    )
     search = FirstSolved(outcome(), 100, 9.0)
     search.pursue(iter(source), Answers())
     assert source.asked == 2
@@ -231,7 +235,7 @@ def test_a_proof_on_the_way_ends_the_search() -> None:
 
 
 def test_a_method_without_such_starts_is_asked_once() -> None:
-    source = Source(Batch(SOURCES[RANDOM], NONE, (4, 40)), Batch(SOURCES[RANDOM], NONE, (40, 50)))
+    source = Source(StartBatch(SOURCES[RANDOM], NONE, (4, 40)), StartBatch(SOURCES[RANDOM], NONE, (40, 50)))
     method = Answers(outcome(starts=0))
     FirstSolved(outcome(), 100, 9.0).pursue(iter(source), method)
     assert source.asked == 1
@@ -280,7 +284,7 @@ def test_proofs_end_the_search_for_more(code: int) -> None:
 def test_every_start_is_followed_by_itself() -> None:
     method = Answers(*(at(float(i)) for i in range(5)))
     search = distinct(count=5)
-    search.pursue(iter(Source(Batch(SOURCES[GIVEN], initial(2), (0, 9)))), method)
+    search.pursue(iter(Source(StartBatch(SOURCES[GIVEN], initial(2), (0, 9)))), method)
     assert [(len(batch.initial), batch.own) for batch, _ in method.seen] == [
         (1, (0, 0)),
         (1, (0, 0)),
@@ -294,7 +298,7 @@ def test_every_start_is_followed_by_itself() -> None:
 def test_the_starts_are_counted() -> None:
     search = distinct(count=50, most=3)
     method = Answers(*(at(float(i)) for i in range(9)))
-    search.pursue(iter(Source(Batch(SOURCES[RANDOM], NONE, (0, 9)))), method)
+    search.pursue(iter(Source(StartBatch(SOURCES[RANDOM], NONE, (0, 9)))), method)
     assert len(method.seen) == 3
 
 

@@ -10,7 +10,7 @@ from sinuous.kernels.tables import RANDOM, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.starts import Question, Scattered, StartBatch
 from tests.helpers import Floats
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))
@@ -26,7 +26,7 @@ def question(count: int = 0) -> Question:
 
 @given(st.integers(0, 9), st.integers(0, 20), st.integers(0, 30), st.lists(st.integers(1, 9), min_size=1))
 def test_parts_are_the_whole(count: int, first: int, own: int, sizes: list[int]) -> None:
-    batch = Batch("route", initial(count), (first, first + own), cost=3.0)
+    batch = StartBatch("route", initial(count), (first, first + own), cost=3.0)
     asked = itertools.cycle(sizes)
     limits: list[int] = []
 

@@ -21,8 +21,8 @@ from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempt
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.growth import FIRST_WIDTH
-from sinuous.solving.routing.searches import Plan, Searches
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.routing.searches import RouteSearch, Searches
+from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import Strategy, attempts_of, plans_of
 from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
@@ -33,7 +33,7 @@ SCENE = Scene([Sphere((0, 0, 2.2), 0.7), Sphere((0.9, 0.2, 3.1), 0.4)])
 TARGET = Target((0, 0, 4.4))
 WIDEST = 8 * FIRST_WIDTH
 """Of beams that the tests wait for; nearly all of the time goes into wide ones."""
-Make = Callable[[], Iterator[Batch]]
+Make = Callable[[], Iterator[StartBatch]]
 
 
 def question(scene: Scene = SCENE, seconds: float = 60.0, several: bool = False, given: int = 0) -> Question:
@@ -88,15 +88,15 @@ def narrow_beams(monkeypatch: pytest.MonkeyPatch) -> None:
 def noted(order: list[str], name: str) -> Make:
     """Make nothing, and note that it was made."""
 
-    def make() -> Iterator[Batch]:
+    def make() -> Iterator[StartBatch]:
         order.append(name)
         return iter(())
 
     return make
 
 
-def chains(count: int, cost: float = 0.0) -> Iterator[Batch]:
-    yield Batch(SOURCES[ROUTE], np.zeros((count, 5, 3)), cost=cost)
+def chains(count: int, cost: float = 0.0) -> Iterator[StartBatch]:
+    yield StartBatch(SOURCES[ROUTE], np.zeros((count, 5, 3)), cost=cost)
 
 
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 3)), max_size=12))
@@ -104,7 +104,7 @@ def test_attempts_come_by_price_and_those_of_one_price_in_order(asked: list[tupl
     strategy, order = alone(("scattered",)), list[int]()
     for number, (price, size) in enumerate(asked):
 
-        def make(number: int = number, size: int = size) -> Iterator[Batch]:
+        def make(number: int = number, size: int = size) -> Iterator[StartBatch]:
             order.append(number)
             return chains(size)
 
@@ -116,7 +116,7 @@ def test_attempts_come_by_price_and_those_of_one_price_in_order(asked: list[tupl
 def test_an_attempt_may_add_others_which_come_in_their_turn() -> None:
     strategy, order = alone(("scattered",)), list[str]()
 
-    def first() -> Iterator[Batch]:
+    def first() -> Iterator[StartBatch]:
         order.append("first")
         strategy.add("laid", 0, noted(order, "cheap"))
         strategy.add("laid", 9, noted(order, "dear"))
@@ -135,7 +135,7 @@ def test_searches_through_other_passages_end_when_the_time_does(
     searched: list[int] = []
     routes = Passages.routes
 
-    def counted(self: Passages, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+    def counted(self: Passages, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
         searched.append(len(closed))
         return routes(self, closed, plan)
 

@@ -14,7 +14,7 @@ from sinuous.display.curves import speeds_of
 from sinuous.errors import InputError
 from sinuous.robot.segment import straight
 from sinuous.solution.remedies import Remedy
-from sinuous.viewer.model import History, Model, least_of
+from sinuous.viewer.model import History, PageModel, least_of
 from sinuous.viewer.saving import loaded, saved
 from sinuous.viewer.solvers import QUICK, Solvers
 
@@ -24,12 +24,12 @@ ASIDE = sn.Sphere((-0.9, 0, 1.5), radius=0.2, name="aside")
 GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [1, 3], [(1, 0, 2), (1, 3, 2)])
 
 
-def model(**values: object) -> Model:
+def model(**values: object) -> PageModel:
     parts: dict[str, object] = {"target": sn.Target((1, 0, 2)), "scene": [BALL]}
-    return Model(sn.Job(**({"robot": ROBOT} | parts | values)))  # type: ignore[arg-type]
+    return PageModel(sn.Job(**({"robot": ROBOT} | parts | values)))  # type: ignore[arg-type]
 
 
-def moving(**values: object) -> Model:
+def moving(**values: object) -> PageModel:
     return model(**({"scene": [ASIDE, GATE], "rates": sn.Rates(bend=0.8, length=0.3)} | values))
 
 

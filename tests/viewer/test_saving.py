@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.errors import InputError
-from sinuous.viewer.model import Model
+from sinuous.viewer.model import PageModel
 from sinuous.viewer.saving import loaded, saved
 from tests.scene.shapes import cube
 
@@ -17,7 +17,7 @@ PROBLEM = b"robot: {segments: {count: 3, length: [0.8, 1.2]}}\ntarget: {position
 def test_a_saved_problem_is_what_is_on_the_page(tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", np.ones((4, 3)))
     (tmp_path / "problem.yaml").write_bytes(PROBLEM + b"scene: [{points: {file: scan.npy, radius: 0.1}}]\n")
-    page = Model(sn.load(tmp_path / "problem.yaml", sn.Job))
+    page = PageModel(sn.load(tmp_path / "problem.yaml", sn.Job))
     page.add("capsule")
     page.place_target(0, np.array([0.1, 0.2, 2.5]))
     page.limit(1, max_bend=1.25)
@@ -41,7 +41,7 @@ def test_obstacles_that_were_moved_are_saved_where_they_are() -> None:
         sn.PointCloud([[3, 0, 0], [3, 1, 0]], 0.1),
         sn.Grid(cell, (4, 0, 0), 0.2),
     ]
-    page = Model(sn.Job(sn.Robot.uniform(3, (0.8, 1.2)), sn.Target((1, 0, 2)), scene))
+    page = PageModel(sn.Job(sn.Robot.uniform(3, (0.8, 1.2)), sn.Target((1, 0, 2)), scene))
     for index in range(3):
         page.grasp(index)
         assert page.grip is not None
@@ -56,7 +56,7 @@ def test_obstacles_that_were_moved_are_saved_where_they_are() -> None:
 
 def test_a_path_keeps_all_its_waypoints(tmp_path: Path) -> None:
     text = PROBLEM.replace(b"target: {position: [1, 0, 2]}", b"path: [{position: [1, 0, 2]}, {position: [1, 0.1, 2]}]")
-    page = Model(loaded("path.yaml", text, tmp_path))
+    page = PageModel(loaded("path.yaml", text, tmp_path))
     page.go_to_waypoint(1)
     page.place_target(0, np.array([1.0, 0.4, 2.0]))
     again = loaded("path.yaml", saved(page).encode(), tmp_path)

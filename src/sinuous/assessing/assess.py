@@ -52,7 +52,7 @@ class Total(NamedTuple):
     binds: str | None
 
 
-class Row(NamedTuple):
+class TaskRow(NamedTuple):
     """One task of one robot; see `Done`."""
 
     robot: str
@@ -66,13 +66,13 @@ class Assessment(ShortRepr):
 
     Attributes
     ----------
-    rows : tuple of Row
+    rows : tuple of TaskRow
         Robots in their order, and the tasks of each in theirs.
     totals : tuple of Total
         One a robot.
     """
 
-    def __init__(self, rows: tuple[Row, ...]) -> None:
+    def __init__(self, rows: tuple[TaskRow, ...]) -> None:
         self.rows = rows
         robots = list(dict.fromkeys(row.robot for row in rows))
         self.totals = tuple(_total(name, [row.done for row in rows if row.robot == name]) for name in robots)
@@ -86,7 +86,7 @@ class Assessment(ShortRepr):
         """Return the robot that can do most; of several the one with the largest share, then the largest clearance."""
         return max(self.totals, key=lambda total: (total.done, total.share, total.clearance or 0.0))
 
-    def failed(self, robot: str | None = None) -> list[Row]:
+    def failed(self, robot: str | None = None) -> list[TaskRow]:
         """List the tasks that a robot cannot do; by default of all robots."""
         return [row for row in self.rows if row.done.status != SOLVED and robot in (None, row.robot)]
 
@@ -180,7 +180,7 @@ def assess(
         for task in asked:
             with checks.inside(f"tasks[{task!r}]" + (f" of {name}" if len(robots) > 1 else "")):
                 asked[task].check(each)
-    rows: list[Row] = []
+    rows: list[TaskRow] = []
     with ProgressBar(len(robots) * len(asked) if checks.truth("progress", progress) else 0) as bar:
         for i, (name, each) in enumerate(robots.items()):
             with warnings.catch_warnings():
@@ -188,7 +188,7 @@ def assess(
                     warnings.simplefilter("ignore", SuspiciousInput)
                 solver = Solver(each, place, **options)
             for task in asked:
-                rows.append(Row(name, task, asked[task].kind, asked[task].do(solver)))
+                rows.append(TaskRow(name, task, asked[task].kind, asked[task].do(solver)))
                 bar.advance()
     return Assessment(tuple(rows))
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.arguments import Parameter, Rows, Stack
-from sinuous.batch.checkpoint import Checkpoint, Memory, check_same, read_record, write_record
+from sinuous.batch.checkpoint import Checkpoint, InMemory, check_same, read_record, write_record
 from sinuous.batch.tables.kinds import NpzRows, joined, open_source, write_results
 from sinuous.batch.tables.layout import CODES, INVALID, SKIPPED, STATUSES, Block, Layout
-from sinuous.batch.work import Work
+from sinuous.batch.work import ChunkSolver
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.groups import read_tangent
@@ -57,7 +57,7 @@ class Answers:
 
     Attributes
     ----------
-    work : Work
+    work : ChunkSolver
     targets : path, mapping of arrays, or array_like
     fingerprint : str
         Of the targets that were solved.
@@ -67,7 +67,7 @@ class Answers:
         The table of results, or arrays by their names.
     """
 
-    work: Work
+    work: ChunkSolver
     targets: Any
     fingerprint: str
     chunk: int
@@ -278,7 +278,7 @@ class Results:
     ) -> None:
         self._layout, self._rows, self._chunk = layout, rows, chunk
         self._out, self._record = out, record or {}
-        self._chunks: Memory | Checkpoint = Memory() if out is None else Checkpoint(out, self._record, "this batch")
+        self._chunks: InMemory | Checkpoint = InMemory() if out is None else Checkpoint(out, self._record, "this batch")
         self._count = -(-rows // chunk)
         self._before = 0
         self._done: set[int] = set()
@@ -323,7 +323,7 @@ class Results:
     @property
     def kept(self) -> str:
         """What outlives a run that cannot go on, in words."""
-        if isinstance(self._chunks, Memory):
+        if isinstance(self._chunks, InMemory):
             return "nothing is kept without a file of results"
         done = f"{len(self._chunks.done())} of {self._count} chunks are kept in {self._chunks.folder}"
         return f"{done}; the same command goes on from there"

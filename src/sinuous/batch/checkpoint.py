@@ -33,7 +33,7 @@ Arrays = dict[str, NDArray[Any]]
 """Arrays by name: what a chunk consists of."""
 
 
-class Memory:
+class InMemory:
     """Chunks in memory: where there is no file of results, nothing outlives the run."""
 
     begun = False

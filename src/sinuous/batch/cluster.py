@@ -9,7 +9,7 @@ from uuid import uuid4
 from sinuous import checks
 from sinuous.batch.engines import PER_WORKER, Engine, LostError, pickled
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task, Work
+from sinuous.batch.work import Chunk, ChunkSolver
 from sinuous.errors import InputError
 
 LOCAL = "local"
@@ -43,9 +43,9 @@ def distributed() -> Any:
     return checks.needed("distributed", "cluster", "dask", "dask")
 
 
-def _solve(name: str, task: Task) -> Block:
+def _solve(name: str, task: Chunk) -> Block:
     """In a worker: solve a chunk with the work that it has."""
-    work: Work = distributed().get_worker().plugins[name].work
+    work: ChunkSolver = distributed().get_worker().plugins[name].work
     return work(task)
 
 
@@ -57,7 +57,7 @@ def _plugin(data: bytes, name: str) -> Any:
 
         def __init__(self) -> None:
             self.name, self.data = name, data
-            self.work: Work | None = None
+            self.work: ChunkSolver | None = None
 
         def setup(self, worker: Any) -> None:
             """Unpickle the work."""
@@ -72,7 +72,7 @@ class Dask(Engine):
 
     Parameters
     ----------
-    work : Work
+    work : ChunkSolver
     where : str or Client
         Address of a scheduler, `local`, or a client, which is left to the caller.
     workers : int
@@ -81,7 +81,7 @@ class Dask(Engine):
 
     gone = "the Dask scheduler is gone"
 
-    def __init__(self, work: Work, where: Any, workers: int) -> None:
+    def __init__(self, work: ChunkSolver, where: Any, workers: int) -> None:
         module = distributed()
         data = pickled(work)
         self._own: list[Any] = []
@@ -111,7 +111,7 @@ class Dask(Engine):
         self._own.insert(0, client)
         return client
 
-    def submit(self, task: Task) -> "Future[Block]":
+    def submit(self, task: Chunk) -> "Future[Block]":
         """Hand a task to a worker; a worker that dies is replaced by another one, up to three times."""
         if self._client.status != "running":
             raise LostError(self.gone)

@@ -9,7 +9,7 @@ from sinuous.batch.batch import Failed
 from sinuous.batch.cluster import LOCAL, Dask
 from sinuous.batch.engines import Engine, GivenExecutor, LostError, Processes, Threads
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task
+from sinuous.batch.work import Chunk
 from sinuous.errors import InputError, UnfinishedError
 
 MOST_TRIES = 3
@@ -39,11 +39,11 @@ class Dispatcher:
         Chunks that were given up.
     """
 
-    def __init__(self, engine: Engine, tasks: Iterator[Task], keep: Callable[[Task, Block], None]) -> None:
+    def __init__(self, engine: Engine, tasks: Iterator[Chunk], keep: Callable[[Chunk, Block], None]) -> None:
         self._engine, self._tasks, self._keep = engine, tasks, keep
-        self._in_flight: dict[Future[Block], Task] = {}
-        self._again: deque[Task] = deque()
-        self._suspects: deque[Task] = deque()  # to be tried alone
+        self._in_flight: dict[Future[Block], Chunk] = {}
+        self._again: deque[Chunk] = deque()
+        self._suspects: deque[Chunk] = deque()  # to be tried alone
         self._tries: dict[int, int] = {}
         self.failed: list[Failed] = []
 
@@ -78,7 +78,7 @@ class Dispatcher:
                 self._again.appendleft(task)
                 raise
 
-    def _next(self) -> Task | None:
+    def _next(self) -> Chunk | None:
         if self._suspects:
             return self._suspects[0] if not self._in_flight else None
         return self._again.popleft() if self._again else next(self._tasks, None)
@@ -102,12 +102,12 @@ class Dispatcher:
         self._clear_of_suspicion(task)
         self._keep(task, block)
 
-    def _clear_of_suspicion(self, task: Task) -> None:
+    def _clear_of_suspicion(self, task: Chunk) -> None:
         """A task that was tried alone has ended, and its worker is alive."""
         if self._suspects and self._suspects[0] is task:
             self._suspects.popleft()
 
-    def _give_up(self, task: Task, error: BaseException) -> bool:
+    def _give_up(self, task: Chunk, error: BaseException) -> bool:
         """Count a try that failed; return whether it was the last one."""
         self._tries[task.number] = self._tries.get(task.number, 0) + 1
         if self._tries[task.number] < MOST_TRIES:
@@ -131,7 +131,7 @@ class Dispatcher:
             self._tries[task.number] = self._tries.get(task.number, 0) + 1
         self._suspects.extend(lost)
 
-    def _rescued(self, future: "Future[Block]", task: Task) -> bool:
+    def _rescued(self, future: "Future[Block]", task: Chunk) -> bool:
         """Take an answer that was finished before the workers died."""
         if not future.done() or future.cancelled() or future.exception() is not None:
             return False
@@ -175,10 +175,10 @@ def all_done(engine: Engine, chunks: Iterable[Block], undone: str) -> list[Block
     """
     found: dict[int, Block] = {}
 
-    def keep(task: Task, block: Block) -> None:
+    def keep(task: Chunk, block: Block) -> None:
         found[task.number] = block
 
-    dispatcher = Dispatcher(engine, (Task(i, i, raw) for i, raw in enumerate(chunks)), keep)
+    dispatcher = Dispatcher(engine, (Chunk(i, i, raw) for i, raw in enumerate(chunks)), keep)
     dispatcher.run()
     if dispatcher.failed:
         raise UnfinishedError(f"{undone}: {dispatcher.failed[0].why}")

@@ -14,7 +14,7 @@ from threading import Lock, get_ident
 from typing import Any, Self
 
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task, Work
+from sinuous.batch.work import Chunk, ChunkSolver
 from sinuous.errors import InputError
 from sinuous.scene.grids import Field
 from sinuous.solving.crew import dismiss
@@ -42,7 +42,7 @@ class Engine(ABC):
     gone = "the workers are gone"
 
     @abstractmethod
-    def submit(self, task: Task) -> "Future[Block]":
+    def submit(self, task: Chunk) -> "Future[Block]":
         """Hand a task to a worker.
 
         Raises
@@ -75,17 +75,17 @@ class Engine(ABC):
 class Threads(Engine):
     """Threads of this process, each with a chunk of its own: compiled code runs without the interpreter's lock."""
 
-    def __init__(self, work: Callable[[Task], Block], workers: int) -> None:
+    def __init__(self, work: Callable[[Chunk], Block], workers: int) -> None:
         self._work = work
         self._pool = ThreadPoolExecutor(workers)
         self._lock, self._busy = Lock(), set[int]()
         self.most_in_flight = workers + 1
 
-    def submit(self, task: Task) -> "Future[Block]":
+    def submit(self, task: Chunk) -> "Future[Block]":
         """Hand a task to a thread."""
         return self._pool.submit(self._do, task)
 
-    def _do(self, task: Task) -> Block:
+    def _do(self, task: Chunk) -> Block:
         """Solve a chunk, in a thread that may be dismissed meanwhile."""
         with self._lock:
             self._busy.add(get_ident())
@@ -111,7 +111,7 @@ class Processes(Engine):
     killed while it writes or reads more than a pipe takes at once would leave the others waiting for the rest forever.
     """
 
-    def __init__(self, work: Work, workers: int) -> None:
+    def __init__(self, work: ChunkSolver, workers: int) -> None:
         self._data, self._workers = pickled(work), workers
         self.most_in_flight = PER_WORKER * workers
         self._folder = tempfile.TemporaryDirectory(prefix="sinuous-", ignore_cleanup_errors=True)
@@ -128,7 +128,7 @@ class Processes(Engine):
             raise LostError(f"worker processes could not begin ({hint})") from None
         return pool
 
-    def submit(self, task: Task) -> "Future[Block]":
+    def submit(self, task: Chunk) -> "Future[Block]":
         """Hand a task to a process."""
         answer: Future[Block] = Future()
         name = to_file(task, self._folder.name)
@@ -181,14 +181,14 @@ def from_file(name: str) -> Any:
 class GivenExecutor(Engine):
     """An executor of the caller, who keeps it; the work travels with every task, unless it is one of threads."""
 
-    def __init__(self, work: Work, executor: Executor, workers: int) -> None:
+    def __init__(self, work: ChunkSolver, executor: Executor, workers: int) -> None:
         self._executor = executor
         self._work = work if isinstance(executor, ThreadPoolExecutor) else None
         self._data = b"" if self._work is not None else pickled(work)
         self._name = hashlib.sha256(self._data).hexdigest()
         self.most_in_flight = PER_WORKER * max(workers, getattr(executor, "_max_workers", workers))
 
-    def submit(self, task: Task) -> "Future[Block]":
+    def submit(self, task: Chunk) -> "Future[Block]":
         """Hand a task to the executor."""
         try:
             if self._work is not None:
@@ -203,11 +203,11 @@ class GivenExecutor(Engine):
         """Leave the executor to the caller."""
 
 
-_work: dict[str, Work] = {}
+_work: dict[str, ChunkSolver] = {}
 """In a worker process: the work that it has, by the hash of what travelled."""
 
 
-def _take_work(data: bytes, name: str = "") -> Work:
+def _take_work(data: bytes, name: str = "") -> ChunkSolver:
     """In a worker process: unpickle the work and load what it needs, once."""
     if name not in _work:
         _work[name] = pickle.loads(data).prepare()
@@ -219,12 +219,12 @@ def solve_file(name: str) -> str:
     return to_file(_work[""](from_file(name)), str(Path(name).parent))
 
 
-def _solve_with(name: str, data: bytes, task: Task) -> Block:
+def _solve_with(name: str, data: bytes, task: Chunk) -> Block:
     """In a worker process: solve a chunk with the work that came with it."""
     return _take_work(data, name)(task)
 
 
-def pickled(work: Work) -> bytes:
+def pickled(work: ChunkSolver) -> bytes:
     """Return the work as it travels to other processes.
 
     Raises

@@ -16,7 +16,7 @@ from sinuous.batch.engines import LostError
 from sinuous.batch.tables.kinds import check_results, open_source
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.tables.source import Source
-from sinuous.batch.work import Task, Work
+from sinuous.batch.work import Chunk, ChunkSolver
 from sinuous.errors import InputError, UnfinishedError
 from sinuous.problem.target import GoalArrays
 from sinuous.progress import ProgressBar
@@ -127,7 +127,7 @@ def solve_batch(
         raise InputError("shard", "needs a file of results", part, "out=, too")
     solver = Solver(robot, scene, **only_reading(given))
     begun = None if initial is None else checks.array("initial", initial, (len(robot), 3))
-    work = Work(solver, begun, near)
+    work = ChunkSolver(solver, begun, near)
     with closing(open_source(targets)) as source:
         fingerprint = source.fingerprint()
         start = "none" if begun is None else hash_of(begun.tobytes())
@@ -150,18 +150,18 @@ def solve_batch(
 
 
 def _solve(
-    results: Results, todo: list[int], source: Source, work: Work, engine: object, workers: int, shown: bool
+    results: Results, todo: list[int], source: Source, work: ChunkSolver, engine: object, workers: int, shown: bool
 ) -> list[Failed]:
     """Solve chunks by an engine; return those that were given up."""
 
-    def keep(task: Task, block: Block) -> None:
+    def keep(task: Chunk, block: Block) -> None:
         results.write(task.number, block)
         bar.advance(len(block["row"]))
 
-    def tasks() -> Iterator[Task]:
+    def tasks() -> Iterator[Chunk]:
         for number in todo:
             first, last = results.span(number)
-            yield Task(number, first, source.read(first, last))
+            yield Chunk(number, first, source.read(first, last))
 
     rows = sum(last - first for first, last in map(results.span, todo))
     with ProgressBar(rows if shown else 0, logged=shown) as bar, begin(engine, work, workers) as crew:

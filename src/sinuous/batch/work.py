@@ -11,7 +11,7 @@ from sinuous.batch.tables.layout import INVALID, Block, Layout
 from sinuous.batch.tables.source import Raw
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.target import Goals
+from sinuous.problem.target import TipGoals
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.solution.solutions import Solutions
 from sinuous.solving.many import read_initial
@@ -29,7 +29,7 @@ RUN = 8
 """Neighbours along the curve of which the first is solved by itself, and the others from its solution."""
 
 
-class Task(NamedTuple):
+class Chunk(NamedTuple):
     """A chunk of targets.
 
     Attributes
@@ -47,7 +47,7 @@ class Task(NamedTuple):
     raw: Raw
 
 
-class Work:
+class ChunkSolver:
     """Solves chunks; may be pickled and sent to workers.
 
     Parameters
@@ -63,12 +63,12 @@ class Work:
         self._solver, self._initial, self._warm = solver, initial, warm
         self.layout, self.scene = Layout.of(solver.robot), solver.scene
 
-    def prepare(self) -> "Work":
+    def prepare(self) -> "ChunkSolver":
         """Compile, or load, what solving needs."""
         self._solver.solve_many(positions=np.empty((0, 3)), initial=self._initial, workers=1)
         return self
 
-    def __call__(self, task: Task) -> Block:
+    def __call__(self, task: Chunk) -> Block:
         """Solve a chunk in this thread alone."""
         count = len(next(iter(task.raw.values())))
         block = self.layout.nothing(task.first, count, INVALID)
@@ -93,7 +93,7 @@ class Work:
             derived.append((own, Solutions(asked, answers[own], solver._resolver).derivative(wrt)))
         return Derivatives.of_parts(len(answers), derived)
 
-    def _parts(self, goals: Goals, q: Floats, rows: Whole) -> Iterator[tuple[Whole | slice, Floats | None]]:
+    def _parts(self, goals: TipGoals, q: Floats, rows: Whole) -> Iterator[tuple[Whole | slice, Floats | None]]:
         """Which targets are solved first, then which others; and where these solves begin.
 
         `q` holds the answers (m, n, 3) of the chunk, and `rows` says which of them are those of targets.
@@ -107,7 +107,7 @@ class Work:
             yield late, q[rows[early[near]]]
 
 
-def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
+def valid(raw: Raw) -> tuple[NDArray[np.int64], TipGoals]:
     """Find the rows (k,) that are targets, and check them."""
     good = np.ones(len(next(iter(raw.values()))), np.bool_)
     for part in raw.values():
@@ -116,14 +116,14 @@ def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
     while True:
         rows = np.flatnonzero(good)
         try:
-            return rows, Goals.read({key: part if good.all() else part[rows] for key, part in raw.items()})
+            return rows, TipGoals.read({key: part if good.all() else part[rows] for key, part in raw.items()})
         except InputError as error:
             if error.row is None:
                 raise
             good[rows[error.row[1]]] = False  # a direction of length 0, say
 
 
-def halves(goals: Goals) -> tuple[Whole, Whole, Whole]:
+def halves(goals: TipGoals) -> tuple[Whole, Whole, Whole]:
     """Divide targets into those that are solved first and those that begin from one of these.
 
     Neighbours are found along a Z-order curve (Morton 1966) over positions and columns of rotations.
@@ -141,7 +141,7 @@ def halves(goals: Goals) -> tuple[Whole, Whole, Whole]:
     return order[first], order[~first], places[~first] // RUN
 
 
-def _features(goals: Goals) -> Floats:
+def _features(goals: TipGoals) -> Floats:
     """Numbers (m, k) that are close to each other where targets are: positions, and columns of the rotation."""
     turns = None if goals.rotations is None else goals.rotations[:, :, ::2].reshape(len(goals), -1)
     return np.concatenate([part for part in (goals.positions, goals.directions, turns) if part is not None], axis=1)

@@ -10,10 +10,19 @@ from sinuous import checks
 from sinuous.arguments import HasArray, Names, Number, Rows, Stack, Whole
 from sinuous.calibration.bodies import holds
 from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
-from sinuous.calibration.fit import DRAWING, Fit, State, begun, errors, extended, fitted, left_out
+from sinuous.calibration.fit import DRAWING, Fit, FitState, begun, by_pose, errors, extended, fitted, left_out
 from sinuous.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
 from sinuous.calibration.model import derivatives, model
-from sinuous.calibration.parameters import ORDER, Group, GroupName, Values, can_stretch, changed, elastic, group
+from sinuous.calibration.parameters import (
+    ORDER,
+    GroupName,
+    ParameterGroup,
+    Values,
+    can_stretch,
+    changed,
+    elastic,
+    group,
+)
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot.robot import Robot, Uncertainty
@@ -157,7 +166,7 @@ def _giving(drawn: Robot, names: tuple[GroupName, ...]) -> Robot:
 
 def _fit_as_told(
     drawn: Robot, rows: Measurements, levelled: bool, names: tuple[GroupName, ...], notes: list[str]
-) -> State:
+) -> FitState:
     state = fitted(drawn, begun(drawn, rows, levelled), rows, TRIED_STEPS).state
     for name in names:
         own = group(drawn, name)
@@ -170,19 +179,19 @@ def _fit_as_told(
     return state
 
 
-def _too_many(state: State, own: Group, rows: Measurements) -> bool:
+def _too_many(state: FitState, own: ParameterGroup, rows: Measurements) -> bool:
     measured = 3 * int(np.isfinite(rows.points[..., 0]).sum())
     return NUMBERS_EACH * (6 + len(state.values.x) + len(own.names)) > measured
 
 
 def _chosen(
     drawn: Robot, rows: Measurements, levelled: bool, trials: list[Trial], notes: list[str]
-) -> tuple[Robot, State]:
+) -> tuple[Robot, FitState]:
     """Add groups as long as held-back rows get better."""
     most = TRIED_AT_REST if drawn.hangs else TRIED_ON
     part = rows.part(slice(None, None, max(1, len(rows.labels) // most)))
 
-    def tried(robot: Robot, state: State) -> tuple[State, float]:
+    def tried(robot: Robot, state: FitState) -> tuple[FitState, float]:
         own = fitted(robot, state, part, TRIED_STEPS)
         return own.state, float(errors(left_out(own, part, robot)).mean())
 
@@ -316,12 +325,7 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     settings = settings[held]
     tip = Place(len(robot) - 1, 1.0, np.array(robot.tool[:3, 3]))
     points, slopes = derivatives(model(soft, values, (tip,)), settings)
-    pose = np.zeros((len(points), 1, 3, 6))
-    pose[:, 0, [0, 1, 2], [3, 4, 5]] = 1.0
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        pose[:, 0, i, j], pose[:, 0, i, k] = points[:, 0, k], -points[:, 0, j]
-    noise = 0.01 * robot.mean_length
-    rows = np.concatenate([pose, slopes], axis=-1)[:, 0] / noise
+    rows = np.concatenate([by_pose(points), slopes], axis=-1)[:, 0] / (0.01 * robot.mean_length)
     known = np.diag(np.concatenate([np.full(6, 1e-6), 1.0 / values.widths**2]))
     known[3:6, 3:6] /= robot.mean_length**2
     taken: list[int] = []

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.calibration.measurements import Measurements
-from sinuous.calibration.model import Model, derivatives, model, predicted
-from sinuous.calibration.parameters import Group, Values
+from sinuous.calibration.model import RobotModel, derivatives, model, predicted
+from sinuous.calibration.parameters import ParameterGroup, Values
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot.robot import Robot
@@ -42,7 +42,7 @@ LEAST_SCALE = 1e-9
 """Lengths of the robot: the least scale of the loss."""
 
 
-class State(NamedTuple):
+class FitState(NamedTuple):
     """Values of all that is fitted.
 
     Attributes
@@ -64,7 +64,7 @@ class Fit(NamedTuple):
 
     Attributes
     ----------
-    state : State
+    state : FitState
     residuals : ndarray (N, k, 3)
         Predicted less measured; 0 where nothing was seen.
     slopes : ndarray (N, k, 3, P)
@@ -76,7 +76,7 @@ class Fit(NamedTuple):
         Of half the loss, the drawing included.
     """
 
-    state: State
+    state: FitState
     residuals: Floats
     slopes: Floats
     weights: Floats
@@ -84,13 +84,13 @@ class Fit(NamedTuple):
     hessian: Floats
 
 
-def predict(drawn: Robot, state: State, rows: Measurements) -> Floats:
+def predict(drawn: Robot, state: FitState, rows: Measurements) -> Floats:
     """Points (N, k, 3) in the frame of the device."""
     points = predicted(_model(drawn, state, rows), rows.actuators)
     return points @ state.pose[:3, :3].T + state.pose[:3, 3]
 
 
-def _model(drawn: Robot, state: State, rows: Measurements) -> Model:
+def _model(drawn: Robot, state: FitState, rows: Measurements) -> RobotModel:
     if state.levelled and drawn.gravity is not None:
         drawn = drawn.changed(gravity=drawn.gravity @ state.pose[:3, :3])
     return model(drawn, state.values, rows.places)
@@ -101,12 +101,12 @@ def errors(residuals: Floats) -> Floats:
     return np.sqrt(np.einsum("nkc,nkc->n", residuals, residuals))
 
 
-def fitted(drawn: Robot, start: State, rows: Measurements, steps: int = STEPS) -> Fit:
+def fitted(drawn: Robot, start: FitState, rows: Measurements, steps: int = STEPS) -> Fit:
     """Fit a state to measurements."""
     state, seen = start, np.isfinite(rows.points)
     goal = np.where(seen, rows.points, 0.0)
 
-    def residuals_of(state: State) -> Floats:
+    def residuals_of(state: FitState) -> Floats:
         return np.where(seen, predict(drawn, state, rows) - goal, 0.0)
 
     residuals = residuals_of(state)
@@ -133,8 +133,8 @@ def fitted(drawn: Robot, start: State, rows: Measurements, steps: int = STEPS) -
 
 
 def _step(
-    fit: Fit, residuals_of: Callable[[State], Floats], loss: float, damping: float
-) -> tuple[State, Floats, float, float] | None:
+    fit: Fit, residuals_of: Callable[[FitState], Floats], loss: float, damping: float
+) -> tuple[FitState, Floats, float, float] | None:
     """A step that lessens the loss: state, residuals, loss and damping after it; None where there is none."""
     right, hessian = _gradient(fit), np.array(fit.hessian)
     values = fit.state.values
@@ -156,7 +156,7 @@ def _step(
     return None
 
 
-def moved(state: State, step: Floats) -> State:
+def moved(state: FitState, step: Floats) -> FitState:
     """A state after a step (P,): the pose by a twist in the frame of the device, then the parameters."""
     pose = np.eye(4)
     pose[:3, :3] = rotation_of(step[:3]) @ state.pose[:3, :3]
@@ -165,19 +165,22 @@ def moved(state: State, step: Floats) -> State:
     return state._replace(pose=pose, values=values.with_x(np.maximum(values.x + step[6:], values.lowest)))
 
 
-def _slopes(drawn: Robot, state: State, rows: Measurements) -> Floats:
+def _slopes(drawn: Robot, state: FitState, rows: Measurements) -> Floats:
     own = _model(drawn, state, rows)
     turns = state.levelled and own.robot.hangs
     points, slopes = derivatives(own, rows.actuators, of_gravity=turns)
     rotation = state.pose[:3, :3]
     slopes = np.asarray(np.matmul(rotation, slopes), np.float64)
-    pose = np.zeros((*points.shape, 6))
-    pose[..., :3] = -_crossing(points @ rotation.T)
-    pose[..., [0, 1, 2], [3, 4, 5]] = 1.0
+    pose = by_pose(points @ rotation.T)
     if turns:  # a turn of the robot turns gravity the other way in its own world
         pose[..., :3] += slopes[..., -3:] @ rotation.T @ _crossing(np.asarray(drawn.gravity))
         slopes = slopes[..., :-3]
     return np.concatenate([pose, slopes], axis=-1)
+
+
+def by_pose(points: Floats) -> Floats:
+    """Derivatives (..., 3, 6) of points (..., 3) by a small turn about the origin, and a small motion."""
+    return np.concatenate([-_crossing(points), np.broadcast_to(np.eye(3), (*points.shape, 3))], axis=-1)
 
 
 def _crossing(vectors: Floats) -> Floats:
@@ -185,13 +188,13 @@ def _crossing(vectors: Floats) -> Floats:
     return -np.cross(vectors[..., None, :], np.eye(3))
 
 
-def _loss(state: State, residuals: Floats, scale: float) -> float:
+def _loss(state: FitState, residuals: Floats, scale: float) -> float:
     off = np.einsum("nkc,nkc->n", residuals, residuals) / scale**2
     drawing = DRAWING * len(residuals) * float(((state.values.x / state.values.widths) ** 2).sum())
     return float(2.0 * (np.sqrt(1.0 + off) - 1.0).sum()) + drawing
 
 
-def _assembled(state: State, residuals: Floats, slopes: Floats, scale: float) -> Fit:
+def _assembled(state: FitState, residuals: Floats, slopes: Floats, scale: float) -> Fit:
     weights = 1.0 / np.sqrt(1.0 + np.einsum("nkc,nkc->n", residuals, residuals) / scale**2)
     flat = slopes.reshape(len(slopes), -1, slopes.shape[-1])
     weighted = (flat * weights[:, None, None]).reshape(-1, flat.shape[-1])
@@ -229,9 +232,9 @@ def left_out(fit: Fit, rows: Measurements, drawn: Robot) -> Floats:
     return result
 
 
-def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[Group, ...] = ()) -> State:
+def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[ParameterGroup, ...] = ()) -> FitState:
     """The drawing, laid over the measurements (Kabsch), anew where the robot turns under gravity."""
-    state = State(np.eye(4), levelled, Values(groups, np.zeros(sum(len(each.names) for each in groups))))
+    state = FitState(np.eye(4), levelled, Values(groups, np.zeros(sum(len(each.names) for each in groups))))
     seen = np.isfinite(rows.points).all(axis=-1)
     there = rows.points[seen]
     for _ in range(TURNS if levelled and drawn.hangs else 1):
@@ -245,7 +248,7 @@ def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[Group,
     return state
 
 
-def extended(state: State, group: Group) -> State:
+def extended(state: FitState, group: ParameterGroup) -> FitState:
     """The same state with one more group of parameters, as drawn."""
     values = Values((*state.values.groups, group), np.concatenate([state.values.x, np.zeros(len(group.names))]))
     return state._replace(values=values)

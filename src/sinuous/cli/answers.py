@@ -92,7 +92,7 @@ def _cells(solution: Solution) -> list[str]:
 Answer = Solution | Motion | Alternatives
 
 
-class Answers:
+class AnswerWriter:
     """Writes each answer as soon as it is there, so that an interrupt loses none.
 
     Parameters
@@ -111,7 +111,7 @@ class Answers:
             with written(output.out, "--out"):
                 self._out = output.out.open("w", encoding="utf-8", newline="\n")
 
-    def __enter__(self) -> "Answers":
+    def __enter__(self) -> "AnswerWriter":
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -24,7 +24,6 @@ from sinuous.cli.options import (
     WORKERS,
     Asked,
     BatchSolving,
-    Crew,
     Demands,
     DesignSolving,
     ExploreSolving,
@@ -34,6 +33,7 @@ from sinuous.cli.options import (
     PlanSolving,
     Remembering,
     Timed,
+    Working,
     argument,
     flag,
     for_typer,
@@ -114,7 +114,7 @@ class Batch:
     targets: Path = opt("Targets, a row each: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
     out: Path = opt("Results, of the same kinds.", "TABLE", REQUIRED, show_default=False)
     solving: BatchSolving
-    crew: Crew
+    crew: Working
     chunk: int = opt("What is solved, and written, together.", "ROWS", 10_000)
     shard: str | None = opt("Only this part of the chunks; without it, all parts are joined.", "I/N")
     warm: bool = flag("Begin from solutions of near targets.")
@@ -128,7 +128,7 @@ class Explore:
 
     file: str = argument(PLACE)
     solving: ExploreSolving
-    crew: Crew
+    crew: Working
     memory: Path = opt("What is filled; when it is there, it goes on.", "FILE", REQUIRED, show_default=False)
     rounds: int | None = opt("Most rounds; by default as many as the time allows.", "COUNT")
     spacing: float | None = opt("How near covers a position; by default a 20th of the reach.", "LENGTH")

@@ -188,7 +188,7 @@ class MapSolving(Solving):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Crew:
+class Working:
     """Who works on what takes long."""
 
     engine: str = opt("threads or processes.", default="threads")

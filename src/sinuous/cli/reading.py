@@ -29,14 +29,14 @@ LEAST = 0.1
 
 
 @dataclass(frozen=True)
-class Read:
+class ReadProblem:
     """A problem file, its scene prepared, and the seconds that all of that took."""
 
     problem: ProblemFile
     seconds: float
 
 
-def read_all(files: list[str], demands: Mapping[str, Any] | None = None) -> list[Read]:
+def read_all(files: list[str], demands: Mapping[str, Any] | None = None) -> list[ReadProblem]:
     """Read problem files with all that they name, and prepare their scenes.
 
     `demands` are clearances that are typed, which replace those of the files.
@@ -57,7 +57,7 @@ def read_all(files: list[str], demands: Mapping[str, Any] | None = None) -> list
                     problem = problem.demanding(**demands)
             with checks.in_file(file):
                 problem.scene.prepare(lambda what, share: show(f"preparing {what}", share))
-            result.append(Read(problem, time.perf_counter() - began))
+            result.append(ReadProblem(problem, time.perf_counter() - began))
     return result
 
 

@@ -13,7 +13,7 @@ import typer
 
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
-from sinuous.cli.warm_steps import FIRST_COMMAND, Step, steps
+from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
@@ -74,7 +74,7 @@ def _show_store() -> int:
     return SOLVED
 
 
-def _profile(listed: list[Step]) -> int:
+def _profile(listed: list[WarmStep]) -> int:
     """Compile what is missing, one after the other, and print the CPU time of each entry."""
     first = [step for step in listed if step.what in FIRST_COMMAND]
     with _shown(len(listed)) as shown:
@@ -89,7 +89,7 @@ def _profile(listed: list[Step]) -> int:
     return SOLVED
 
 
-def _use_here(listed: list[Step], shown: "_Shown") -> None:
+def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
     """Take one step after the other."""
     with code_first(), told_to(shown.compiling):
         for step in listed:
@@ -148,7 +148,7 @@ class _Shown:
         self._bar = bar
         self._task = None if bar is None else bar.add_task("", total=total)
 
-    def begin(self, step: Step) -> None:
+    def begin(self, step: WarmStep) -> None:
         """Go on to a step: whether anything is to be compiled for it is not known yet."""
         if self._bar is not None:
             self._show(f"loading {step.what}")

@@ -24,7 +24,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import least_gap
 from sinuous.solving.between.steps import load_motions
 from sinuous.solving.between.tip import Tip
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.memory import MEGABYTES
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.searches import Searches
@@ -42,7 +42,7 @@ FIRST_COMMAND = ("routes among obstacles", "single solves among obstacles", "kin
 """Steps whose entries the first command of the README calls."""
 
 
-class Step(NamedTuple):
+class WarmStep(NamedTuple):
     """A use of something that is compiled.
 
     Attributes
@@ -55,33 +55,33 @@ class Step(NamedTuple):
     use: Callable[[], object]
 
 
-def steps(methods: Iterable[str] = METHODS) -> list[Step]:
+def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
     """List what to use so that these methods, and all that goes with them, are compiled; what most need comes first.
 
     Neighbours share little, so that two processes that take turns at the list seldom compile the same at once.
     """
     chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
-        Step("single solves", partial(Solver.once, ROBOT)),
-        Step("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
-        Step("single solves among obstacles", partial(Solver.once, ROBOT, FAR)),
-        Step("batches of solves", lambda: Solver.once(ROBOT).solve_many([TARGET])),
-        Step("batches of solves among obstacles", lambda: Solver.once(ROBOT, FAR).solve_many([TARGET])),
-        Step("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
-        Step("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
+        WarmStep("single solves", partial(Solver.once, ROBOT)),
+        WarmStep("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
+        WarmStep("single solves among obstacles", partial(Solver.once, ROBOT, FAR)),
+        WarmStep("batches of solves", lambda: Solver.once(ROBOT).solve_many([TARGET])),
+        WarmStep("batches of solves among obstacles", lambda: Solver.once(ROBOT, FAR).solve_many([TARGET])),
+        WarmStep("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
+        WarmStep("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
     ]
-    others = [Step(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
+    others = [WarmStep(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
-        Step("kinematics", _kinematics),
-        Step("starts of a memory", _memory),
-        Step("distances", _distances),
-        Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
-        Step("motions", _motions),
-        Step("plans", _plans),
-        Step("control loops", _loops),
-        Step("derivatives", partial(_derivatives, None)),
-        Step("derivatives among obstacles", partial(_derivatives, FAR)),
-        Step("shapes under load", _shapes_under_load),
+        WarmStep("kinematics", _kinematics),
+        WarmStep("starts of a memory", _memory),
+        WarmStep("distances", _distances),
+        WarmStep("classes of routes", ClassCurves(ROBOT, FAR.snapshot()).load),
+        WarmStep("motions", _motions),
+        WarmStep("plans", _plans),
+        WarmStep("control loops", _loops),
+        WarmStep("derivatives", partial(_derivatives, None)),
+        WarmStep("derivatives among obstacles", partial(_derivatives, FAR)),
+        WarmStep("shapes under load", _shapes_under_load),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 

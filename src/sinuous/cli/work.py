@@ -10,11 +10,11 @@ import typer
 
 from sinuous import checks
 from sinuous.checks import Floats
-from sinuous.cli.answers import Alternatives, Answer, Answers, read_solution, write_solution
+from sinuous.cli.answers import Alternatives, Answer, AnswerWriter, read_solution, write_solution
 from sinuous.cli.app import Plan, Solve, Track
 from sinuous.cli.journal import Journal, record_of
 from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Remembering, Timed
-from sinuous.cli.reading import Read, read_all, remembered, say_notes
+from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
@@ -142,7 +142,7 @@ def _paces(problem: ProblemFile, timed: Timed) -> tuple[Pace, Floats | None]:
     return pace, own if problem.times is None else problem.times
 
 
-def _say_nominal(read: list[Read], output: MotionOutput) -> None:
+def _say_nominal(read: list[ReadProblem], output: MotionOutput) -> None:
     """Say of tables for motors that nothing says how fast these are, so that times in them are nominal."""
     for problem in (one.problem for one in read if output.csv is not None):
         if problem.robot.actuators and not problem.rates and problem.times is None:
@@ -163,7 +163,7 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
 
 
 def _answer_all(
-    asked: Asked, read: list[Read], prepare: Prepare, find: Find, typed: Mapping[str, object], why: bool = False
+    asked: Asked, read: list[ReadProblem], prepare: Prepare, find: Find, typed: Mapping[str, object], why: bool = False
 ) -> int:
     """Answer all files, on from where the same command was interrupted; return the exit code.
 
@@ -179,7 +179,7 @@ def _answer_all(
         ready = partial(_prepare, solving, prepare, memory)
         try:
             ahead = 0.0 if len(read) == 1 else _compile(problems, ready)
-            with Answers(output, len(read)) as answers, ProgressBar(total) as bar:
+            with AnswerWriter(output, len(read)) as answers, ProgressBar(total) as bar:
                 for one in read:
                     with bar.hidden():
                         prepared, seconds = ready(one.problem)

@@ -11,7 +11,7 @@ from sinuous import checks
 from sinuous.arguments import Batch, Parameter
 from sinuous.checks import Floats
 from sinuous.derivatives.derivative import actuator_change, derivative_of, tip_twist
-from sinuous.derivatives.parameters import Plan
+from sinuous.derivatives.parameters import Request
 from sinuous.derivatives.preferred import Wish
 from sinuous.errors import InputError
 from sinuous.groups import PerGroup, read_tangent
@@ -19,7 +19,7 @@ from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Goals, Target
+from sinuous.problem.target import Target, TipGoals
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.reprs import call
 
@@ -126,7 +126,7 @@ def _nothing_asked(problems: ManyProblems) -> Problem:
     """Some problem for no answers, of the kind of the others."""
     sets = problems.target_sets
     target = Target((0.0, 0.0, 0.0))
-    if isinstance(sets, Goals):
+    if isinstance(sets, TipGoals):
         place, axis, turn = (
             None if part is None else each
             for part, each in zip(
@@ -162,13 +162,13 @@ def derivatives_of(
         raise InputError("wrt", "needs equally many targets of each answer", "target", "other groups, or one by one")
     q = q.copy()
     problem = problems.problem(0) if len(q) else _nothing_asked(problems)
-    plan = Plan(problem, wrt)
+    plan = Request(problem, wrt)
     moved, status = np.empty((len(q), 3 * q.shape[1], plan.columns)), np.empty(len(q))
     scene = problems.scene
     group = scene._kernel_group if len(scene) else None
     rows = []
     for first, last in runs:
-        own = plan if first == 0 else Plan(problems.problem(first), wrt)
+        own = plan if first == 0 else Request(problems.problem(first), wrt)
         rows.append(problems.target_sets.chunk(first, last))
         tables = own.group, group, own.settings, rows[-1], own.asked, own.lines
         workspace = np.empty(own.workspace.size + own.answer)

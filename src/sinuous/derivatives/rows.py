@@ -5,24 +5,18 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.derivatives.parameters import Plan
+from sinuous.derivatives.parameters import Request
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive, find_contacts
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.packing import scales_of
 from sinuous.problem.problem import Problem
-from sinuous.robot.robot import Robot
 
 
-def metric(robot: Robot) -> Floats:
-    """Scales (3 n,) in which motion counts: rad, and mean lengths of segments; 0 for what cannot move."""
-    return robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]].ravel()
-
-
-def fixed_lengths(plan: Plan) -> Floats:
+def fixed_lengths(plan: Request) -> Floats:
     """Motions (3 n, p) of the lengths of segments that cannot stretch, by the parameters that say them."""
     direct = np.zeros((3 * len(plan.robot), plan.columns))
     if plan.asked[a.LENGTHS] >= 0:
-        fixed = np.flatnonzero(metric(plan.robot)[2::3] == 0.0)
+        fixed = np.flatnonzero(scales_of(plan.robot.limits)[:, 2] == 0.0)
         direct[3 * fixed + 2, plan.asked[a.LENGTHS] + fixed] = 1.0
     return direct
 
@@ -33,7 +27,7 @@ class KeptRows:
     Attributes
     ----------
     problem : Problem
-    plan : Plan
+    plan : Request
     answer : ndarray
         As kernels fill it, see `sinuous.kernels.derivative.layout`.
     q : ndarray (n, 3)
@@ -42,11 +36,11 @@ class KeptRows:
 
     __slots__ = ("__dict__", "answer", "plan", "problem", "q")
 
-    def __init__(self, problem: Problem, plan: Plan, answer: Floats, q: Floats) -> None:
+    def __init__(self, problem: Problem, plan: Request, answer: Floats, q: Floats) -> None:
         self.problem, self.plan, self.answer, self.q = problem, plan, answer, q
 
     @classmethod
-    def found(cls, problem: Problem, plan: Plan, q: Floats) -> "KeptRows":
+    def found(cls, problem: Problem, plan: Request, q: Floats) -> "KeptRows":
         """Find what `q` (n, 3) keeps, and derive it as the nearest answer."""
         answer = np.empty(plan.answer)
         group = problem.scene._kernel_group if plan.obstacles else None
@@ -55,7 +49,7 @@ class KeptRows:
         return cls(problem, plan, answer, q)
 
     @classmethod
-    def near(cls, problem: Problem, plan: Plan, q: Floats, keep: float) -> "KeptRows":
+    def near(cls, problem: Problem, plan: Request, q: Floats, keep: float) -> "KeptRows":
         """Find the places of the body whose gaps to obstacles are at most about `keep`, which gaps count from."""
         answer, workspace = np.empty(plan.answer), np.empty(plan.workspace.size)
         own = plan.group, problem.scene._kernel_group, plan.settings, problem._rows, plan.asked, plan.lines

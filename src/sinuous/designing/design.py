@@ -14,7 +14,7 @@ from sinuous.words import duration
 from sinuous.writing.documents import write_table
 
 
-class Found(NamedTuple):
+class FoundRobot(NamedTuple):
     """One robot of the front.
 
     Attributes
@@ -83,7 +83,7 @@ class Design(ShortRepr):
     Attributes
     ----------
     minimise : tuple of str
-    front : tuple of Found
+    front : tuple of FoundRobot
         Robots that no other is better than, by the first objective; empty where none does all tasks.
     deciding : str or None
         The task that decides: which fails first when the best robot changes, or most often where none does all.
@@ -99,7 +99,7 @@ class Design(ShortRepr):
     """
 
     minimise: tuple[Objective, ...]
-    front: tuple[Found, ...]
+    front: tuple[FoundRobot, ...]
     deciding: str | None
     changes: tuple[Change, ...]
     cut: tuple[Cut, ...]
@@ -114,7 +114,7 @@ class Design(ShortRepr):
         return bool(self.front)
 
     @property
-    def best(self) -> Found | None:
+    def best(self) -> FoundRobot | None:
         """The first of the front; `None` where there is none."""
         return self.front[0] if self.front else None
 

@@ -13,15 +13,15 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.assessing.tasks import Meet, read_tasks
-from sinuous.batch.checkpoint import Checkpoint, Memory, hash_of, problem_record
+from sinuous.batch.checkpoint import Checkpoint, InMemory, hash_of, problem_record
 from sinuous.batch.dispatch import all_done, begin
 from sinuous.batch.tables.layout import Block
 from sinuous.designing.descent import Judging, can_descend
-from sinuous.designing.design import Change, Cut, Design, Found
+from sinuous.designing.design import Change, Cut, Design, FoundRobot
 from sinuous.designing.fields import Space
 from sinuous.designing.judge import Judge
 from sinuous.designing.objectives import Objective, read_objectives
-from sinuous.designing.search import Candidates, Drawn, Search, front
+from sinuous.designing.search import Drawn, RobotCandidates, RobotSearch, front
 from sinuous.errors import InputError
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -122,9 +122,9 @@ def design(
         first = cut[0][1]
         raise InputError("tasks", f"no robot of these can do {first.task}: {first.reason}", list(asked), "wider ranges")
     sizes, seed = (len(asked), space.segments), int(chosen.get("seed", 0))
-    search = Search(left, len(space.ranges), seed, sizes, space.shares_of(template), can_descend(judge))
+    search = RobotSearch(left, len(space.ranges), seed, sizes, space.shares_of(template), can_descend(judge))
     with ProgressBar(count if checks.truth("progress", progress) else 0) as bar:
-        run = _Run(judge, search, _kept(judge, out), bar.advance)
+        run = _DesignRun(judge, search, _kept(judge, out), bar.advance)
         found = run.until(count, began + seconds, engine, read_workers(workers))
     result = _told(judge, found, tuple(each for _, each in cut), clock.perf_counter() - began)
     if out is not None:
@@ -133,14 +133,14 @@ def design(
     return result
 
 
-class _Run:
+class _DesignRun:
     """A search under way: generations are judged by an engine, and kept."""
 
-    def __init__(self, judge: Judge, search: Search, kept: Memory | Checkpoint, advance: Any) -> None:
+    def __init__(self, judge: Judge, search: RobotSearch, kept: InMemory | Checkpoint, advance: Any) -> None:
         self._judge, self._search, self.kept, self._advance = judge, search, kept, advance
-        self._found: list[Candidates] = []
+        self._found: list[RobotCandidates] = []
 
-    def until(self, count: int, end: float, engine: Any, workers: int) -> Candidates:
+    def until(self, count: int, end: float, engine: Any, workers: int) -> RobotCandidates:
         """Judge generations until there are `count` robots, or the time is over."""
         self.kept.open()
         known = set(self.kept.done())
@@ -153,11 +153,11 @@ class _Run:
                         break
                     self.kept.write(number, self._judged(ready, drawn, workers))
                 rows = self.kept.read(number)
-                own = {name: rows[name] for name in Candidates._fields if name not in ("combination", "source")}
-                self._found.append(Candidates(combination=drawn.combination, source=drawn.source, **own))
+                own = {name: rows[name] for name in RobotCandidates._fields if name not in ("combination", "source")}
+                self._found.append(RobotCandidates(combination=drawn.combination, source=drawn.source, **own))
                 self._advance(int(rows["tried"].sum()))
                 number += 1
-        return Candidates.joined(self._found)
+        return RobotCandidates.joined(self._found)
 
     def _judged(self, engine: Any, drawn: Drawn, workers: int) -> Block:
         """Have a generation judged, in chunks for all workers."""
@@ -172,7 +172,7 @@ class _Run:
         count, objectives = len(self._judge.tasks), len(self._judge.minimise)
         bounds, order, stops = np.full(objectives, np.inf), np.arange(count), False
         if self._found:
-            found = Candidates.joined(self._found)
+            found = RobotCandidates.joined(self._found)
             stops = bool(np.isfinite(found.objectives).any())
             order = np.argsort(-np.bincount(found.failed[found.failed >= 0], minlength=count), kind="stable")
             if objectives == 1:  # of two, a robot that is better in neither than some may still be in the front
@@ -180,10 +180,10 @@ class _Run:
         return {"bounds": bounds, "order": order, "stops": np.array(stops)}
 
 
-def _kept(judge: Judge, out: str | Path | None) -> Memory | Checkpoint:
+def _kept(judge: Judge, out: str | Path | None) -> InMemory | Checkpoint:
     """Where generations are kept."""
     if out is None:
-        return Memory()
+        return InMemory()
     solver = judge.solver(judge.space.template)
     record = {
         **problem_record(judge.space.template, judge.scene.snapshot(), solver.options),
@@ -229,7 +229,7 @@ def _impossible(judge: Judge, robot: Robot, moved: float, task: Any) -> str | No
     return found.sentence if found.status in NEVER else None
 
 
-def _told(judge: Judge, found: Candidates, cut: tuple[Cut, ...], seconds: float) -> Design:
+def _told(judge: Judge, found: RobotCandidates, cut: tuple[Cut, ...], seconds: float) -> Design:
     best = front(found.objectives)
     names = list(judge.tasks)
     robots = tuple(_found(judge, found, int(i)) for i in best)
@@ -244,7 +244,7 @@ def _told(judge: Judge, found: Candidates, cut: tuple[Cut, ...], seconds: float)
     return Design(judge.minimise, robots, deciding, changes, cut, judged, most, len(names), seconds)
 
 
-def _found(judge: Judge, found: Candidates, i: int) -> Found:
+def _found(judge: Judge, found: RobotCandidates, i: int) -> FoundRobot:
     space = judge.space
     combination, shares = space.combinations[int(found.combination[i])], found.shares[i]
     robot = space.robot(combination, shares)
@@ -254,7 +254,7 @@ def _found(judge: Judge, found: Candidates, i: int) -> Found:
     answers = {
         name: q[: len(robot)] for name, q in zip(judge.tasks, found.answers[i], strict=True) if not np.isnan(q[0, 0])
     }
-    return Found(robot, values, objectives, int(found.done[i]), len(judge.tasks), float(found.share[i]), answers)
+    return FoundRobot(robot, values, objectives, int(found.done[i]), len(judge.tasks), float(found.share[i]), answers)
 
 
 def _signed(minimise: tuple[Objective, ...], values: Iterable[float]) -> dict[str, float]:
@@ -262,7 +262,7 @@ def _signed(minimise: tuple[Objective, ...], values: Iterable[float]) -> dict[st
     return {name: float(-value if name == "clearance" else value) for name, value in zip(minimise, values, strict=True)}
 
 
-def _changes(judge: Judge, found: Candidates, i: int) -> Iterator[Change]:
+def _changes(judge: Judge, found: RobotCandidates, i: int) -> Iterator[Change]:
     """Yield what becomes of a robot when one of its fields changes by a percent."""
     space, names = judge.space, list(judge.tasks)
     combination = space.combinations[int(found.combination[i])]

@@ -57,7 +57,7 @@ class Drawn(NamedTuple):
     which: Whole
 
 
-class Candidates(NamedTuple):
+class RobotCandidates(NamedTuple):
     """Robots, and what they reached.
 
     Attributes
@@ -88,7 +88,7 @@ class Candidates(NamedTuple):
     tried: Whole
 
     @classmethod
-    def joined(cls, parts: Sequence["Candidates"]) -> "Candidates":
+    def joined(cls, parts: Sequence["RobotCandidates"]) -> "RobotCandidates":
         """One after the other."""
         return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
@@ -104,7 +104,7 @@ def front(objectives: Floats) -> Whole:
     return np.array(kept, np.int64)
 
 
-class Search:
+class RobotSearch:
     """Draws generations.
 
     Parameters
@@ -134,7 +134,7 @@ class Search:
         self._open, self._ranges, self._seed, self._known = np.array(open_combinations), ranges, seed, known
         self._nothing, self._descends = np.full((GENERATION, *answers, 3), np.nan), descends
 
-    def generation(self, number: int, found: Sequence[Candidates]) -> Drawn:
+    def generation(self, number: int, found: Sequence[RobotCandidates]) -> Drawn:
         """Draw a generation, after those that were `found` before it."""
         rng = np.random.default_rng([self._seed, number])
         if number < SCATTERED or not found:
@@ -143,7 +143,7 @@ class Search:
                 combination[0], shares[0] = self._known
             nowhere = np.full(GENERATION, -1)
             return Drawn(combination, shares, self._nothing, nowhere, nowhere)
-        joined = Candidates.joined(found)
+        joined = RobotCandidates.joined(found)
         if self._descends and (number - SCATTERED) % EVERY == 0:
             source, which = self._sources(joined)
             if len(source):
@@ -151,7 +151,7 @@ class Search:
         return self._near(rng, joined)
 
     @staticmethod
-    def _sources(found: Candidates) -> tuple[Whole, Whole]:
+    def _sources(found: RobotCandidates) -> tuple[Whole, Whole]:
         """Candidates to go down from, and by which objective: the best, and the best of those that were anywhere."""
         source: list[int] = []
         which: list[int] = []
@@ -178,7 +178,7 @@ class Search:
         turns = np.resize(rng.permutation(self._open), count)
         return turns, shares
 
-    def _near(self, rng: Generator, found: Candidates) -> Drawn:
+    def _near(self, rng: Generator, found: RobotCandidates) -> Drawn:
         """Candidates near parents: along some of the ranges, by steps of any size, and up to the ends of them."""
         parents = self._parents(found)
         chosen = rng.choice(parents, GENERATION)
@@ -202,7 +202,7 @@ class Search:
         return Drawn(combination, shares, begin, nowhere, nowhere)
 
     @staticmethod
-    def _parents(found: Candidates) -> Whole:
+    def _parents(found: RobotCandidates) -> Whole:
         """The front of those that count; without any, those that do most."""
         best = front(found.objectives)
         tried = np.flatnonzero(found.failed != -2)

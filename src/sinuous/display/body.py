@@ -35,7 +35,7 @@ TOOL = 0.3
 """Radius of the tool, which has no body, in radii of the last segment."""
 
 
-class Part(NamedTuple):
+class ColouredPart(NamedTuple):
     """A part of the surface that has one colour.
 
     Attributes
@@ -85,7 +85,7 @@ class BodySurface:
 
     Attributes
     ----------
-    parts : list of Part
+    parts : list of ColouredPart
         From base to tip, then what is no body.
     per_segment : int
         Bands along each segment.
@@ -104,7 +104,7 @@ class BodySurface:
     ) -> None:
         wanted = max(1, min(ALONG, MOST_ALONG // len(robot))) if along is None else along
         steps = max(1, -(-wanted // pieces))
-        self.robot, self.per_segment, self.parts = robot, pieces * steps, list[Part]()
+        self.robot, self.per_segment, self.parts = robot, pieces * steps, list[ColouredPart]()
         self._around, self._circle, self._rings = around, circle(around), list[Ring]()
         radii = [share * max(radius, least_radius) for radius in robot.radii]
         self._last = len(robot) * self.per_segment
@@ -144,7 +144,7 @@ class BodySurface:
     def _add(self, segment: int | None, middle: slice, rings: list[Ring]) -> None:
         band = np.array([ring != following for ring, following in pairwise(rings)])
         faces = ring_faces(len(rings), self._around).reshape(len(band), -1, 4)[band].reshape(-1, 4)
-        self.parts.append(Part(segment, slice(len(self._rings), len(self._rings) + len(rings)), middle, faces))
+        self.parts.append(ColouredPart(segment, slice(len(self._rings), len(self._rings) + len(rings)), middle, faces))
         self._rings += rings
 
     def frames(self, q: Floats) -> Floats:

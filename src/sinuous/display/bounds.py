@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sinuous.checks import Floats
 from sinuous.display.contents import Contents
 from sinuous.display.obstacles import Dotted, dots
-from sinuous.display.style import ARROW, View, arrows_of
+from sinuous.display.style import ARROW, Viewpoint, arrows_of
 from sinuous.scene.extents import box_of
 from sinuous.scene.obstacles import Capsule, HalfSpace, Obstacle, Primitive, Sphere
 
@@ -182,18 +182,18 @@ def _places(contents: Contents) -> Floats:
     return np.concatenate(found) if found else np.empty((0, 3))
 
 
-def best_view(contents: Contents) -> View:
+def best_view(contents: Contents) -> Viewpoint:
     """Look across the plane that the first robot reaches out in, from a little above, or from where less hides it."""
     arm = next(contents.bodies, None)
     if arm is None:
-        return View()
+        return Viewpoint()
     points = arm.robot.backbone(arm.q) - arm.robot.base[:3, 3]
     reach = points[np.hypot(points[:, 0], points[:, 1]).argmax()]
     azimuth = -60.0
     if math.hypot(reach[0], reach[1]) > 1e-6 * max(1e-300, float(np.abs(points).max())):
         azimuth = math.degrees(math.atan2(reach[1], reach[0])) - 65.0
     obstacles, bounds = contents.obstacles_at(1.0), bounds_of(contents)
-    views = [View(e, azimuth + turn) for turn in TURNS for e in ELEVATIONS]
+    views = [Viewpoint(e, azimuth + turn) for turn in TURNS for e in ELEVATIONS]
     eyes = bounds.middle + FAR * bounds.span * np.stack([towards(view) for view in views])
     lost = hidden(obstacles, seen_places(contents), eyes).any(axis=0).mean(axis=-1)
     effort = [abs(turn) / 180.0 + (e - ELEVATIONS[0]) / 90.0 for turn in TURNS for e in ELEVATIONS]
@@ -207,7 +207,7 @@ def seen_places(contents: Contents) -> Floats:
     return np.concatenate(found) if found else np.empty((0, 3))
 
 
-def towards(view: View) -> Floats:
+def towards(view: Viewpoint) -> Floats:
     """Return the unit vector (3,) towards the viewer."""
     e, a = math.radians(view.elevation), math.radians(view.azimuth)
     return np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])

@@ -126,7 +126,7 @@ class MovingArm(NamedTuple):
         return (1.0 - part) * values[i] + part * values[i + 1]
 
 
-class Body(NamedTuple):
+class ShownBody(NamedTuple):
     """A body in configurations (T, m, 3), and whether it is a ghost."""
 
     robot: Robot
@@ -134,21 +134,23 @@ class Body(NamedTuple):
     ghost: bool = False
 
 
-def bodies_of(robot: Robot, q: Floats, loaded: Body | None = None) -> Iterator[Body]:
+def bodies_of(robot: Robot, q: Floats, loaded: ShownBody | None = None) -> Iterator[ShownBody]:
     """Yield what is drawn of a robot in configurations (T, n, 3): first where its body is.
 
     Ghosts are the body without its load, and around one that may be elsewhere the room in which it is. `loaded` is the
     body under other loads than gravity and payload. Tools are drawn as if no arc were twisted.
     """
-    body = loaded or Body(*bodies_at(robot, q))
+    body = loaded or ShownBody(*bodies_at(robot, q))
     yield body
     if body.robot is not robot:
-        yield Body(robot, q, ghost=True)
+        yield ShownBody(robot, q, ghost=True)
     if robot.uncertainty is not None:
-        yield Body(_thicker(body.robot), body.q, ghost=True)
+        yield ShownBody(_thicker(body.robot), body.q, ghost=True)
 
 
-def arms_of(robot: Robot, q: Floats, solved: bool = True, number: int = 0, loaded: Body | None = None) -> Iterator[Arm]:
+def arms_of(
+    robot: Robot, q: Floats, solved: bool = True, number: int = 0, loaded: ShownBody | None = None
+) -> Iterator[Arm]:
     """Yield the bodies of a robot in a single configuration (n, 3)."""
     for body in bodies_of(robot, q[None], loaded):
         yield Arm(body.robot, body.q[0], solved, body.ghost, number, robot)
@@ -248,7 +250,7 @@ class Contents:
 
         `shape` is its body under other loads than gravity and payload.
         """
-        loaded = None if shape is None else Body(shape.body, shape.arcs[None])
+        loaded = None if shape is None else ShownBody(shape.body, shape.arcs[None])
         self.arms += arms_of(robot, q, solved, len(self.robots), loaded)
         self.robots.append(robot)
         self.forces += forces_of(robot, q, shape)

@@ -53,7 +53,7 @@ Colouring = Literal["segment", "clearance", "bending"]
 """What the colour of a body on a page says."""
 
 
-class View(NamedTuple):
+class Viewpoint(NamedTuple):
     """Where a picture is looked at from, in degrees.
 
     Attributes

@@ -22,7 +22,7 @@ from sinuous.batch.dispatch import all_done, begin
 from sinuous.batch.tables.layout import Block
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
-from sinuous.exploring.explorer import Explorer, Kind
+from sinuous.exploring.explorer import Explorer, TaskKind
 from sinuous.motion.configurations import lever_metric, violated_by
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
@@ -220,7 +220,7 @@ def explore(
         begin(engine, explorer, count) as ready,
         ProgressBar(math.ceil(seconds) if checks.truth("progress", progress) else 0) as bar,
     ):
-        run = _Run(explorer, kept, near, ready)
+        run = _ExplorationRun(explorer, kept, near, ready)
         run.prepare(wanted, chosen.seed)
         shown, done = 0, 0
         while done < most and clock.perf_counter() - began < seconds and run.round():
@@ -244,7 +244,7 @@ def _starts(robot: Robot, given: Batch | None) -> Floats:
     return shapes
 
 
-class _Run:
+class _ExplorationRun:
     """Rounds of one exploration.
 
     Attributes
@@ -299,7 +299,7 @@ class _Run:
         own = np.concatenate([block["own"] for block in blocks])
         largest = graph.parts == 0
         found = []
-        for i in np.flatnonzero((tasks["kind"] == Kind.EVEN) & (own < 0)).tolist():
+        for i in np.flatnonzero((tasks["kind"] == TaskKind.EVEN) & (own < 0)).tolist():
             edges = blocks[i // TOGETHER]["edges"]
             ends = edges[edges[:, 0] == own[i], 1]
             apart = np.linalg.norm(graph.tips[largest] - tasks["target"][i], axis=1)
@@ -326,17 +326,17 @@ class _Draws:
     def tasks(self) -> Block:
         """Return what the tasks are: arrays with one row a task."""
         n, count, rng = len(self._robot), len(self._graph), self._rng
-        kinds = np.full(ROUND if count else EVEN, Kind.EVEN)
+        kinds = np.full(ROUND if count else EVEN, TaskKind.EVEN)
         if count:
-            others = np.resize([Kind.BESIDE, Kind.ASIDE], ROUND - EVEN)
+            others = np.resize([TaskKind.BESIDE, TaskKind.ASIDE], ROUND - EVEN)
             joins = min(JOINS, int(self._graph.parts.max()))
-            others[:joins] = Kind.JOIN
+            others[:joins] = TaskKind.JOIN
             kinds = np.concatenate([kinds[:EVEN], others])
         begins = self._where_few(len(kinds)) if count else np.full(len(kinds), -1)
-        joining = np.flatnonzero(kinds == Kind.JOIN)
+        joining = np.flatnonzero(kinds == TaskKind.JOIN)
         begins[joining] = self._of_others(len(joining))
         targets = self._robot.base[:3, 3] + self._reach * _in_ball(rng, len(kinds))  # anywhere within reach
-        beside = np.flatnonzero(kinds == Kind.BESIDE)
+        beside = np.flatnonzero(kinds == TaskKind.BESIDE)
         far = self._spacing * np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST), (len(beside), 1)))
         targets[beside] = self._graph.tips[begins[beside]] + far * _in_ball(rng, len(beside))
         near = self._near(kinds, begins, targets)
@@ -373,10 +373,10 @@ class _Draws:
             return found
         from scipy.spatial import cKDTree  # noqa: PLC0415
 
-        places = np.where((kinds == Kind.ASIDE)[:, None], graph.tips[begins], targets)
+        places = np.where((kinds == TaskKind.ASIDE)[:, None], graph.tips[begins], targets)
         found[:] = cKDTree(graph.tips).query(places, found.shape[1])[1].reshape(found.shape)
         nodes = (graph.q * lever_metric(self._robot)).reshape(len(graph), 3 * len(self._robot))
-        for i in np.flatnonzero(kinds == Kind.JOIN).tolist():
+        for i in np.flatnonzero(kinds == TaskKind.JOIN).tolist():
             others = np.flatnonzero(graph.parts != graph.parts[begins[i]])
             apart = np.linalg.norm(nodes[others] - nodes[begins[i]], axis=1)
             nearest = others[np.argsort(apart, kind="stable")[: found.shape[1]]]

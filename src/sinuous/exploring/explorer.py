@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task as Chunk
+from sinuous.batch.work import Chunk
 from sinuous.checks import Floats
 from sinuous.motion.configurations import lever_metric, random_configuration, violated_by
 from sinuous.motion.plan import Workspace, Workspaces
@@ -45,7 +45,7 @@ SHORTER = 4
 """How often a motion that is not clear is tried again, half as far."""
 
 
-class Kind(IntEnum):
+class TaskKind(IntEnum):
     """What a task is."""
 
     EVEN = 0
@@ -101,22 +101,22 @@ class Explorer:
 
     def _do(self, work: Workspace, found: "_Found", raw: dict[str, Any]) -> int:
         """Do one task; return the number of the shape that was found, 0: none."""
-        kind, numbers = Kind(int(raw["kind"])), raw["numbers"][raw["numbers"] >= 0]
+        kind, numbers = TaskKind(int(raw["kind"])), raw["numbers"][raw["numbers"] >= 0]
         near, begin, seed = raw["near"][: len(numbers)], raw["begin"], int(raw["seed"])
         task = _Task(numbers, near, seed, Deadline(PATIENCE))
-        if kind is Kind.JOIN:
+        if kind is TaskKind.JOIN:
             self._join(work, found, begin, int(raw["own"]), task)
             return 0
-        q = self._moved(work, begin, seed) if kind is Kind.ASIDE else self._met(kind, raw["target"], begin)
+        q = self._moved(work, begin, seed) if kind is TaskKind.ASIDE else self._met(kind, raw["target"], begin)
         if q is None:
             return 0
         order = np.argsort(self._apart(q, near), kind="stable")
         return self._link(work, found, q, task._replace(numbers=numbers[order], near=near[order]))
 
-    def _met(self, kind: Kind, target: Floats, begin: Floats) -> Floats | None:
+    def _met(self, kind: TaskKind, target: Floats, begin: Floats) -> Floats | None:
         """Meet a position: from anywhere, or from one shape."""
         assert self._solvers is not None
-        if kind is Kind.EVEN:
+        if kind is TaskKind.EVEN:
             solution = self._solvers[0].solve(Target(target), time=PATIENCE)
         else:
             solution = self._solvers[1].solve(Target(target), begin, time=PATIENCE)

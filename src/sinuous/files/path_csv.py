@@ -28,14 +28,14 @@ HEADERS = {POSITION: None} | {(*POSITION, *columns): name for name, columns in O
 """What an allowed header says beside the position."""
 
 
-class Table(NamedTuple):
+class PathTable(NamedTuple):
     """What a file says: targets, and their times (m,) where it has some."""
 
     targets: tuple[Target, ...]
     times: Floats | None
 
 
-def parse_path(text: str) -> Table:
+def parse_path(text: str) -> PathTable:
     """Read the targets of a CSV file with a header, and their times.
 
     Raises
@@ -57,7 +57,7 @@ def parse_path(text: str) -> Table:
     turned: dict[str, Any] = {} if orientation is None else {orientation: poses[:, 3:]}
     try:
         times = checks.increasing("times", numbers[:, 0], None) if timed else None
-        return Table(Target.each(poses[:, :3], **turned), times)
+        return PathTable(Target.each(poses[:, :3], **turned), times)
     except InputError as error:
         if error.row is None:
             raise

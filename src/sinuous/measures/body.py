@@ -89,7 +89,7 @@ def body_places(robot: Robot, q: Floats, ends: Floats) -> tuple[Floats, NDArray[
     return poses[..., :3, 3].reshape(-1, 3), np.repeat(np.flatnonzero(beyond), SAMPLES + 1)
 
 
-class Nearest(NamedTuple):
+class NearestObstacle(NamedTuple):
     """The least distance to obstacles, and where it is.
 
     Attributes
@@ -107,12 +107,12 @@ class Nearest(NamedTuple):
     obstacle: str | None
 
 
-def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, beyond: bool = False) -> Nearest:
+def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, beyond: bool = False) -> NearestObstacle:
     """Least clearance over sampled places of the body beyond the mount, in configuration `q` (n, 3).
 
     `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments. `beyond`: less what is demanded.
     """
-    least = Nearest(math.inf, None, None)
+    least = NearestObstacle(math.inf, None, None)
     if len(scene) == 0:
         return least
     places, segments = body_places(robot, q, ends)
@@ -121,15 +121,15 @@ def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, b
         clearances = measure(obstacle, places) - radii
         if clearances.min(initial=math.inf) < least.distance:
             nearest = int(clearances.argmin())
-            least = Nearest(float(clearances[nearest]), int(segments[nearest]) + 1, scene.name(i))
+            least = NearestObstacle(float(clearances[nearest]), int(segments[nearest]) + 1, scene.name(i))
     return least
 
 
-def room_at(place: Floats, scene: Snapshot) -> Nearest:
+def room_at(place: Floats, scene: Snapshot) -> NearestObstacle:
     """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it, if one does."""
     distances = [float(at_most(obstacle, place[None])[0]) for obstacle in scene.obstacles]
     nearest = int(np.argmin(distances))
-    return Nearest(distances[nearest], None, scene.name(nearest) if math.isfinite(distances[nearest]) else None)
+    return NearestObstacle(distances[nearest], None, scene.name(nearest) if math.isfinite(distances[nearest]) else None)
 
 
 MOST_PLACES = 20_000

@@ -32,7 +32,7 @@ def _typed(text: str) -> Any:
 
 
 @dataclass(frozen=True)
-class Kind:
+class OptionKind:
     """What a value may be: how to check it, to read it from text, and to hand it to a kernel as a number."""
 
     check: Callable[[str, Any], Any]
@@ -40,29 +40,29 @@ class Kind:
     read: Callable[[str], Any] = _typed
 
 
-def option(default: Any, kind: Kind) -> Any:
+def option(default: Any, kind: OptionKind) -> Any:
     """Field for a value of some kind."""
     return field(default=default, metadata={"kind": kind})
 
 
 def number(default: float, *, low: float = -np.inf, above: float = -np.inf, high: float = np.inf) -> Any:
     """Field for a finite number in a range; `above` is excluded, the other ends are allowed."""
-    return option(default, Kind(partial(checks.number, low=low, above=above, high=high)))
+    return option(default, OptionKind(partial(checks.number, low=low, above=above, high=high)))
 
 
 def count(default: int, low: int, high: int) -> Any:
     """Field for a whole number from `low` to `high`."""
-    return option(default, Kind(partial(checks.integer, low=low, high=high)))
+    return option(default, OptionKind(partial(checks.integer, low=low, high=high)))
 
 
 def choice(default: str, names: Sequence[str]) -> Any:
     """Field for one of several words; the kernel sees its place among them."""
-    return option(default, Kind(partial(checks.choice, words=names), names.index, str))
+    return option(default, OptionKind(partial(checks.choice, words=names), names.index, str))
 
 
 def flag(default: bool) -> Any:
     """Field for yes or no."""
-    return option(default, Kind(checks.truth))
+    return option(default, OptionKind(checks.truth))
 
 
 @dataclass(frozen=True, repr=False)

@@ -12,7 +12,7 @@ from sinuous.problem.target import Target
 from sinuous.solution.solution import Solution
 
 
-class Line:
+class TipLine:
     """The straight line from one target of the tip to another: positions on a line, orientations on a great circle.
 
     Parameters
@@ -25,7 +25,7 @@ class Line:
         self.begin, self.end = begin, end
 
     @classmethod
-    def between(cls, begin: tuple[Target, ...] | None, end: tuple[Target, ...]) -> "Line | None":
+    def between(cls, begin: tuple[Target, ...] | None, end: tuple[Target, ...]) -> "TipLine | None":
         """Return the straight line from one waypoint to the next; `None` where they do not ask for the same."""
         if begin is None or len(begin) != 1 or len(end) != 1 or _kind(begin[0]) != _kind(end[0]):
             return None
@@ -86,7 +86,7 @@ class Knot(NamedTuple):
         What is asked there; nothing on a path around obstacles.
     solution : Solution or None
         The one that it was taken from.
-    line : Line or None
+    line : TipLine or None
         The line that the tip follows in the step that leads there, where it has to.
     shares : (float, float)
         The part of that line.
@@ -100,7 +100,7 @@ class Knot(NamedTuple):
     proof: Floats | None
     targets: tuple[Target, ...] = ()
     solution: Solution | None = None
-    line: Line | None = None
+    line: TipLine | None = None
     shares: tuple[float, float] = (0.0, 1.0)
     fixed: bool = False
     time: float = 0.0

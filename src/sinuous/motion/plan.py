@@ -18,7 +18,7 @@ from sinuous.motion.configurations import blocked_by, check_limits, lever_metric
 from sinuous.motion.motion import Motion
 from sinuous.motion.paced import Pace
 from sinuous.motion.planning.find import find_path, find_timed_path, standing
-from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, Goals, ProvedPath, Query, TimedQuery
+from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedPath, Query, TargetGoals, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
@@ -209,7 +209,7 @@ class Planner:
         report = self._blocked(begin, end, work.prover, work.prover)
         if report is not None:
             return self._made(work.scene, deadline, begin, report)
-        goals = FixedGoal(end) if isinstance(end, np.ndarray) else Goals(self._solver, end, [])
+        goals = FixedGoal(end) if isinstance(end, np.ndarray) else TargetGoals(self._solver, end, [])
         query = Query(self._robot, work.scene, begin, goals, self._options.seed, self._shortcuts, deadline)
         with deadline.paused():  # what is kept of a graph is made once
             work.walks = walks_in(self._options.memory, self._robot, work.scene, work.trees, work.walks)
@@ -221,7 +221,7 @@ class Planner:
                 deadline.set_spent(spent + solution.seconds)
                 if not solution.solved:
                     return self._made(work.scene, deadline, begin, _of_waypoint(solution))
-                goals = Goals(self._solver, end, [solution])
+                goals = TargetGoals(self._solver, end, [solution])
                 query = replace(query, scene=solution.problem.scene, goals=goals)
             path = find_path(query, work.trees if query.scene is work.scene else None)
             remember(self._options.memory, self._robot, path)
@@ -243,14 +243,14 @@ class Planner:
         report = self._blocked(begin, end, prover, Prover(self._robot, there))
         if report is not None:
             return made(report)
-        goals: FixedGoal | Goals
+        goals: FixedGoal | TargetGoals
         if solver is None:
             goals, goal = FixedGoal(cast(Floats, end)), cast(Floats, end)
         else:
             solution = solver.solve(cast(list[Target], end), begin)
             if not solution.solved:
                 return made(_of_waypoint(solution))
-            goals, goal = Goals(solver, list(solution.problem.targets), [solution]), solution.q
+            goals, goal = TargetGoals(solver, list(solution.problem.targets), [solution]), solution.q
         query = self._timed_query(prover, begin, goals, goal, deadline)
         if solver is None and not query.early:
             soonest, window = query.soonest(goal - begin), query.end - query.begin
@@ -263,7 +263,7 @@ class Planner:
         return made(report, path)
 
     def _timed_query(
-        self, prover: Prover, start: Floats, goals: FixedGoal | Goals, goal: Floats, deadline: Deadline
+        self, prover: Prover, start: Floats, goals: FixedGoal | TargetGoals, goal: Floats, deadline: Deadline
     ) -> TimedQuery:
         timing = self._pace
         asked = TimedQuery(
@@ -334,10 +334,10 @@ def _of_waypoint(solution: Solution) -> Report:
     return Report(solutions=(solution,), waypoint_knots=(None,))
 
 
-def _arrived(path: ProvedPath | None, goals: FixedGoal | Goals) -> Report:
+def _arrived(path: ProvedPath | None, goals: FixedGoal | TargetGoals) -> Report:
     """Tell to which of the goals a path leads, or that none was found in time."""
     if path is None:
-        report = _of_waypoint(goals.solutions[0]) if isinstance(goals, Goals) else Report()
+        report = _of_waypoint(goals.solutions[0]) if isinstance(goals, TargetGoals) else Report()
         return replace(report, ended=Status.TIME_LIMIT)
     if isinstance(goals, FixedGoal):
         return Report()

@@ -10,10 +10,10 @@ from sinuous.arguments import Shortest
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by
-from sinuous.motion.knots import Entry, Knot, Line
+from sinuous.motion.knots import Entry, Knot, TipLine
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.find import find_path, find_timed_path
-from sinuous.motion.planning.query import Deadline, Goals, ProvedPath, Query, TimedQuery
+from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
 from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
@@ -223,7 +223,7 @@ class Tracker:
         goal, begin, end = solution.problem.targets, self._knots[-1].time, self._knots[-1].time
         if self._timetable is not None:
             end = self._timetable.of(len(self._tried))
-        line = Line.between(self._at, goal)
+        line = TipLine.between(self._at, goal)
         done, step = 0.0, 1.0
         while done < 1.0:
             share = min(1.0, done + step)
@@ -270,7 +270,7 @@ class Tracker:
         if self._timetable is not None:
             self._timetable.look_at(when)
             times = np.array([last.time, when])
-        goals = Goals(self._solver, list(solution.problem.targets), [solution])
+        goals = TargetGoals(self._solver, list(solution.problem.targets), [solution])
         path = self._find_path(last, when, goals)
         if path is None:
             proof = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)
@@ -284,7 +284,7 @@ class Tracker:
         self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached, time=when))
         return reached
 
-    def _find_path(self, last: Knot, when: float, goals: Goals) -> ProvedPath | None:
+    def _find_path(self, last: Knot, when: float, goals: TargetGoals) -> ProvedPath | None:
         """Plan a path from where the robot is to a waypoint, in the time that a solve may take."""
         robot, options, scene = self._solver.robot, self._solver.options, self._prover.scene
         if self._timetable is None:

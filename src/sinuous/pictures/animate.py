@@ -13,7 +13,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.display.bounds import Bounds
 from sinuous.display.contents import Contents, Things, gather
-from sinuous.display.style import ARMS, INK, PATH, ROUTE, TARGET, TIP_PATH, UNSOLVED, View
+from sinuous.display.style import ARMS, INK, PATH, ROUTE, TARGET, TIP_PATH, UNSOLVED, Viewpoint
 from sinuous.errors import InputError
 from sinuous.pictures.files import MOVIES, check_picture
 from sinuous.pictures.paint import add, paint_arms, paint_walls, places_of, walls_of
@@ -80,12 +80,12 @@ def animate(
         write_movie(file, frames(contents, seen, count), rate)
 
 
-def frames(contents: Contents, view: View, count: int, *, area: float = AREA) -> Iterator[Pixels]:
+def frames(contents: Contents, view: Viewpoint, count: int, *, area: float = AREA) -> Iterator[Pixels]:
     """Yield pictures (height, width, 3), all of one size."""
     return _moving(contents, view, count, area) if contents.moving else _turning(contents, view, count, area)
 
 
-def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator[Pixels]:
+def _moving(contents: Contents, view: Viewpoint, count: int, area: float) -> Iterator[Pixels]:
     """The view stays; obstacles are see-through wherever they hide a robot on its way."""
     box = axes_box(contents)
     figure = new_figure(**sizes(box, view, area) | {"dpi": DPI})
@@ -112,15 +112,15 @@ def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator
             artist.remove()
 
 
-def _turning(contents: Contents, view: View, count: int, area: float) -> Iterator[Pixels]:
+def _turning(contents: Contents, view: Viewpoint, count: int, area: float) -> Iterator[Pixels]:
     """The viewer goes once around, as far away as is needed from the worst side."""
     box = axes_box(contents)
     half = 0.5 * np.array([*np.full(2, np.hypot(*(box.high - box.low)[:2])), (box.high - box.low)[2]])
     around = Bounds(box.middle - half, box.middle + half)
-    figure = new_figure(**sizes(around, View(view.elevation, 0.0), area) | {"dpi": DPI})
+    figure = new_figure(**sizes(around, Viewpoint(view.elevation, 0.0), area) | {"dpi": DPI})
     for turn in np.linspace(0.0, 360.0, count, endpoint=False).tolist():
         figure.clear()
-        seen = View(view.elevation, view.azimuth + turn)
+        seen = Viewpoint(view.elevation, view.azimuth + turn)
         axes = _prepared(figure, contents, box, seen)
         axes.set_axis_off()
         fill(axes, box, room_of(figure))
@@ -129,7 +129,7 @@ def _turning(contents: Contents, view: View, count: int, area: float) -> Iterato
         yield _pixels(figure)
 
 
-def _prepared(figure: Any, contents: Contents, box: Bounds, view: View) -> Any:
+def _prepared(figure: Any, contents: Contents, box: Bounds, view: Viewpoint) -> Any:
     axes = new_axes(figure)
     set_bounds(axes, box, view)
     draw_head(figure, contents, room_of(figure))

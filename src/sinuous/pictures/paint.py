@@ -13,7 +13,7 @@ from sinuous.display.body import BodySurface
 from sinuous.display.bounds import Bounds, towards
 from sinuous.display.contents import Arm
 from sinuous.display.obstacles import AROUND, Dotted, Surface, obstacle_surface
-from sinuous.display.style import METAL, OBSTACLE, THINNEST, View
+from sinuous.display.style import METAL, OBSTACLE, THINNEST, Viewpoint
 from sinuous.pictures.space import screen
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
@@ -212,12 +212,12 @@ def places_of(arms: list[Arm], bounds: Bounds) -> tuple[Floats, float]:
     return np.concatenate(places) if places else np.empty((0, 3)), max(thickest, 0.01 * bounds.span)
 
 
-def paint_arms(arms: list[Arm], bounds: Bounds, view: View) -> list[Painted]:
+def paint_arms(arms: list[Arm], bounds: Bounds, view: Viewpoint) -> list[Painted]:
     """Facets of bodies, those of each robot in tones of its own."""
     return [part for arm in arms for part in paint_arm(arm, bounds, view)]
 
 
-def paint_arm(arm: Arm, bounds: Bounds, view: View) -> list[Painted]:
+def paint_arm(arm: Arm, bounds: Bounds, view: Viewpoint) -> list[Painted]:
     """Facets of a body that are seen. A ghost has no fittings."""
     surface = BodySurface(arm.robot, THINNEST * bounds.span, BODY_AROUND, fittings=not arm.ghost)
     own, opacity = arm.colours, GHOST if arm.ghost else SOLID
@@ -226,7 +226,7 @@ def paint_arm(arm: Arm, bounds: Bounds, view: View) -> list[Painted]:
     return [_lit(facets, colour, opacity, view) for facets, colour in drawn]
 
 
-def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: View) -> list[Painted]:
+def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: Viewpoint) -> list[Painted]:
     """Facets of obstacles that are seen. `bodies` (m, 3) are places of robots of this radius, which they may hide."""
     painted = []
     for facets, each in walls:
@@ -254,7 +254,7 @@ def add(axes: Any, painted: list[Painted]) -> Any:
 
 
 def _lit(
-    facets: Floats, colour: str, opacity: float, view: View, *, back: bool = False, hidden: Floats | None = None
+    facets: Floats, colour: str, opacity: float, view: Viewpoint, *, back: bool = False, hidden: Floats | None = None
 ) -> Painted:
     """Facets that face the viewer (`back`: others too) under a light from above the viewer's left shoulder."""
     from matplotlib.colors import to_rgb  # noqa: PLC0415
@@ -262,7 +262,7 @@ def _lit(
     facing = normals(facets)
     seen = np.full(len(facets), True) if back else facing @ towards(view) > -0.05
     facing = facing[seen] * np.where(facing[seen] @ towards(view) < -0.05, -0.6, 1.0)[:, None]
-    light = 0.5 + 0.5 * facing @ towards(View(50.0, view.azimuth - 40.0))
+    light = 0.5 + 0.5 * facing @ towards(Viewpoint(50.0, view.azimuth - 40.0))
     base = np.array(to_rgb(colour))
     shades = base * (0.5 + 0.5 * light[:, None]) + 0.3 * (1.0 - base) * light[:, None] ** 4
     alpha = np.full(len(shades), opacity)
@@ -271,7 +271,7 @@ def _lit(
     return Painted(facets[seen], np.concatenate([shades, alpha[:, None]], axis=-1))
 
 
-def _hiding(facets: Floats, bodies: Floats, radius: float, view: View) -> Floats:
+def _hiding(facets: Floats, bodies: Floats, radius: float, view: Viewpoint) -> Floats:
     """How far each facet (m,) must be see-through: 1 in front of a body, 0 away from all of them."""
     if not len(bodies) or not len(facets):
         return np.zeros(len(facets))

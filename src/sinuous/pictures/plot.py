@@ -13,7 +13,7 @@ from sinuous.display.bounds import Bounds, best_view
 from sinuous.display.captions import caption
 from sinuous.display.contents import Contents, PlacedTarget, Things, gather
 from sinuous.display.obstacles import Dotted, dots
-from sinuous.display.style import ARROW, DOTS, FORCE, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, arrows_of
+from sinuous.display.style import ARROW, DOTS, FORCE, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, Viewpoint, arrows_of
 from sinuous.errors import InputError
 from sinuous.pictures.files import check_picture, need_matplotlib, stills
 from sinuous.pictures.paint import add, paint_arm, paint_arms, paint_walls, places_of, walls_of
@@ -91,9 +91,9 @@ def plot(
     return ax
 
 
-def as_view(view: Sequence[Number]) -> View:
+def as_view(view: Sequence[Number]) -> Viewpoint:
     """Check where a picture is looked at from."""
-    return View(*checks.array("view", view, (2,), "elevation and azimuth in degrees").tolist())
+    return Viewpoint(*checks.array("view", view, (2,), "elevation and azimuth in degrees").tolist())
 
 
 def still(contents: Contents, area: float = AREA, dpi: float = 150.0, head: float = HEAD) -> Any:
@@ -108,7 +108,7 @@ def still(contents: Contents, area: float = AREA, dpi: float = 150.0, head: floa
 
 
 def draw_in(
-    figure: Any, contents: Contents, box: Bounds, view: View, room: Floats | None = None, titled: bool = True
+    figure: Any, contents: Contents, box: Bounds, view: Viewpoint, room: Floats | None = None, titled: bool = True
 ) -> Any:
     """Draw everything into the room of a figure, corners (2, 2) in pixels, by default all of it; return the axes."""
     axes, own = new_axes(figure), room_of(figure) if room is None else room
@@ -119,7 +119,7 @@ def draw_in(
     return axes
 
 
-def draw_contents(axes: Any, contents: Contents, box: Bounds, view: View) -> None:
+def draw_contents(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -> None:
     """Draw everything at its place in the box, motions and obstacles that move at their end."""
     set_bounds(axes, box, view)
     draw_surfaces(axes, contents, box, view)
@@ -135,7 +135,7 @@ def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
         head.set_fontsize(TITLE * min(1.0, (room[1, 0] - room[0, 0]) / head.get_window_extent().width))
 
 
-def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: View) -> None:
+def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -> None:
     """Draw all that has a surface, and the points of what has none."""
     arms = contents.arms_at(1.0)
     painted = paint_arms(arms, box, view)

@@ -8,7 +8,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.display.bounds import Bounds, bounds_of, towards
 from sinuous.display.contents import Contents
-from sinuous.display.style import GRID, LINE, PALE, SMALL, TEXT, View
+from sinuous.display.style import GRID, LINE, PALE, SMALL, TEXT, Viewpoint
 
 MARGIN = 0.03
 """Between what is shown and the sides of the box, as a share of its longest side."""
@@ -35,14 +35,14 @@ def axes_box(contents: Contents) -> Bounds:
     return Bounds(bounds.middle - half, bounds.middle + half)
 
 
-def screen(view: View) -> Floats:
+def screen(view: Viewpoint) -> Floats:
     """Return the unit vectors (2, 3) to the right and upwards on the screen."""
     a = math.radians(view.azimuth)
     right = np.array([-math.sin(a), math.cos(a), 0.0])
     return np.stack([right, np.cross(towards(view), right)])
 
 
-def sizes(bounds: Bounds, view: View, area: float = AREA) -> dict[str, Any]:
+def sizes(bounds: Bounds, view: Viewpoint, area: float = AREA) -> dict[str, Any]:
     """Return size and resolution of a figure that the bounds fill."""
     width, height = np.abs(screen(view)) @ (bounds.high - bounds.low)
     longest = max(width, height)
@@ -74,7 +74,7 @@ def room_of(figure: Any, head: float = HEAD) -> Floats:
     return figure.dpi * np.array([[EDGE, EDGE], [width - EDGE, height - EDGE - head]])
 
 
-def set_bounds(axes: Any, bounds: Bounds, view: View) -> None:
+def set_bounds(axes: Any, bounds: Bounds, view: Viewpoint) -> None:
     """Show a box from a side, at equal scales."""
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415
 

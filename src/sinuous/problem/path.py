@@ -11,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import least_rotation
-from sinuous.problem.target import GoalArrays, Goals, Target
+from sinuous.problem.target import GoalArrays, Target, TipGoals
 from sinuous.reprs import call
 
 MOST_BETWEEN = 100_000
@@ -58,9 +58,9 @@ class Path(Frozen, Sequence[Target]):
     _targets: tuple[Target, ...]
 
     def __init__(self, times: Vector | None = None, **goals: Unpack[GoalArrays]) -> None:
-        self._of(Goals.read(goals), times)
+        self._of(TipGoals.read(goals), times)
 
-    def _of(self, goals: Goals, times: Any) -> None:
+    def _of(self, goals: TipGoals, times: Any) -> None:
         if len(goals) < 2:
             raise InputError("path", "", len(goals), "at least two points")
         when = None if times is None else checks.increasing("times", times, len(goals))
@@ -96,7 +96,7 @@ class Path(Frozen, Sequence[Target]):
         """
         from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
-        goals = Goals.read({**orientations, "positions": positions})
+        goals = TipGoals.read({**orientations, "positions": positions})
         points = checks.points("positions", positions)
         if len(points) < 2:
             raise InputError("path", "", len(points), "at least two points")
@@ -110,7 +110,7 @@ class Path(Frozen, Sequence[Target]):
         along = np.interp(np.arange((len(knots) - 1) * (count + 1) + 1) / (count + 1), range(len(knots)), knots)
         path = cls.__new__(cls)
         turned = _turned(goals, knots, along)
-        path._of(Goals(CubicSpline(knots, points)(along), *turned), None if when is None else along)
+        path._of(TipGoals(CubicSpline(knots, points)(along), *turned), None if when is None else along)
         return path
 
     @classmethod
@@ -159,7 +159,7 @@ class Path(Frozen, Sequence[Target]):
         return call("Path", [f"{len(self)} points", f"length {self.length:g}", *timed])
 
 
-def _turned(goals: Goals, knots: Floats, along: Floats) -> tuple[Floats | None, Floats | None]:
+def _turned(goals: TipGoals, knots: Floats, along: Floats) -> tuple[Floats | None, Floats | None]:
     """Directions and rotations of a spline at `along`, of those that are given at `knots`."""
     from scipy.spatial.transform import Rotation, RotationSpline  # noqa: PLC0415
 

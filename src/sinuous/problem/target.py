@@ -45,7 +45,7 @@ KEYS = "positions", "directions", "rotations", "xyzw"
 
 
 @dataclass(frozen=True, eq=False)
-class Goals:
+class TipGoals:
     """What is asked of the tip in m targets; all arrays are read-only.
 
     Attributes
@@ -62,7 +62,7 @@ class Goals:
     rotations: Floats | None
 
     @classmethod
-    def read(cls, given: Mapping[str, Any], keys: tuple[str, str, str, str] = KEYS) -> "Goals":
+    def read(cls, given: Mapping[str, Any], keys: tuple[str, str, str, str] = KEYS) -> "TipGoals":
         """Check arrays; `keys` are the names of positions, directions, rotations, and quaternions xyzw.
 
         Raises
@@ -88,10 +88,10 @@ class Goals:
     def __len__(self) -> int:
         return next(len(part) for part in (self.positions, self.directions, self.rotations) if part is not None)
 
-    def __getitem__(self, index: Any) -> "Goals":
+    def __getitem__(self, index: Any) -> "TipGoals":
         """Some of them: a slice, or numbers (k,)."""
         parts = (self.positions, self.directions, self.rotations)
-        return Goals(*(None if part is None else part[index] for part in parts))
+        return TipGoals(*(None if part is None else part[index] for part in parts))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, part in state.items():
@@ -232,7 +232,7 @@ class Target(Frozen):
             As for `Target`, or when there is not one of each for every target.
         """
         given = {"position": position, "direction": direction, "rotation": rotation, "xyzw": xyzw}
-        return cls.of_rows(Goals.read(given, ("position", "direction", "rotation", "xyzw")).rows)
+        return cls.of_rows(TipGoals.read(given, ("position", "direction", "rotation", "xyzw")).rows)
 
     @classmethod
     def of_rows(cls, rows: Floats) -> "tuple[Target, ...]":

@@ -10,7 +10,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import KEYS, Goals, Target, Targets, Tolerance, is_place, target_list
+from sinuous.problem.target import KEYS, Target, Targets, TipGoals, Tolerance, is_place, target_list
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
@@ -62,7 +62,7 @@ class ListedTargets:
         return np.array([any(target._table[0, column] for target in each) for each in self._sets], np.bool_)
 
 
-TargetSets = Goals | ListedTargets
+TargetSets = TipGoals | ListedTargets
 """Sets of targets: one of the tip in each, from arrays, or listed ones."""
 
 
@@ -111,7 +111,7 @@ def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Ma
     if targets is None:
         if not given:
             raise InputError("targets", "nothing is asked", None, "targets, or positions=, directions= or rotations=")
-        return Goals.read(arrays)
+        return TipGoals.read(arrays)
     if given:
         raise InputError(given[0], "cannot be combined with targets", arrays[given[0]], "one of targets, arrays")
     return ListedTargets(listed_targets(robot, targets))

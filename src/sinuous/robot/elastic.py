@@ -25,7 +25,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Lines
-from sinuous.robot.segment import Segment
+from sinuous.robot.segment import COORDINATES, Segment
 
 STEPS = 100
 """Most Newton steps of an equilibrium; a handful is usual."""
@@ -130,8 +130,6 @@ def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, c
     return left - low * (right - left) / np.where(high != low, high - low, 1.0)
 
 
-COORDINATES = ("bend_x", "bend_y", "length")
-
 SHORTEST = 1e-9
 """Of the length of the robot: a segment that is retracted further is as stiff as one of this length."""
 
@@ -142,7 +140,7 @@ BALANCE = 1e-9
 """By how much moments may be out of balance, relative to those of the stiffness at 1 rad, and count as balanced."""
 
 
-class Group(NamedTuple):
+class LineGroup(NamedTuple):
     """The elastic lines that end at one segment.
 
     Attributes
@@ -224,7 +222,7 @@ class Elastic(Frozen):
     _varies: NDArray[np.bool_]
     springs: Springs
     _columns: NDArray[np.intp]
-    _groups: tuple[Group, ...]
+    _groups: tuple[LineGroup, ...]
 
     def __init__(self, segments: Sequence[Segment], jacobian: Floats, lines: Sequence[tuple[int, Lines, int]]) -> None:
         places = np.array([place for place, _, _ in lines], np.intp)
@@ -369,7 +367,7 @@ def _refuse_loose(segments: Sequence[Segment], springs: Springs, columns: NDArra
         raise InputError(key, "missing", segments[k].stiffness, wanted)
 
 
-def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Iterator[Group]:
+def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Iterator[LineGroup]:
     """Yield the lines that end at each segment, from the tip to the base."""
     for k in sorted(set(ends), reverse=True):
         lines = np.array([i for i, end in enumerate(ends) if end == k], np.intp)
@@ -386,4 +384,4 @@ def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Ite
         hold = float(np.abs(springs.resistance[..., coordinates]).sum())
         arm = float(np.linalg.norm(arms, axis=1).max(initial=0.0)) or 1.0
         spread = np.asarray(np.linalg.pinv(arms.T, rcond=RANK), np.float64)
-        yield Group(lines, coordinates, spread, common, arm, hold / arm)
+        yield LineGroup(lines, coordinates, spread, common, arm, hold / arm)

@@ -16,7 +16,7 @@ from sinuous.arguments import Number, Occupancy, Truth, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.obstacles import IDENTITY, Obstacle
-from sinuous.scene.reading import Source, check_file
+from sinuous.scene.reading import Origin, check_file
 
 STEPS = tuple(step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0))
 """From a point of a grid to half of its 26 neighbours; the other half is the same, backwards."""
@@ -359,7 +359,7 @@ class Grid(Sampled):
             grid = cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name, **known)
         except InputError as error:
             raise error if error.key in ("name", *KNOWN) else error.in_file(file) from None
-        grid._set(_source=Source.of(file, **known))
+        grid._set(_source=Origin.of(file, **known))
         return grid
 
 

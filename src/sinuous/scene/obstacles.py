@@ -18,7 +18,7 @@ from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
-from sinuous.scene.reading import Source
+from sinuous.scene.reading import Origin
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
@@ -34,7 +34,7 @@ class Obstacle(Frozen, ABC):
     """Whether code says where it is, so that no file can."""
 
     @property
-    def source(self) -> Source | None:
+    def source(self) -> Origin | None:
         """The file that it was read from, and how; `None` when it is from none."""
         return vars(self).get("_source")
 

@@ -15,7 +15,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.meshes.mesh import load_geometry
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Placement, Source, check_file
+from sinuous.scene.reading import Origin, Placement, check_file
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -110,7 +110,7 @@ class PointCloud(Obstacle):
         except InputError as error:
             raise error if error.key == "file" else error.in_file(file) from None
         cloud = cls(points, radius, name=name)
-        cloud._set(_source=Source.of(file, **placement.arguments, radius=cloud.radius))
+        cloud._set(_source=Origin.of(file, **placement.arguments, radius=cloud.radius))
         return cloud
 
 

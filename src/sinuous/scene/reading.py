@@ -65,7 +65,7 @@ class Placement(Frozen):
         return moved
 
 
-class Source(NamedTuple):
+class Origin(NamedTuple):
     """Where an obstacle was read from.
 
     Attributes
@@ -83,7 +83,7 @@ class Source(NamedTuple):
     parts: int = 1
 
     @classmethod
-    def of(cls, file: str | Path, **arguments: Any) -> "Source":
+    def of(cls, file: str | Path, **arguments: Any) -> "Origin":
         """Remember a file and how it was read; what says nothing is left out."""
         written = {key: plain(value) for key, value in arguments.items()}
         return cls(Path(file).absolute(), {key: value for key, value in written.items() if value is not None})

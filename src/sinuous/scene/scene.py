@@ -13,7 +13,7 @@ from sinuous.scene.moving import Moving, moved
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared.parts import unsampled
-from sinuous.scene.reading import Source
+from sinuous.scene.reading import Origin
 from sinuous.scene.snapshot import Snapshot, Surroundings
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described, plain
@@ -67,7 +67,7 @@ def _with_course(entry: dict[str, Any], moving: Moving) -> dict[str, Any]:
     return {kind: {**arguments, "moving": course} for kind, arguments in entry.items()}
 
 
-def _whole(rest: Sequence[Obstacle], source: Source) -> bool:
+def _whole(rest: Sequence[Obstacle], source: Origin) -> bool:
     """Whether obstacles begin with all parts of one file, and have the names that a reader gives them.
 
     It names the parts, and what comes after several of them.

@@ -273,7 +273,7 @@ def _ask_field(
             gradients[nearer, axis] = (beyond - before) / (2.0 * step)
 
 
-class Nearest(NamedTuple):
+class NearestPoint(NamedTuple):
     """A least distance, and where it is.
 
     Attributes
@@ -291,7 +291,7 @@ class Nearest(NamedTuple):
     obstacle: str | None
 
 
-def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = False) -> Nearest:
+def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = False) -> NearestPoint:
     """Least of `distance - radius` over points (m, 3) with radii (m,), and where it is: along a body it is quickest.
 
     `above`: of upper bounds of distances, where only bounds of them are known.
@@ -308,10 +308,10 @@ def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = Fals
         gaps = (field.at_most(points) if above else evaluate(field.function, points)) - radii
         if gaps.min(initial=math.inf) < best[0]:
             best = float(gaps.min()), int(gaps.argmin()), i
-    return Nearest(best[0], best[1], scene.name(best[2])) if best[2] >= 0 else Nearest(math.inf, None, None)
+    return NearestPoint(best[0], best[1], scene.name(best[2])) if best[2] >= 0 else NearestPoint(math.inf, None, None)
 
 
-def room_at(place: Floats, scene: Snapshot) -> Nearest:
+def room_at(place: Floats, scene: Snapshot) -> NearestPoint:
     """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it."""
     return least_gap(place[None], np.zeros(1), scene, True)
 

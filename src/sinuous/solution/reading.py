@@ -15,7 +15,7 @@ _STATUSES = tuple(status for status in Status if status is not Status.START_BLOC
 """What a solve may end with; motions alone can be blocked at their start."""
 
 
-class Read(NamedTuple):
+class ReadAnswer(NamedTuple):
     """What a result says of a solve."""
 
     outcome: t.Outcome
@@ -25,7 +25,7 @@ class Read(NamedTuple):
     route_class: RouteClass | None
 
 
-def read_result(values: Any, problem: Problem) -> Read:
+def read_result(values: Any, problem: Problem) -> ReadAnswer:
     """Read the result of a problem, as `Solution.to_dict` writes it; keys that are not needed are not looked at.
 
     Raises
@@ -53,7 +53,7 @@ def read_result(values: Any, problem: Problem) -> Read:
         _cell(result) if status == Status.NO_ROUTE else math.nan,
     )
     seed = result.integer("seed", 2**31 - 1)
-    return Read(outcome, outcome.seconds, result.text("method"), seed, _route_class(values))
+    return ReadAnswer(outcome, outcome.seconds, result.text("method"), seed, _route_class(values))
 
 
 def as_demanded(problem: Problem, values: Any) -> Problem:

@@ -9,7 +9,7 @@ from sinuous.problem.problem import Preferences, Problem
 from sinuous.robot.robot import Robot
 
 
-class Found(Protocol):
+class FoundSolution(Protocol):
     """What a solve returns: a `Solution`."""
 
     @property
@@ -58,7 +58,7 @@ class ReSolver(Protocol):
         """
         ...
 
-    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
+    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
         """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
 
         Among them may be `within`: the changes from there that are allowed.
@@ -80,6 +80,6 @@ class LoadedResult:
         """It is not known how; see the class."""
         return False
 
-    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
+    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
         """Refuse: see the class."""
         raise InputError("solution", "its options are not known", self.method, "one that was not read from a file")

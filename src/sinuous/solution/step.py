@@ -65,7 +65,7 @@ class Active(ShortRepr):
         return cls(CONSTRAINTS[kind], place)
 
 
-class Wanted(NamedTuple):
+class WantedStep(NamedTuple):
     """What a step was asked for.
 
     Attributes
@@ -113,12 +113,12 @@ class Step:
 
     initial: Floats
     observed: Observed | None
-    _wanted: Wanted
+    _wanted: WantedStep
     _answer: Floats
     _q: Floats
     _active: tuple[Active, ...]
 
-    def __init__(self, wanted: Wanted, initial: Floats, answer: Floats, observed: Observed | None = None) -> None:
+    def __init__(self, wanted: WantedStep, initial: Floats, answer: Floats, observed: Observed | None = None) -> None:
         q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape)
         q.setflags(False)  # type: ignore[call-arg]  # by position: by its name it takes three times as long
         for name, value in zip(("_wanted", "initial", "_answer", "_q"), (wanted, initial, answer, q), strict=True):
@@ -266,6 +266,6 @@ class Step:
         return tuple(dict.fromkeys(Active.of(row, self.scene, self._wanted.limited) for row in ordered))
 
 
-def _restored(wanted: Wanted, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:
+def _restored(wanted: WantedStep, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:
     initial.setflags(write=False)
     return Step(wanted, initial, answer, observed)

@@ -11,7 +11,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.rates import Changes
 from sinuous.solution.binding import Binding
 from sinuous.solution.reasons import Reason
-from sinuous.solution.resolver import Found, ReSolver
+from sinuous.solution.resolver import FoundSolution, ReSolver
 from sinuous.solution.status import Status
 from sinuous.words import rounded_up
 from sinuous.work_time import work_time
@@ -55,7 +55,7 @@ Amount = Callable[[float], Problem]
 Vector = Callable[[Floats], Problem]
 """Makes a problem in which something is changed by a vector (3,)."""
 
-Shift = tuple[Floats, Found]
+Shift = tuple[Floats, FoundSolution]
 """A vector by which something is changed, and a solution with it."""
 
 
@@ -129,12 +129,12 @@ class Trials:
         """Seconds that are left of this part."""
         return max(0.0, self._deadline - work_time())
 
-    def quick(self, problem: Problem, initial: Floats | None = None) -> Found | None:
+    def quick(self, problem: Problem, initial: Floats | None = None) -> FoundSolution | None:
         """Return a solution from a configuration, by default the best of the case, or from a few starts."""
         near = self._case.q if initial is None else initial
         return self._solved(problem, near, routes=False, max_starts=min(QUICK_STARTS, self._most_starts))
 
-    def whole(self, problem: Problem, **options: Any) -> Found | None:
+    def whole(self, problem: Problem, **options: Any) -> FoundSolution | None:
         """Return a solution that the whole search finds, begun as the user began it."""
         return self._solved(problem, self._case.given, **{"max_starts": self._most_starts, **options})
 
@@ -144,7 +144,7 @@ class Trials:
         own = self._case.resolver.max_starts
         return TRIAL_STARTS if own is None else own
 
-    def _solved(self, problem: Problem, initial: Floats | None, **options: Any) -> Found | None:
+    def _solved(self, problem: Problem, initial: Floats | None, **options: Any) -> FoundSolution | None:
         left = self.left
         if left <= 0.0:
             self.complete = False

@@ -7,7 +7,7 @@ from itertools import count
 from typing import NamedTuple
 
 from sinuous.errors import InputError
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.starts import Question, Scattered, StartBatch
 
 REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "side_tubes"
 """Names of attempts that others have to know."""
@@ -73,7 +73,7 @@ class Attempt(NamedTuple):
     number: int
     name: str
     cost: float
-    make: Callable[[], Iterator[Batch]]
+    make: Callable[[], Iterator[StartBatch]]
 
 
 class Attempts:
@@ -104,13 +104,13 @@ class Attempts:
         self._numbers = count()
         self.ledger: defaultdict[str, float] = defaultdict(float)
 
-    def add(self, name: str, price: float, make: Callable[[], Iterator[Batch]], cost: float | None = None) -> None:
+    def add(self, name: str, price: float, make: Callable[[], Iterator[StartBatch]], cost: float | None = None) -> None:
         """Add an attempt, unless it is switched off; its cost is its price where nothing else is said."""
         if name not in self.without:
             cost = price if cost is None else cost
             heapq.heappush(self._queue, Attempt(price, next(self._numbers), name, cost, make))
 
-    def batches(self) -> Iterator[Batch]:
+    def batches(self) -> Iterator[StartBatch]:
         """Yield starts; an attempt works only when its next batch is asked for."""
         while self._queue and self._question.deadline() > 0.0:
             attempt = self._next()
@@ -127,14 +127,14 @@ class Attempts:
             yield batch
             size *= 2
 
-    def scatter(self, count: int) -> Batch:
+    def scatter(self, count: int) -> StartBatch:
         """Return the next so many scattered starts, or as many as are left."""
         return self._scattered.take(self._question, count)
 
     def _next(self) -> Attempt:
         return heapq.heappop(self._queue)
 
-    def _owed(self) -> Iterator[Batch]:
+    def _owed(self) -> Iterator[StartBatch]:
         """Yield as many scattered starts as are due for what other attempts have cost."""
         others = sum(cost for name, cost in self.ledger.items() if name != SCATTERED)
         due = int(self._share * others - self.ledger[SCATTERED])

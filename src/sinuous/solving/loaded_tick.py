@@ -19,6 +19,7 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import POSE, TARGETS
 from sinuous.measures.body import nearest_meeting, segment_ends
+from sinuous.packing import scales_of
 from sinuous.problem.target import Target, Tolerance, meets
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
@@ -71,7 +72,7 @@ NO_BODY = -1.0
 """The verdict about a start at which no equilibrium was found."""
 
 
-class Row(NamedTuple):
+class TickRow(NamedTuple):
     """A bound `weights . y >= low`, y in units of the scale; `wish` comes after all that is not.
 
     `kind`, `segment` and `other` say what it is, see `kernels.velocity.layout`.
@@ -124,7 +125,7 @@ class LoadedTick:
     def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         self._robot, self.scene, self._tolerance = robot, scene, tolerance
         self._body, self._prover = longest_body(robot), Prover(robot, scene)
-        self._scale = np.stack([robot.limits[:, k.BEND_SCALE]] * 2 + [robot.limits[:, k.LENGTH_SCALE]], axis=-1).ravel()
+        self._scale = scales_of(robot.limits).ravel()
         owners = self._prover.owners
         self._owners = np.repeat(owners, SAMPLES)
         self._radii = np.repeat(np.array(self._body.needed_radii), SAMPLES)
@@ -198,13 +199,13 @@ class LoadedTick:
         limits: "RateLimits",
         dt: float,
         velocity: Floats | None,
-    ) -> tuple[Floats, int, list[tuple[float, Row]]]:
+    ) -> tuple[Floats, int, list[tuple[float, TickRow]]]:
         """Go on step by step, each kept that brings the targets nearer; a tick is the first, as it is.
 
         Returns where it ends (n, 3), how many steps there were, and what held the last one back, strongest first.
         """
         start, tolerance, end, easing, rounds = moves.rest.q, self._tolerance, work_time() + asked.seconds, 1.0, 0
-        active = list[tuple[float, Row]]()
+        active = list[tuple[float, TickRow]]()
         while rounds < asked.rounds and work_time() < end and easing <= HOPELESS:
             step, active = self._step(asked, goals, moves, start, limits, dt, velocity, easing)
             q = self._within(start, step, limits, dt)
@@ -239,7 +240,7 @@ class LoadedTick:
         dt: float,
         velocity: Floats | None,
         easing: float,
-    ) -> tuple[Floats, list[tuple[float, Row]]]:
+    ) -> tuple[Floats, list[tuple[float, TickRow]]]:
         """Find the motion (3 n,) from the start, in units of the scale, and what holds it back, strongest first.
 
         All but limits and rates is linear about the drive where the body of `moves` is.
@@ -276,7 +277,7 @@ class LoadedTick:
                 return step, active
         return done, []
 
-    def _contacts(self, wish: float, ahead: float, moves: Moves) -> list[Row]:
+    def _contacts(self, wish: float, ahead: float, moves: Moves) -> list[TickRow]:
         """Bounds of places of the body that are near obstacles: of each segment and obstacle the nearest."""
         keep = ROOM * self._robot.mean_length
         wish = max(wish, keep)
@@ -293,14 +294,14 @@ class LoadedTick:
                 if gap >= wish + ahead:
                     continue
                 weights = slopes[at] @ moves.of_points[at]
-                rows.append(Row(weights, min(0.0, keep - gap), a.CLEARANCE, segment, i))
+                rows.append(TickRow(weights, min(0.0, keep - gap), a.CLEARANCE, segment, i))
                 if wish > keep and gap < wish:
-                    rows.append(Row(weights, wish - gap, a.CLEARANCE, segment, i, True))
+                    rows.append(TickRow(weights, wish - gap, a.CLEARANCE, segment, i, True))
         return rows
 
-    def _of_limits(self, start: Floats, limits: "RateLimits", dt: float, velocity: Floats | None) -> list[Row]:
+    def _of_limits(self, start: Floats, limits: "RateLimits", dt: float, velocity: Floats | None) -> list[TickRow]:
         """Bounds of lengths and actuators."""
-        rows, scale = list[Row](), self._scale
+        rows, scale = list[TickRow](), self._scale
         table, own = self._robot.limits, start.size
         for j in np.flatnonzero(scale[2::3] > 0.0).tolist():
             at, rate = np.zeros(len(scale)), limits.segments[j]
@@ -318,9 +319,11 @@ class LoadedTick:
                 rows += _wished(at, before, dt * dt * actuator[own + a.SECOND], (-1, j))
         return [row for row in rows if math.isfinite(row.low) and row.weights.any()]
 
-    def _cuts(self, start: Floats, step: Floats, limits: "RateLimits", dt: float, velocity: Floats | None) -> list[Row]:
+    def _cuts(
+        self, start: Floats, step: Floats, limits: "RateLimits", dt: float, velocity: Floats | None
+    ) -> list[TickRow]:
         """Tangents to the discs, of bends and of their changes, that a step leaves."""
-        found = list[Row]()
+        found = list[TickRow]()
         table, change = self._robot.limits, (step * self._scale).reshape(-1, 3)
         for j in range(len(start)):
             bend, bent, length = start[j, :2], math.hypot(*start[j, :2]), start[j, 2] + change[j, 2]
@@ -339,7 +342,7 @@ class LoadedTick:
                     weights[3 * j : 3 * j + 2] = -off / size
                     weights[3 * j + 2] = slope
                     low = -(most - slope * change[j, 2]) - float(off @ center) / size
-                    found.append(Row(weights * self._scale, low, kind, j, -1))
+                    found.append(TickRow(weights * self._scale, low, kind, j, -1))
         return found
 
     def _within(self, start: Floats, step: Floats, limits: "RateLimits", dt: float) -> Floats:
@@ -429,19 +432,19 @@ class LoadedTick:
 
 def _sides(
     at: Floats, least: float, most: float, change: float, kinds: tuple[int, int], where: tuple[int, int]
-) -> list[Row]:
+) -> list[TickRow]:
     """Both bounds of what moves with `at`: between limits, no farther beyond them than it is, and within its rate."""
     least, most = min(0.0, least), max(0.0, most)
     low, high = (kinds[int(abs(side) > change)] for side in (least, most))
-    return [Row(at, max(least, -change), low, *where), Row(-at, -min(most, change), high, *where)]
+    return [TickRow(at, max(least, -change), low, *where), TickRow(-at, -min(most, change), high, *where)]
 
 
-def _wished(at: Floats, aim: float, room: float, where: tuple[int, int]) -> list[Row]:
+def _wished(at: Floats, aim: float, room: float, where: tuple[int, int]) -> list[TickRow]:
     """Both bounds of an acceleration, which come after all else."""
-    return [Row(side * at, side * aim - room, a.ACCELERATION, *where, True) for side in (1.0, -1.0)]
+    return [TickRow(side * at, side * aim - room, a.ACCELERATION, *where, True) for side in (1.0, -1.0)]
 
 
-def _held(root: Floats, free: Floats, bounds: list[Row]) -> tuple[Floats, list[tuple[float, Row]]] | None:
+def _held(root: Floats, free: Floats, bounds: list[TickRow]) -> tuple[Floats, list[tuple[float, TickRow]]] | None:
     """The step nearest to a free one within bounds, and the active ones, strongest first; `None`: there is none."""
     if not bounds:
         return free, []

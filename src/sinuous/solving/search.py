@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.options import UNBOUNDED
-from sinuous.solving.starts import Batch
+from sinuous.solving.starts import StartBatch
 from sinuous.work_time import work_time
 
 ENOUGH = 1000
@@ -15,7 +15,7 @@ says that there was no more time."""
 UNDECIDED = (FAILED, UNPROVED)
 """How a call ends after which a search goes on."""
 
-Follow = Callable[[Batch, float], Outcome]
+Follow = Callable[[StartBatch, float], Outcome]
 """Follows the starts of a batch, for at most so many seconds, until one is solved."""
 
 Clock = Callable[[], float]
@@ -79,7 +79,7 @@ class Search(ABC):
         self._iterations += found.iterations
         self.keep(found)
 
-    def pursue(self, batches: Iterator[Batch], follow: Follow) -> None:
+    def pursue(self, batches: Iterator[StartBatch], follow: Follow) -> None:
         """Follow batch after batch while the search is open; the next batch is asked for only then."""
         while self.open:
             batch = next(batches, None)

@@ -14,11 +14,11 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.route_class import RouteClass
 from sinuous.solving.between.loaded import Ways
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.naming import name_classes, sort_out
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.search import Clock, Search
-from sinuous.solving.starts import Batch, Deadline, Question, Scattered
+from sinuous.solving.starts import Deadline, Question, Scattered, StartBatch
 from sinuous.solving.strategy import Strategy
 from sinuous.statics.equilibrium import longest_body
 from sinuous.work_time import work_time
@@ -96,7 +96,7 @@ class Classes:
 
     Parameters
     ----------
-    curves : Curves
+    curves : ClassCurves
     count : int
         Classes that are wanted.
     dislike : callable
@@ -109,7 +109,7 @@ class Classes:
         Of every class the best solutions, best first.
     """
 
-    def __init__(self, curves: Curves, count: int, dislike: Dislike, body: Body = lambda q: q) -> None:
+    def __init__(self, curves: ClassCurves, count: int, dislike: Dislike, body: Body = lambda q: q) -> None:
         self._curves, self._body, self._count, self._dislike = curves, body, count, dislike
         self._firsts: list[Floats] = []
         self.members: list[list[Outcome]] = []
@@ -231,7 +231,7 @@ class Several:
         ways = Ways(robot) if robot.hangs else None
         body = robot if ways is None else longest_body(robot)
         self._body: Body = (lambda q: q) if ways is None else lambda q: ways.at(q).arcs
-        self._curves = Curves(body, problem.scene, self._seconds_left) if compares else None
+        self._curves = ClassCurves(body, problem.scene, self._seconds_left) if compares else None
         if self._curves is not None:
             self._curves.load()
 
@@ -247,7 +247,7 @@ class Several:
         count = CANDIDATES * wanted.count
         self.search = Distinct(count, wanted.apart, shape, wanted.max_starts, seconds, classes=classes)
 
-    def batches(self, strategy: Strategy, question: Question) -> Iterator[Batch]:
+    def batches(self, strategy: Strategy, question: Question) -> Iterator[StartBatch]:
         """Yield the starts of `solve` up to a first solution, then those of the strategy for several.
 
         By route these have, before its routes, those through different passages, too.
@@ -261,7 +261,7 @@ class Several:
             passages = partial(Passages, searches, self._curves, solved=self.search.classes.has)
         yield from strategy.batches(question, scattered, passages)
 
-    def _for_one(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[Batch]:
+    def _for_one(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[StartBatch]:
         """Yield starts as `solve` follows them, one by one, until one is solved, or a share of time or starts is spent.
 
         What leads to one solution soonest is left out, or put off, where others are looked for beside it.

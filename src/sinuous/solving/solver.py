@@ -41,7 +41,7 @@ from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
-from sinuous.solving.starts import Batch, Question
+from sinuous.solving.starts import Question, StartBatch
 from sinuous.solving.strategy import Strategy
 from sinuous.solving.under_load import STARTS, UnderLoad, corrections, solve_under_load
 from sinuous.solving.under_load import given as start_at
@@ -585,7 +585,7 @@ class Solver:
         """How the starts of a batch are followed for this problem."""
         reference = given[0] if len(given) else None
 
-        def follow(batch: Batch, seconds: float) -> Outcome:
+        def follow(batch: StartBatch, seconds: float) -> Outcome:
             budget = (*batch.own, self.options.seed, seconds)
             return self._prepared.run(problem, batch.initial, budget, reference)
 

@@ -13,7 +13,7 @@ Deadline = Callable[[], float]
 
 
 @dataclass(frozen=True)
-class Batch:
+class StartBatch:
     """Starts to be followed one after the other, until one is solved.
 
     Attributes
@@ -45,7 +45,7 @@ class Batch:
         """How many starts there are."""
         return len(self.initial) + self.own[1] - self.own[0]
 
-    def parts(self, most: Callable[[], int]) -> Iterator["Batch"]:
+    def parts(self, most: Callable[[], int]) -> Iterator["StartBatch"]:
         """Cut it into batches of at most so many starts, asked anew for every part."""
         at = 0
         while at < len(self.initial):
@@ -95,11 +95,11 @@ class Scattered:
     def __init__(self, first: int, last: int) -> None:
         self._next, self._last = first, last
 
-    def take(self, question: Question, count: int) -> Batch:
+    def take(self, question: Question, count: int) -> StartBatch:
         """Return the next `count` of them, or as many as are left."""
         first = self._next
         self._next = min(self._last, first + count)
-        return Batch(self.name, question.initial[:0], (first, self._next))
+        return StartBatch(self.name, question.initial[:0], (first, self._next))
 
     def go_back(self, number: int) -> None:
         """Let this number be the next one: those after it were taken, and not followed."""

@@ -32,14 +32,14 @@ from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, Attempts
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.searches import CELLS, Plan, Searches
+from sinuous.solving.routing.searches import CELLS, RouteSearch, Searches
 from sinuous.solving.shapes import NEAREST
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.starts import Question, Scattered, StartBatch
 
 OPENING = 3
 """Starts of the first call among obstacles: most that suffice are among the first, and routes are known as soon."""
@@ -163,9 +163,9 @@ class Strategy:
         most = OPENING_ALONE if self.searches is None else OPENING
         return max(0, min(self._options.most_starts, most) - given)
 
-    def opening(self, question: Question) -> Batch:
+    def opening(self, question: Question) -> StartBatch:
         """Return the starts of the first call."""
-        return Batch(SOURCES[GIVEN], question.initial, (0, self.opening_starts(len(question.initial))))
+        return StartBatch(SOURCES[GIVEN], question.initial, (0, self.opening_starts(len(question.initial))))
 
     def scattered(self, question: Question) -> Scattered:
         """Return the scattered starts that follow those of the first call."""
@@ -174,7 +174,7 @@ class Strategy:
 
     def batches(
         self, question: Question, scattered: Scattered | None = None, passages: MakePassages | None = None
-    ) -> Iterator[Batch]:
+    ) -> Iterator[StartBatch]:
         """Yield all starts after the first call; an attempt works only when its next batch is asked for.
 
         Parameters
@@ -230,11 +230,11 @@ class Strategy:
         else:
             self._memory._learn(found)
 
-    def _remembered_batch(self, question: Question) -> Iterator[Batch]:
+    def _remembered_batch(self, question: Question) -> Iterator[StartBatch]:
         count = REMEMBERED_SEVERAL if question.several else NEAREST
         initial = self.remembered(question.problem._rows[None], count)[0]
         if len(initial):
-            yield Batch(REMEMBERED, initial)
+            yield StartBatch(REMEMBERED, initial)
 
 
 def attempts_of(
@@ -304,7 +304,7 @@ class RouteAttempts:
         """The passages that routes lead through, once they are asked for."""
         if self._make_passages is not None:
             return self._make_passages(self._question, self._candidates.query)
-        curves = Curves(self._searches.robot, self._question.problem.scene, self._question.deadline)
+        curves = ClassCurves(self._searches.robot, self._question.problem.scene, self._question.deadline)
         return Passages(self._searches, curves, self._question, self._candidates.query, solved=lambda curve: False)
 
     def _add_first(self) -> None:
@@ -327,7 +327,7 @@ class RouteAttempts:
             make = partial(self._pass, closed, step, again)
             self._attempts.add("passages", price, make, cost=0 if several else OTHERS_COST)
 
-    def _pass(self, closed: frozenset[int], step: int, again: bool) -> Iterator[Batch]:
+    def _pass(self, closed: frozenset[int], step: int, again: bool) -> Iterator[StartBatch]:
         """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
 
         `again`: a route was found so already, but no solution along it, so several that differ are searched for.
@@ -350,19 +350,19 @@ class RouteAttempts:
         for more in passages.closing(closed, routes[0]):
             self._add_passage(more, 0)
 
-    def _scattered_first(self) -> Iterator[Batch]:
+    def _scattered_first(self) -> Iterator[StartBatch]:
         """Scattered starts, where looking for a route takes longer."""
         if not (self._candidates.enclosed or self._searches.edges_first(self._question.problem)):
             yield self._attempts.scatter(SCATTERED_FIRST)
 
-    def _find_one(self, find: Callable[[Floats], Floats | None]) -> Iterator[Batch]:
+    def _find_one(self, find: Callable[[Floats], Floats | None]) -> Iterator[StartBatch]:
         """Look for a route without cells, unless one is known."""
         route = None if self._candidates.known else find(self._candidates.query)
         if route is not None:
             self._add_routes([route], finest=True)
         return iter(())
 
-    def _search(self, searches: list[tuple[float, Plan]], first: bool) -> Iterator[Batch]:
+    def _search(self, searches: list[tuple[float, RouteSearch]], first: bool) -> Iterator[StartBatch]:
         """Search for routes over cells; add the next search."""
         candidates = self._candidates
         if first and candidates.known:
@@ -386,7 +386,7 @@ class RouteAttempts:
             make = partial(self._search_to_root, number)
             self._attempts.add("cells", ROOTS_PRICE * (1 + number), make, cost=0)
 
-    def _search_to_root(self, number: int) -> Iterator[Batch]:
+    def _search_to_root(self, number: int) -> Iterator[StartBatch]:
         """Search for a route to where the backbone may end, and add the next search."""
         route = self._candidates.to_root(number)
         if route is not None:
@@ -411,7 +411,9 @@ class RouteAttempts:
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
-    def _add_along(self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[Batch]]) -> None:
+    def _add_along(
+        self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[StartBatch]]
+    ) -> None:
         self._attempts.add(name, cost * candidate.weight, make, cost)
 
     def _add_grown(self, candidate: Candidate) -> None:
@@ -435,7 +437,7 @@ class RouteAttempts:
             make = partial(self._detour, candidate, first, number)
             self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
 
-    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[Batch]:
+    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[StartBatch]:
         """Make chains along a route that is led aside, and add the next ones."""
         yield from self._candidates.detour(candidate, number)
         self._add_detour(candidate, first, number + 1)
@@ -446,7 +448,7 @@ class RouteAttempts:
             self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts))
 
 
-def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
+def plans_of(searches: Searches) -> list[tuple[float, RouteSearch]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
     first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]

@@ -32,7 +32,7 @@ STARTS = 1000
 """Most starts that are corrected."""
 
 
-class Body:
+class LoadedBody:
     """What a proof of a loaded body reads: the group of a robot of arcs, of which lengths and tool change.
 
     Parameters
@@ -121,7 +121,7 @@ class UnderLoad:
         limited = np.isfinite(limits).any(axis=1)
         self._bounds = np.concatenate([robot.drive.jacobian, limits], axis=1)[limited]
         self._stretches = stretches_allowed(robot)
-        self._body: Body | None = None
+        self._body: LoadedBody | None = None
 
     def correct(self, q: Floats, problem: Problem) -> tuple[Rest | None, Floats]:
         """Correct a drive until the loaded body meets targets; the shape, and the record of `kernels.solve.loaded`."""
@@ -154,7 +154,7 @@ class UnderLoad:
     def judge(self, shape: Rest, problem: Problem, seconds: float) -> Outcome:
         """Prove the loaded body, and look at the limits of actuators; the outcome has the drive as its `q`."""
         if self._body is None:
-            self._body = Body(self._robot, problem)
+            self._body = LoadedBody(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
         robot = self._robot
         held = len(robot.drive) == 0 or (not robot.violations(shape.q) and tensions_kept(robot, shape.pulls))

@@ -26,7 +26,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.observed import GAIN, corrected, observe
 from sinuous.solution.solution import Solution
-from sinuous.solution.step import Step, Wanted
+from sinuous.solution.step import Step, WantedStep
 from sinuous.solving.loaded_tick import NO_BODY, LoadedTick
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.under_load import given
@@ -218,7 +218,7 @@ class ControlLoop:
         asked = Asked(kind, motion, rows, 1, self._beyond(wish), self._time)
         moved = before if limits.accelerates else None
         answer = self._answer(scene, asked, targets, own, limits, seconds, moved)
-        wanted = Wanted(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
+        wanted = WantedStep(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
         return Step(wanted, own, answer, observed)
 
     def _loaded(self, scene: Snapshot) -> LoadedTick:

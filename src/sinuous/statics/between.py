@@ -33,7 +33,7 @@ PARTS = 4
 """Parts of the way between whose ends the gradient of the energy is looked at."""
 
 
-class Ends(NamedTuple):
+class EndBounds(NamedTuple):
     """What bounds are made of: greatest values of both ends, and changes between them, of all arcs (N,) each.
 
     Attributes
@@ -154,7 +154,7 @@ def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
     return UNBOUNDED
 
 
-def _ends(one: Rest, other: Rest) -> Ends:
+def _ends(one: Rest, other: Rest) -> EndBounds:
     assert one.states is not None
     assert other.states is not None
     states, arcs = np.stack([one.states, other.states]), np.stack([one.tables.arcs, other.tables.arcs])
@@ -163,7 +163,7 @@ def _ends(one: Rest, other: Rest) -> Ends:
     with np.errstate(divide="ignore"):
         soft = 1.0 / arcs[..., : t.REST_X].min(axis=0)
     length = arcs[..., t.REST_LENGTH]
-    return Ends(
+    return EndBounds(
         np.hypot(states[..., 0], states[..., 1]).max(axis=0),
         np.hypot(rests[..., 0], rests[..., 1]).max(axis=0),
         size[:, t.TWIST],
@@ -185,7 +185,7 @@ def _bows(one: Rest, other: Rest, bow: Floats) -> Bows:
     return Bows(bend[own.owners], length[own.owners], growth[own.owners])
 
 
-def _widened(ends: Ends, bows: Bows) -> Ends:
+def _widened(ends: EndBounds, bows: Bows) -> EndBounds:
     """The same of ways that are so far aside, either way."""
     bend, length, growth = bows.bend, bows.length, bows.growth * ends.soft.any(axis=1)
     return ends._replace(
@@ -229,7 +229,7 @@ def _second(first: Floats, value: Floats, once: Floats, twice: Floats) -> Floats
     return twice + 2.0 * first * once + 2.0 * first * first * value
 
 
-def _elastic(ends: Ends) -> float:
+def _elastic(ends: EndBounds) -> float:
     """Second derivative by s of the moments and forces of the arcs themselves, in the dual norm."""
     v, c, dv, dc = ends.bend, ends.rest, ends.bend_change, ends.rest_change
     twists = ends.soft[:, 1] > 0.0
@@ -245,7 +245,7 @@ def _elastic(ends: Ends) -> float:
     return float(np.sqrt((soft * np.stack([bend, turn, pull], axis=1) ** 2).sum()))
 
 
-def _pull(ends: Ends, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
+def _pull(ends: EndBounds, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
     """The same of weights and payloads."""
     beyond, change, _ = weights
     A, dl = _angles(ends), ends.length_change
@@ -254,12 +254,12 @@ def _pull(ends: Ends, weights: Weights, offsets: Floats, share: Floats, long: Fl
     return float((beyond * twice + 2.0 * change * once + offsets * A**2 * share).sum())
 
 
-def _angles(ends: Ends) -> Floats:
+def _angles(ends: EndBounds) -> Floats:
     """Sum of the angles by which the body changes, up to the end of every arc (N,)."""
     return np.cumsum(ends.bend_change + ends.twist_change)
 
 
-def _aside(ends: Ends, bows: Bows, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
+def _aside(ends: EndBounds, bows: Bows, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
     """By how much the gradient of the energy changes aside of the straight way, in the dual norm."""
     b, dl, g = bows
     v, c, soft = ends.bend, ends.rest, ends.soft
@@ -275,7 +275,7 @@ def _aside(ends: Ends, bows: Bows, weights: Weights, offsets: Floats, share: Flo
     return float(elastic + (weights.beyond * moved + lighter + offsets * angles * share).sum())
 
 
-def _slackening(one: Rest, other: Rest, ends: Ends) -> float:
+def _slackening(one: Rest, other: Rest, ends: EndBounds) -> float:
     """By how much tensions leave the straight line where lines become slack or taut on the way, in the dual norm."""
     lines, total = one.tables.lines, 0.0
     for i, line in enumerate(lines):
@@ -308,7 +308,7 @@ def _least_eigenvalue(tables: Tables, softness: Floats) -> float:
     return 0.0 if values[0] <= 0.0 else min(1.0, 1.0 / float(values[-1]))
 
 
-def _sure(ends: Ends, least: float, radius: float, of_weights: tuple[Weights, Floats, Floats, Floats]) -> float:
+def _sure(ends: EndBounds, least: float, radius: float, of_weights: tuple[Weights, Floats, Floats, Floats]) -> float:
     """Lower bound of the eigenvalues anywhere in the ball, at any time, in the norm of the softest stiffness.
 
     Half-way they are at `least`, and nothing is farther from there than half of the changes.
@@ -333,13 +333,13 @@ def _sure(ends: Ends, least: float, radius: float, of_weights: tuple[Weights, Fl
     return 1.0 + (least - 1.0) * (1.0 + float(g.max())) - total - float(coupled.max())
 
 
-def _half(ends: Ends) -> Ends:
+def _half(ends: EndBounds) -> EndBounds:
     """The same with half of the changes."""
     names = ("bend_change", "rest_change", "twist_change", "length_change", "growth")
     return ends._replace(**{name: 0.5 * getattr(ends, name) for name in names})
 
 
-def _unrolled(ends: Ends) -> Floats:
+def _unrolled(ends: EndBounds) -> Floats:
     """By how much bends (N,), turned so that no arc is twisted, leave the straight way between both ends."""
     rolled = np.cumsum(ends.twist_change) - ends.twist_change
     return 0.125 * (ends.bend * rolled**2 + 2.0 * ends.bend_change * rolled)

@@ -24,7 +24,7 @@ KEPT = 64
 """Robots whose bodies are kept."""
 
 
-class Lines(NamedTuple):
+class ElasticLines(NamedTuple):
     """Tendons and chambers that run through what gives, (t,) each.
 
     Attributes
@@ -96,7 +96,7 @@ class Body(NamedTuple):
         Whether tendons or chambers hold its bend, so that it has its own one without them.
     sections : ndarray (n, 10)
         The same as kernels read it, and weights per length.
-    lines : Lines
+    lines : ElasticLines
     line_table : ndarray (t, 10)
         The same as kernels read it, for no drive.
     carried : ndarray (k, 10)
@@ -110,7 +110,7 @@ class Body(NamedTuple):
     rest: Floats
     pulled: NDArray[np.bool_]
     sections: Floats
-    lines: Lines
+    lines: ElasticLines
     line_table: Floats
     carried: Floats
 
@@ -161,7 +161,7 @@ def _stiffness(segment: "Segment") -> tuple[float, float, float]:
     return (t.RIGID,) * 3 if own is None else (own.bend, own.twist, own.stretch)
 
 
-def _lines(robot: "Robot", bending: Floats) -> Lines:
+def _lines(robot: "Robot", bending: Floats) -> ElasticLines:
     """Tendons and chambers through segments of these stiffnesses EI (n,)."""
     rows, at = [], 0
     lengths = np.array([0.5 * sum(segment.length) for segment in robot.segments])
@@ -176,7 +176,7 @@ def _lines(robot: "Robot", bending: Floats) -> Lines:
             at += 0 if own is None else len(own.angles)
         at += segment.stage is not None
     pushes = [robot.actuators[row[0]].kind == "chamber" for row in rows]
-    return Lines(
+    return ElasticLines(
         np.array([row[0] for row in rows], np.intp),
         np.array([row[1:3] for row in rows], np.intp).reshape(-1, 2),
         np.array([row[3] for row in rows]).reshape(-1, 2),
@@ -221,7 +221,7 @@ def lengths_of_lines(body: Body, displacements: Floats | None, follow: Floats | 
     return result
 
 
-def _line_table(own: Lines, counts: NDArray[np.intp], ends: NDArray[np.intp]) -> Floats:
+def _line_table(own: ElasticLines, counts: NDArray[np.intp], ends: NDArray[np.intp]) -> Floats:
     table = np.zeros((len(own.actuators), t.LINE_WIDTH))
     first, last = own.sections.T
     table[:, t.FIRST_ARC], table[:, t.LAST_ARC] = ends[first] - counts[first] + 1, ends[last]

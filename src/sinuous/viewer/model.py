@@ -29,7 +29,7 @@ from sinuous.solution.remedies import Remedy
 from sinuous.solution.solution import Solution
 from sinuous.statics.equilibrium import under_load
 from sinuous.viewer import edits
-from sinuous.viewer.solvers import Question, Settings
+from sinuous.viewer.solvers import PageQuestion, Settings
 
 ASKED = ("position", "direction", "rotation")
 """What a target may ask beside its position: nothing, a direction of the tangent, a whole rotation."""
@@ -120,7 +120,7 @@ class History:
         return begin.pop()
 
 
-class Model:
+class PageModel:
     """The state of the page.
 
     Parameters
@@ -246,11 +246,11 @@ class Model:
         """The configuration (n, 3) on the page: that of the motion at its time, where there is one."""
         return self.q if self.motion is None else self.motion.at(self.time)
 
-    def question(self) -> Question:
+    def question(self) -> PageQuestion:
         """What is asked of the method, from the shape on the page."""
-        return Question(self.job, self.there, self.targets, self.settings, self.q, self.number)
+        return PageQuestion(self.job, self.there, self.targets, self.settings, self.q, self.number)
 
-    def question_beside(self) -> Question | None:
+    def question_beside(self) -> PageQuestion | None:
         """What is asked of the second method, from its own last shape; None without one."""
         if self.settings.beside is None:
             return None

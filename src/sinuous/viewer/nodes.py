@@ -120,7 +120,7 @@ class Look(NamedTuple):
     along: int | None = None
 
 
-class Body:
+class BodyNode:
     """A robot on a page. Nothing is there before `show`.
 
     Parameters
@@ -352,7 +352,7 @@ def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span:
         scene.add_arrows(f"{name}/arrow", ends, shades, shaft_radius=thin, head_radius=wide, head_length=long)
 
 
-class Lines:
+class LinesNode:
     """Lines on a page that may change. Nothing is there before `show`; a width is in shares of `LINE`."""
 
     def __init__(self, scene: SceneApi, name: str, colour: Rgb, width: float) -> None:

@@ -18,7 +18,7 @@ from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
 from sinuous.viewer.model import pace
-from sinuous.viewer.nodes import Body, Look, Obstacles, colours_of, show_axes, show_line, show_target
+from sinuous.viewer.nodes import BodyNode, Look, Obstacles, colours_of, show_axes, show_line, show_target
 from sinuous.viewer.server import aim, close_server, open_server
 
 GHOST = 0.4
@@ -60,7 +60,9 @@ def record(contents: Contents) -> str:
         for i, route in enumerate(contents.routes):
             show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
-            body = Body(server.scene, f"/robots/{i}", arm.robot, Look(bounds.span, opacity=GHOST if ghost else None))
+            body = BodyNode(
+                server.scene, f"/robots/{i}", arm.robot, Look(bounds.span, opacity=GHOST if ghost else None)
+            )
             body.show(arm.q, colours_of(arm))
         page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))
     finally:
@@ -98,7 +100,7 @@ def _show_moving(
         opacity = GHOST if moving.ghost else None
         look = Look(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
         colours = colours_of(moving.begin)
-        body = Body(server.scene, f"/motions/{i}", robot, look)
+        body = BodyNode(server.scene, f"/motions/{i}", robot, look)
         bodies.append((body, *frames_of(moving), colours))
         body.show(bodies[i][1][0], colours)
         _show_forces(server, f"forces of {i}", moving.forces_at(0.0), span)

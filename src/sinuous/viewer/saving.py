@@ -11,7 +11,7 @@ from sinuous.files.documents import join, parse
 from sinuous.files.problem_file import problem_of
 from sinuous.motion.job import Job
 from sinuous.motion.tables import write_motion
-from sinuous.viewer.model import Model, changed
+from sinuous.viewer.model import PageModel, changed
 from sinuous.writing.documents import yaml_text
 
 LARGEST = 50_000_000
@@ -21,7 +21,7 @@ NAMED = ("robot", "scene", "path", "start", "file")
 """Keys under which the name of another file may stand."""
 
 
-def saved(model: Model) -> str:
+def saved(model: PageModel) -> str:
     """Return a problem file in YAML that says what is on the page; where nothing moves, it starts with its shape.
 
     Its first line is the command that asks the same.
@@ -40,7 +40,7 @@ def saved(model: Model) -> str:
     return line + yaml_text(kept.to_dict(model.folder))
 
 
-def table(model: Model) -> str:
+def table(model: PageModel) -> str:
     """Return the motion on the page as CSV, or the shape as a single row; columns as of `Motion.to_csv`."""
     q, times = (
         (model.shown[None], np.array([model.time])) if model.motion is None else (model.motion.q, model.motion.times)

@@ -13,8 +13,18 @@ from sinuous.display.contents import Arm, Contents, arms_of, forces_of
 from sinuous.display.curves import clearances
 from sinuous.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
 from sinuous.problem.target import Target
-from sinuous.viewer.model import Model
-from sinuous.viewer.nodes import Body, Lines, Look, Obstacles, colours_of, rotation_of, show_axes, show_line, wxyz
+from sinuous.viewer.model import PageModel
+from sinuous.viewer.nodes import (
+    BodyNode,
+    LinesNode,
+    Look,
+    Obstacles,
+    colours_of,
+    rotation_of,
+    show_axes,
+    show_line,
+    wxyz,
+)
 from sinuous.viewer.server import aim
 from sinuous.viewer.session import Session
 from sinuous.viewer.status import Near
@@ -55,10 +65,10 @@ class Scenery:
         aim(server.initial_camera, self.bounds, towards(best_view(contents)))
         self._axes = show_axes(server.scene, self.bounds)
         self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
-        self._bodies: dict[str, Body] = {}
+        self._bodies: dict[str, BodyNode] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
-        self._near = Lines(server.scene, "/near", NEAR, self.bounds.span)
-        self._forces = Lines(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
+        self._near = LinesNode(server.scene, "/near", NEAR, self.bounds.span)
+        self._forces = LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
         self._hiding: frozenset[int] = frozenset()
         self.look()
         if model.job.is_path:
@@ -99,7 +109,7 @@ class Scenery:
             if body is None or body.robot is not arm.robot or body.look != look:
                 if body is not None:
                     body.remove()
-                body = self._bodies[name] = Body(self._server.scene, f"/{name}", arm.robot, look)
+                body = self._bodies[name] = BodyNode(self._server.scene, f"/{name}", arm.robot, look)
             body.show(arm.q, colours)
 
     def _wanted_bodies(self) -> Iterator[tuple[str, Look, Arm, list[Rgb]]]:
@@ -211,7 +221,7 @@ def _axis(quaternion: Floats) -> Floats:
     return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
-def _contents(model: Model) -> Contents:
+def _contents(model: PageModel) -> Contents:
     """What must be on the page: the robot, its goal, and the targets of all waypoints."""
     contents = Contents(obstacles=list(model.scene.obstacles))
     for q in [model.shown] if model.job.goal is None else [model.shown, model.job.goal]:

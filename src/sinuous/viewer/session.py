@@ -21,9 +21,9 @@ from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
 from sinuous.solving.memory import Memory
 from sinuous.viewer.edits import is_quick
-from sinuous.viewer.model import History, Model, Moment, pace
+from sinuous.viewer.model import History, Moment, PageModel, pace
 from sinuous.viewer.saving import loaded
-from sinuous.viewer.solvers import QUICK, Question, Solvers, serving
+from sinuous.viewer.solvers import QUICK, PageQuestion, Solvers, serving
 from sinuous.viewer.workers import Worker
 
 PATIENCE = 0.15
@@ -59,7 +59,7 @@ class Session(ABC):
 
     Attributes
     ----------
-    model : Model
+    model : PageModel
         To be read by any thread, and changed by the owner alone.
     playing : bool
     explaining : bool
@@ -81,7 +81,7 @@ class Session(ABC):
     """
 
     def __init__(self, job: Job, answer: Solution | Motion | None = None, memory: Memory | None = None) -> None:
-        self.model = Model(job)
+        self.model = PageModel(job)
         if isinstance(answer, Motion):
             self.model.show_motion(answer)
         elif answer is not None:
@@ -217,11 +217,11 @@ class Session(ABC):
         if question.targets and own.method == "newton":
             self.model.accept(question.number, self._quick.solve(question, min(QUICK, own.time)))
 
-    def _stands(self, question: Question) -> bool:
+    def _stands(self, question: PageQuestion) -> bool:
         """Wait a moment; return whether the question is still asked."""
         return not self._stopping.wait(PATIENCE) and question.number == self.model.number
 
-    def _solve(self, question: Question) -> None:
+    def _solve(self, question: PageQuestion) -> None:
         """Spend the whole budget on a question that stands."""
         if not self._stands(question):
             return
@@ -234,7 +234,7 @@ class Session(ABC):
     def _rest(self, number: int) -> None:
         self._busy = self._busy and number != self.model.number
 
-    def _solve_beside(self, question: Question) -> None:
+    def _solve_beside(self, question: PageQuestion) -> None:
         if self._stands(question):
             solution = self._second.solve(question)
             self._owner.post("beside", lambda: self.model.accept_beside(question.number, solution))

@@ -42,7 +42,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Question:
+class PageQuestion:
     """What is asked of a method at one moment.
 
     Attributes
@@ -87,7 +87,7 @@ class Solvers:
         self._known: tuple[Any, ...] | None = None
         self._solver: Solver | None = None
 
-    def solver(self, question: Question) -> Solver:
+    def solver(self, question: PageQuestion) -> Solver:
         """Return a solver for what is asked.
 
         Raises
@@ -115,6 +115,6 @@ class Solvers:
         self._solver.scene.become(snapshot)
         return self._solver
 
-    def solve(self, question: Question, time: float | None = None) -> Solution:
+    def solve(self, question: PageQuestion, time: float | None = None) -> Solution:
         """Meet the targets from the shape on the page; `time` in seconds, by default that of the question."""
         return self.solver(question).solve(question.targets, question.initial, time=time)

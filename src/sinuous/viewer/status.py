@@ -20,7 +20,7 @@ from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.solution.binding import in_words
 from sinuous.solution.solution import Solution
 from sinuous.statics.rest import bodies_at
-from sinuous.viewer.model import Model
+from sinuous.viewer.model import PageModel
 
 SAMPLES = 16
 """Places of a segment whose distance to the obstacles is measured."""
@@ -122,7 +122,7 @@ def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
     return Near(found.obstacle, found.distance, point - radius * away, point - (found.distance + radius) * away)
 
 
-def status_of(model: Model, near: Near | None, judged: Judgement | None, busy: bool) -> str:
+def status_of(model: PageModel, near: Near | None, judged: Judgement | None, busy: bool) -> str:
     """What holds of the shape on the page, in a table with one column a method; `busy`: a solve goes on."""
     there = {**_of_time(model), **_of_near(near)}
     if model.motion is not None:
@@ -173,7 +173,7 @@ def _of_judgement(judged: Judgement) -> Rows:
     return {label: [value] for label, value in rows.items() if value}
 
 
-def _of_time(model: Model) -> Rows:
+def _of_time(model: PageModel) -> Rows:
     """The time on the page, where something moves."""
     first, last = model.window
     return {"at time": [f"{model.time:.2f}, from {first:g} to {last:g}"]} if first < last else {}

@@ -72,7 +72,7 @@ class Calls:
         return codes, q
 
 
-class Answers(NamedTuple):
+class ReachAnswers(NamedTuple):
     """What was found for places (m, 3) in directions (d, 3).
 
     Attributes
@@ -87,7 +87,7 @@ class Answers(NamedTuple):
     q: NDArray[np.float32]
 
 
-class Work(NamedTuple):
+class ReachWork(NamedTuple):
     """What is to be found out of a robot in a scene.
 
     Attributes
@@ -112,10 +112,10 @@ class Work(NamedTuple):
 class Rounds:
     """Solves all directions of places by a solver."""
 
-    def __init__(self, solver: Solver, work: Work) -> None:
+    def __init__(self, solver: Solver, work: ReachWork) -> None:
         self._solver, self._work = solver, work
         shape = len(work.places), len(work.directions)
-        self.answers = Answers(
+        self.answers = ReachAnswers(
             np.full(shape, Verdict.NOT_FOUND, np.uint8), np.zeros((*shape, len(solver.robot), 3), np.float32)
         )
 
@@ -246,7 +246,7 @@ def reach(
     with code_first():
         taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]
-    work = Work(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
+    work = ReachWork(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
     with code_first(), ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
         alone = _without_obstacles(work, free, bar)
         among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
@@ -292,14 +292,16 @@ def _within_reach(free: Solver, voxels: Voxels, calls: Calls) -> NDArray[np.bool
     return np.concatenate(near).reshape(voxels.shape)
 
 
-def _without_obstacles(work: Work, free: Solver, bar: ProgressBar) -> Answers:
+def _without_obstacles(work: ReachWork, free: Solver, bar: ProgressBar) -> ReachAnswers:
     rounds = Rounds(free, work)
     rounds.begin(np.arange(rounds.answers.codes.size), None, bar)
     rounds.from_neighbours()
     return rounds.answers
 
 
-def _among_obstacles(work: Work, solver: Solver, alone: Answers, bar: ProgressBar) -> tuple[Codes, NDArray[np.int16]]:
+def _among_obstacles(
+    work: ReachWork, solver: Solver, alone: ReachAnswers, bar: ProgressBar
+) -> tuple[Codes, NDArray[np.int16]]:
     """Verdicts (m, d), and the obstacle (m,) that takes most directions away, -1 where none does."""
     rounds = Rounds(solver, work)
     codes = rounds.answers.codes
@@ -316,7 +318,7 @@ def _among_obstacles(work: Work, solver: Solver, alone: Answers, bar: ProgressBa
     return codes, _blame(work, codes, alone)
 
 
-def _blocked_places(work: Work, solver: Solver) -> NDArray[np.int64]:
+def _blocked_places(work: ReachWork, solver: Solver) -> NDArray[np.int64]:
     """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
     near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.needed_radii))
     if not len(near):
@@ -325,7 +327,7 @@ def _blocked_places(work: Work, solver: Solver) -> NDArray[np.int64]:
     return near[codes == Verdict.TARGET_BLOCKED]
 
 
-def _blame(work: Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
+def _blame(work: ReachWork, codes: Codes, alone: ReachAnswers) -> NDArray[np.int16]:
     """Which obstacle takes most directions away from each place."""
     hit, taken = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
     at = np.concatenate([hit[0], taken[0]])

@@ -177,7 +177,7 @@ def test_an_untried_numba_compiles_as_it_does_by_itself(
     entry = compiling.entry(both)
     assert entry(4.0) == 3.0
     (result,) = plain.overloads.values()
-    assert not isinstance(result.library, once.Part)
+    assert not isinstance(result.library, once.LoweredKernel)
 
 
 def test_this_numba_is_tried() -> None:

@@ -33,7 +33,7 @@ def prebuilt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def ship(level: Path, features: str) -> str:
     """Move what the store has of `third` to what is shipped for a target; return its name."""
-    target = targets.Target(llvm.get_process_triple(), "generic", features)
+    target = targets.Processor(llvm.get_process_triple(), "generic", features)
     (level / targets.NAME).write_text(json.dumps(target), encoding="utf-8")
     entry: Any = compiling.entry(third)
     assert entry(3.0) == 1.0

@@ -21,12 +21,12 @@ from tests.kernels.compiling import parts
 HERE = Path(__file__).parents[3]
 
 
-class Orders(list[helpers.Order]):
+class Orders(list[helpers.CompileOrder]):
     """A foreman without helpers."""
 
     taken = True
 
-    def order(self, order: helpers.Order) -> bool:
+    def order(self, order: helpers.CompileOrder) -> bool:
         """Note it."""
         self.append(order)
         return self.taken
@@ -166,11 +166,12 @@ def foreman() -> Iterator[helpers.Foreman]:
     made.dismiss()
 
 
-def order(folder: Path, name: str = "twice_the_norm", signature: Any = None) -> helpers.Order:
+def order(folder: Path, name: str = "twice_the_norm", signature: Any = None) -> helpers.CompileOrder:
     """An order of the entry of `parts`, in a store there."""
     from numba import types
 
-    return helpers.Order(parts.__name__, name, signature or (types.float64, types.float64), folder / f"{name}.code")
+    signature = signature or (types.float64, types.float64)
+    return helpers.CompileOrder(parts.__name__, name, signature, folder / f"{name}.code")
 
 
 def until(true: Callable[[], bool], seconds: float = 60.0) -> bool:
@@ -223,10 +224,10 @@ PROGRAM = """
 import sys, time
 from pathlib import Path
 from numba import types
-from sinuous.kernels.compiling.helpers import Order, foreman
+from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from tests.kernels.compiling import parts
 signature = types.float64, types.float64
-foreman.order(Order(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
+foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
 while not foreman._processes: time.sleep(0.01)
 print(foreman._processes[0].pid, flush=True)
 time.sleep(60)

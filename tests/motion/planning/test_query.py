@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.configurations import distances
-from sinuous.motion.planning.query import APART, MOST_GOALS, Deadline, FixedGoal, Goals
+from sinuous.motion.planning.query import APART, MOST_GOALS, Deadline, FixedGoal, TargetGoals
 from tests.kernels.between.motions import shape
 from tests.kernels.planning.test_query import ROBOT, pair
 
@@ -14,7 +14,7 @@ def test_what_is_reached_is_drawn_to_the_target() -> None:
     scene, (_, goal) = pair(0)
     solver, rng = sn.Solver(ROBOT, scene), np.random.default_rng(0)
     first = solver.solve(sn.Target(ROBOT.tip(goal)[:3, 3]))
-    goals = Goals(solver, list(first.problem.targets), [first])
+    goals = TargetGoals(solver, list(first.problem.targets), [first])
     np.testing.assert_array_equal(goals(goal[None]), [first.q])  # the root alone tells nothing new
     for _ in range(12):
         found = goals(np.stack([shape(ROBOT, rng) for _ in range(30)]))

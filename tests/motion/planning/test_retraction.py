@@ -13,15 +13,15 @@ from benchmarks.places import make
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import distances
-from sinuous.motion.planning.local_planner import Ends, LocalPlanner
+from sinuous.motion.planning.local_planner import LocalPlanner, QueryEnds
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.retraction import (
     ENOUGH,
     KINDS,
     LONGEST,
     TURNS_BEFORE,
-    Kind,
     Retraction,
+    RetractionKind,
     _moved_ends,
     retraction,
     slid_back,
@@ -37,11 +37,11 @@ OTHER = -INSIDE * [1.0, 1.0, -1.0]
 
 
 def paths(asked: Query) -> Iterator[ProvedPath | None]:
-    return retraction(asked, Ends(asked))
+    return retraction(asked, QueryEnds(asked))
 
 
-def straight_trees(asked: Query, ends: Ends | None = None) -> Iterator[ProvedPath | None]:
-    return rrt_connect(asked, ends or Ends(asked), RRTConnect(asked.robot, asked.scene))
+def straight_trees(asked: Query, ends: QueryEnds | None = None) -> Iterator[ProvedPath | None]:
+    return rrt_connect(asked, ends or QueryEnds(asked), RRTConnect(asked.robot, asked.scene))
 
 
 def draw_back(
@@ -69,15 +69,15 @@ def test_it_leads_out_of_a_bore(kind: int) -> None:
 
 def test_what_is_free_goes_to_where_it_is_at_the_other_end() -> None:
     scene = Scene(bore())
-    out = draw_back(scene, INSIDE, KINDS.index(Kind(True, False)))
+    out = draw_back(scene, INSIDE, KINDS.index(RetractionKind(True, False)))
     other = out[len(out) // 2]
 
-    def nearest(kind: Kind) -> float:
+    def nearest(kind: RetractionKind) -> float:
         knots = draw_back(scene, INSIDE, KINDS.index(kind), other=other)
         return min(float(distances(ROBOT, np.stack([q, other]))[0]) for q in knots)
 
     apart = float(distances(ROBOT, np.stack([INSIDE, other]))[0])
-    assert nearest(Kind(True, False, True)) < 0.3 * apart
+    assert nearest(RetractionKind(True, False, True)) < 0.3 * apart
 
 
 def test_what_no_end_holds_makes_the_change_that_is_wished() -> None:
@@ -175,7 +175,7 @@ def test_without_time_there_is_no_path() -> None:
 
 def test_where_it_is_narrow_it_begins_at_once() -> None:
     asked = query(Scene(bore()))
-    narrow, wide = Ends(asked), Ends(asked)
+    narrow, wide = QueryEnds(asked), QueryEnds(asked)
     narrow.narrow = True
     turns = [len(list(takewhile(lambda path: path is None, retraction(asked, ends)))) for ends in (narrow, wide)]
     assert turns[1] == turns[0] + TURNS_BEFORE
@@ -185,6 +185,6 @@ def test_trees_see_how_narrow_it_is() -> None:
     place = make("square bore", 14)
     for goal, narrow in ((place.hidden_q, True), (0.9 * straight(place.robot) + 0.1 * place.hidden_q, False)):
         asked = query(place.scene, straight(place.robot), goal, robot=place.robot)
-        ends = Ends(asked)
+        ends = QueryEnds(asked)
         next(straight_trees(asked, ends))
         assert ends.narrow == narrow

@@ -6,13 +6,13 @@ import pytest
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from tests.helpers import Floats
 from tests.solving.classes.places import ROBOT, ball, pillar
 
 
-def curves(scene: Scene, robot: Robot = ROBOT) -> Curves:
-    return Curves(robot, scene.snapshot())
+def curves(scene: Scene, robot: Robot = ROBOT) -> ClassCurves:
+    return ClassCurves(robot, scene.snapshot())
 
 
 def shapes(robot: Robot, count: int, seed: int) -> Floats:

@@ -4,21 +4,21 @@ import numpy as np
 
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.naming import name_classes, sort_out
 from tests.solving.classes.places import ROBOT, bars, pillar
 from tests.solving.classes.test_curves import arch
 
 
 def test_curves_are_sorted_by_the_first_of_their_class() -> None:
-    own = Curves(ROBOT, Scene(pillar()).snapshot())
+    own = ClassCurves(ROBOT, Scene(pillar()).snapshot())
     tight = [own.along(arch(angle)) for angle in (0.1, 3.0, -0.4, 2.6, 0.0)]
     assert sort_out(own, tight) == [0, 1, 0, 1, 0]
     assert sort_out(own, []) == []
 
 
 def test_every_class_says_its_side() -> None:
-    own = Curves(ROBOT, Scene(pillar()).snapshot())
+    own = ClassCurves(ROBOT, Scene(pillar()).snapshot())
     left, right = name_classes(own, [own.along(arch(angle)) for angle in (np.pi, 0.0)])
     assert (left.number, right.number) == (1, 2)
     assert [(each.obstacle, each.side) for each in left.passes] == [("pillar", "-x")]
@@ -27,7 +27,7 @@ def test_every_class_says_its_side() -> None:
 
 
 def test_one_class_alone_passes_nothing() -> None:
-    own = Curves(ROBOT, Scene(bars()).snapshot())
+    own = ClassCurves(ROBOT, Scene(bars()).snapshot())
     (only,) = name_classes(own, [own.along(arch(0.0, 20.0))])
     assert only.passes == ()
 
@@ -35,7 +35,7 @@ def test_one_class_alone_passes_nothing() -> None:
 def test_what_is_all_around_is_gone_through() -> None:
     """A plate with two holes is one obstacle: each class goes through it, at another place."""
     plate = _plate_with_holes()
-    own = Curves(ROBOT, Scene([plate]).snapshot())
+    own = ClassCurves(ROBOT, Scene([plate]).snapshot())
     curves = [own.along(arch(angle, 40.0)) for angle in (np.pi, 0.0)]
     assert sort_out(own, curves) == [0, 1]
     for named, side in zip(name_classes(own, curves), (-1.0, 1.0), strict=True):

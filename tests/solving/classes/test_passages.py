@@ -12,10 +12,10 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solving import strategy
 from sinuous.solving.attempts import ATTEMPTS
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.passages import Passages
-from sinuous.solving.routing.searches import Plan, Searches
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.routing.searches import RouteSearch, Searches
+from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import attempts_of
 from tests.helpers import Floats
 from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, bars, pillar, wall
@@ -23,17 +23,17 @@ from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, bars, pilla
 
 def explored(
     obstacles: list[Obstacle], solved: Callable[[Floats], bool], target: Target = TARGET, seconds: float = 60.0
-) -> list[Batch]:
+) -> list[StartBatch]:
     scene, tolerance = Scene(obstacles), Tolerance().for_robot(ROBOT)
     problem = Problem(ROBOT, target, scene, tolerance)
     question = Question(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds, several=True)
-    searches, curves = Searches(ROBOT, scene, tolerance), Curves(ROBOT, scene.snapshot())
+    searches, curves = Searches(ROBOT, scene, tolerance), ClassCurves(ROBOT, scene.snapshot())
     make = partial(Passages, searches, curves, solved=solved)
     without = set(ATTEMPTS) - {"passages"}
     return list(attempts_of(question, Scattered(3, 3), searches, without=without, passages=make).batches())
 
 
-def crossed(batches: list[Batch], z: float) -> list[float]:
+def crossed(batches: list[StartBatch], z: float) -> list[float]:
     """Where along x the routes of starts cross a height."""
     routes = [route for batch in batches for route in batch.routes]
     return [float(np.interp(z, route[:, 2], route[:, 0])) for route in routes]
@@ -82,9 +82,9 @@ def test_without_time_or_position_nothing_is_searched_for() -> None:
 
 def test_what_is_probably_closed_comes_last_and_with_finer_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no search finds a route, each of them is made once, from the quickest on."""
-    plans: list[Plan] = []
+    plans: list[RouteSearch] = []
 
-    def nothing(self: Passages, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+    def nothing(self: Passages, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
         plans.append(plan)
         return [], 10
 
@@ -98,7 +98,7 @@ def test_passages_of_new_routes_come_before_finer_cells(monkeypatch: pytest.Monk
     asked: list[tuple[int, float]] = []
     routes = Passages.routes
 
-    def noted(self: Passages, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+    def noted(self: Passages, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
         asked.append((len(closed), plan.cell))
         return routes(self, closed, plan)
 

@@ -9,20 +9,20 @@ from benchmarks.wild import doors
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.screens import ABOUT, WIDER, Bounds, Passage, passages, refined, screen
+from sinuous.solving.classes.curves import ClassCurves
+from sinuous.solving.classes.screens import ABOUT, WIDER, Passage, ScreenBounds, passages, refined, screen
 from tests.helpers import Floats
 from tests.solving.classes.places import ACROSS, DOORS, ROBOT, bars, wall
 
 ENDS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 250.0)])
-BOUNDS = Bounds(ENDS, 20.0, 300.0, 0.8, 4.0)
+BOUNDS = ScreenBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
 
 
-def curves(scene: list[Obstacle]) -> Curves:
-    return Curves(ROBOT, Scene(scene).snapshot())
+def curves(scene: list[Obstacle]) -> ClassCurves:
+    return ClassCurves(ROBOT, Scene(scene).snapshot())
 
 
-def made(own: Curves, passage: Passage, bounds: Bounds) -> Mesh:
+def made(own: ClassCurves, passage: Passage, bounds: ScreenBounds) -> Mesh:
     closing = screen(own, passage, bounds)
     assert closing is not None
     return closing
@@ -66,14 +66,14 @@ def test_passages_are_where_a_route_has_least_room() -> None:
 def test_near_its_ends_a_route_has_no_passage() -> None:
     own = curves(wall())
     route = line((57.0, 0.0, 140.0), (57.0, 0.0, 160.0))
-    near = Bounds(route[[0, -1]], 30.0, 300.0, 0.8, 4.0)
+    near = ScreenBounds(route[[0, -1]], 30.0, 300.0, 0.8, 4.0)
     assert passages(route, own.scene.distance(route), near) == []
 
 
 def test_a_screen_keeps_off_the_ends() -> None:
     own = curves(bars())
     passage = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0)
-    beside = Bounds(np.array([(25.0, 60.0, 140.0), (0.0, 0.0, 250.0)]), 20.0, 300.0, 0.8, 4.0)
+    beside = ScreenBounds(np.array([(25.0, 60.0, 140.0), (0.0, 0.0, 250.0)]), 20.0, 300.0, 0.8, 4.0)
     alone = Scene([made(own, passage, beside)])
     assert (alone.distance(beside.ends) > 16.0).all()
     assert alone.distance((25.0, 30.0, 140.0)) < 0.0
@@ -85,7 +85,7 @@ def test_a_screen_is_whole_or_none_whenever_the_time_ends(looks: int) -> None:
     passage, left = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0), iter([60.0] * looks)
     whole = screen(curves(bars()), passage, BOUNDS)
     assert whole is not None
-    late = screen(Curves(ROBOT, Scene(bars()).snapshot(), lambda: next(left, 0.0)), passage, BOUNDS)
+    late = screen(ClassCurves(ROBOT, Scene(bars()).snapshot(), lambda: next(left, 0.0)), passage, BOUNDS)
     assert late is None or np.array_equal(late.vertices, whole.vertices)
     assert late is None or looks > 8
 
@@ -121,8 +121,8 @@ def test_a_refined_route_is_the_same_line_with_points_near_each_other() -> None:
 @pytest.mark.parametrize("number", [28, 30, 56])
 def test_a_screen_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
     known = doors.make(0, number)
-    own = Curves(doors.ROBOT, known.scene.snapshot())
-    bounds = Bounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
+    own = ClassCurves(doors.ROBOT, known.scene.snapshot())
+    bounds = ScreenBounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
     middles = [(*door.mean(axis=0), known.middle) for door in known.doors]
     for i, middle in enumerate(middles):
         aside = np.array([4.0, -12.0, 20.0])

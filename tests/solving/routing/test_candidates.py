@@ -12,7 +12,7 @@ from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.routing.candidates import ALIKE, Candidates
-from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
+from sinuous.solving.routing.searches import CELLS, FoundRoutes, RouteSearch, Searches
 from sinuous.solving.starts import Question, Scattered
 from sinuous.solving.strategy import attempts_of
 
@@ -47,11 +47,11 @@ def test_routes_that_are_alike_are_one_candidate() -> None:
 
 def test_a_table_that_is_too_small_is_made_larger_before_anything_else(monkeypatch: pytest.MonkeyPatch) -> None:
     searches, question, _ = asked()
-    plans: list[Plan] = []
+    plans: list[RouteSearch] = []
 
-    def full(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def full(self: Searches, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
         plans.append(plan)
-        return Found([], FULL, 10)
+        return FoundRoutes([], FULL, 10)
 
     monkeypatch.setattr(Searches, "find", full)
     monkeypatch.setattr(Searches, "by_edges", lambda *_: None)
@@ -71,9 +71,9 @@ def test_a_leg_is_looked_for_around_edges_before_over_cells(monkeypatch: pytest.
         asked_for.append("edges")
         return np.linspace((0.0, 0.0, 0.0), (0.4, 0.0, 2.0), 20) if len(asked_for) == 1 else None
 
-    def found(problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def found(problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
         asked_for.append("cells")
-        return Found([], FULL, plan.cells)
+        return FoundRoutes([], FULL, plan.cells)
 
     monkeypatch.setattr(candidates, "around_edges", around)
     monkeypatch.setattr(candidates, "through_side_tubes", lambda query: None)
@@ -92,11 +92,11 @@ def test_a_leg_that_cuts_through_a_wall_is_looked_for_over_smaller_cells(
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 60)
     if wall:
         line[1] = IN_WALL
-    plans: list[Plan] = []
+    plans: list[RouteSearch] = []
 
-    def found(problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def found(problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
         plans.append(plan)
-        return Found([line], FOUND, plan.cells)
+        return FoundRoutes([line], FOUND, plan.cells)
 
     monkeypatch.setattr(candidates, "around_edges", lambda query: None)
     monkeypatch.setattr(candidates, "through_side_tubes", lambda query: None)
@@ -109,11 +109,11 @@ def test_a_leg_that_cuts_through_a_wall_is_looked_for_over_smaller_cells(
 def test_middle_cells_are_looked_at_where_no_clear_route_is_known(clear: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     searches, question, _ = asked()
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 60)
-    plans: list[Plan] = []
+    plans: list[RouteSearch] = []
 
-    def found(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def found(self: Searches, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
         plans.append(plan)
-        return Found([line if clear else line + IN_WALL], FOUND, plan.cells)
+        return FoundRoutes([line if clear else line + IN_WALL], FOUND, plan.cells)
 
     monkeypatch.setattr(Searches, "find", found)
     monkeypatch.setattr(Searches, "by_edges", lambda *_: None)

@@ -14,8 +14,8 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
-from sinuous.solving.routing.searches import CELLS, MEMORY, Found, Plan, Searches
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.routing.searches import CELLS, MEMORY, FoundRoutes, RouteSearch, Searches
+from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import CELLS_A_START, attempts_of, plans_of
 from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
@@ -60,13 +60,13 @@ def question(asked: Problem, seconds: float = 60.0) -> Question:
     return Question(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
 
 
-def batches_of(finder: Searches, asked: Question, *without: str) -> Iterator[Batch]:
+def batches_of(finder: Searches, asked: Question, *without: str) -> Iterator[StartBatch]:
     """All starts but scattered ones."""
     off = ("scattered", *without)
     return (batch for batch in attempts_of(asked, Scattered(3, 10), finder, without=off).batches() if batch.size)
 
 
-def first(finder: Searches, asked: Problem) -> Found:
+def first(finder: Searches, asked: Problem) -> FoundRoutes:
     """What the quickest plan finds."""
     query = finder.query(asked)
     assert query is not None
@@ -296,7 +296,7 @@ def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fail where a route is searched for, once a `Solver` is made."""
     find = Searches.find
 
-    def only_loading(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def only_loading(self: Searches, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
         assert seconds == 0.0, "searched for a route"
         return find(self, problem, query, plan, seconds)
 

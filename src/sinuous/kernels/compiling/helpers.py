@@ -38,7 +38,7 @@ DONE, FAILED = "done", "failed"
 COMMAND = "from sinuous.kernels.compiling.helpers import help_out; help_out()"
 
 
-class Order(NamedTuple):
+class CompileOrder(NamedTuple):
     """An entry that is to be compiled.
 
     Attributes
@@ -68,7 +68,7 @@ class Foreman:
 
     def __init__(self, cores: int) -> None:
         self._cores = cores
-        self._due: list[Order] = []
+        self._due: list[CompileOrder] = []
         self._known: dict[Path, bool] = {}
         self._processes: list[subprocess.Popen[str]] = []
         self._slots: set[int] = set()
@@ -76,7 +76,7 @@ class Foreman:
         self._changed = threading.Condition()
         self.given_up = False
 
-    def order(self, order: Order) -> bool:
+    def order(self, order: CompileOrder) -> bool:
         """Have an entry compiled, if that is not ordered yet; say whether that can be expected."""
         with self._changed:
             if self.given_up or not sys.executable or getattr(sys, "frozen", False):
@@ -116,7 +116,7 @@ class Foreman:
     def _supervise(self) -> None:
         """Give orders to one helper, until there are none."""
         process: subprocess.Popen[str] | None = None
-        order: Order | None = None
+        order: CompileOrder | None = None
         try:
             while (order := self._next()) is not None:
                 with self._room(order):
@@ -135,7 +135,7 @@ class Foreman:
                     process.stdin.close()
 
     @contextlib.contextmanager
-    def _room(self, order: Order) -> Iterator[None]:
+    def _room(self, order: CompileOrder) -> Iterator[None]:
         """Wait until fewer helpers are at work than there are cores, those of other programs among them."""
         file, slot = order.path.parent / "lock", None
         while slot is None and not order.path.exists():
@@ -153,7 +153,7 @@ class Foreman:
                 free_again(file, f"helper {slot}")
                 self._slots.discard(slot)
 
-    def _next(self) -> Order | None:
+    def _next(self) -> CompileOrder | None:
         with self._changed:
             if not self._due:
                 self._changed.wait(IDLE)
@@ -184,7 +184,7 @@ def begin_helper() -> "subprocess.Popen[str]":
     )
 
 
-def _ask(process: "subprocess.Popen[str]", order: Order) -> bool:
+def _ask(process: "subprocess.Popen[str]", order: CompileOrder) -> bool:
     """Have a helper compile an entry; say whether it did.
 
     Raises

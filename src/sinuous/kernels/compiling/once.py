@@ -1,8 +1,8 @@
 """Optimise every entry once, together with all that it calls.
 
 For each kernel Numba links all its callees, optimises the whole, emits machine code, and does so again in each of its
-callers. Here a kernel stays a `Part`, as Numba lowers it, and the entry, a `Whole`, links, optimises and emits.
-A kernel that is shared is a `Whole`, too: those that call it find its machine code by its name.
+callers. Here a kernel stays a `LoweredKernel`, as Numba lowers it, and the entry, a `Whole`, links, optimises and
+emits. A kernel that is shared is a `Whole`, too: those that call it find its machine code by its name.
 
 Of Numba this takes the hook that lets a function have a compiler of its own (`pipeline_class`), and the methods of its
 `JITCodeLibrary` and `Lower` that are overridden below. `TRIED` lists the versions that this was tried with; with others
@@ -59,11 +59,11 @@ class _Library(JITCodeLibrary):
 
     Attributes
     ----------
-    parts : list of Part or Whole
+    parts : list of LoweredKernel or Whole
         Of a part, the kernels that it calls; of a whole, the shared kernels whose machine code it calls.
     """
 
-    parts: "list[Part | Whole]"
+    parts: "list[LoweredKernel | Whole]"
     _filled = False
 
     def add_ir_module(self, ir_module: Any) -> None:
@@ -78,7 +78,7 @@ class _Library(JITCodeLibrary):
             self._final_module, self._filled = module, True
 
 
-class Part(_Library):
+class LoweredKernel(_Library):
     """A kernel as Numba lowers it, neither optimised nor machine code."""
 
     _shared_module: Any
@@ -90,7 +90,7 @@ class Part(_Library):
         own = {function.name for function in whole.functions if function.linkage == llvm.Linkage.external}
         self.parts = []
         for library in dict.fromkeys(self._linking_libraries):
-            if isinstance(library, Part | Whole):
+            if isinstance(library, LoweredKernel | Whole):
                 self.parts.append(library)
             else:
                 whole.link_in(library._get_module_for_linking(), preserve=True)
@@ -130,7 +130,7 @@ class Part(_Library):
         passes.run(module, llvm.create_pass_builder(self._codegen._tm, llvm.create_pipeline_tuning_options(1)))
 
 
-class Apart(Part):
+class Apart(LoweredKernel):
     """A kernel that is not copied into what calls it."""
 
     _attributes = ("noinline",)
@@ -143,10 +143,10 @@ class Whole(_Library):
         """Link all parts, each once."""
         found = reached(self._linking_libraries)
         self.parts = [one for one in found if isinstance(one, Whole)]
-        modules = [one._shared_module.clone() for one in found if isinstance(one, Part)]
+        modules = [one._shared_module.clone() for one in found if isinstance(one, LoweredKernel)]
         if modules:
             self._final_module.link_in(_joined(modules))
-        self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, Part | Whole)]
+        self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, LoweredKernel | Whole)]
         super().finalize()
 
     def _get_module_for_linking(self) -> Any:
@@ -184,26 +184,26 @@ class Shared(Whole):
     """A kernel that is machine code of its own."""
 
 
-LIBRARIES = {"inner": Part, "apart": Apart, "shared": Shared, "entry": Whole}
+LIBRARIES = {"inner": LoweredKernel, "apart": Apart, "shared": Shared, "entry": Whole}
 """Into which library each kind of function is compiled."""
 
-KERNELS = Part, Shared
+KERNELS = LoweredKernel, Shared
 """Libraries of what kernels call, as `calls` says."""
 
 
-def reached(libraries: list[Any]) -> list[Part | Whole]:
+def reached(libraries: list[Any]) -> list[LoweredKernel | Whole]:
     """List the parts among these libraries, and all that they call in turn, each once: of shared ones those alone."""
-    found: dict[Part | Whole, None] = {}
-    due = [library for library in reversed(libraries) if isinstance(library, Part | Whole)]
+    found: dict[LoweredKernel | Whole, None] = {}
+    due = [library for library in reversed(libraries) if isinstance(library, LoweredKernel | Whole)]
     while due:
         one = due.pop()
         if one not in found:
             found[one] = None
-            due += one.parts if isinstance(one, Part) else ()
+            due += one.parts if isinstance(one, LoweredKernel) else ()
     return list(found)
 
 
-def _linked(library: Part | Whole) -> Any:
+def _linked(library: LoweredKernel | Whole) -> Any:
     """Return the module of a library, linked with those of all that it calls."""
     module, found, due = library.own_module().clone(), {library}, [*library.parts]
     while due:
@@ -228,7 +228,7 @@ def _joined(modules: list[Any]) -> Any:
     return modules[0]
 
 
-def as_was(library: Any, kind: str, parts: list[Part | Whole]) -> None:
+def as_was(library: Any, kind: str, parts: list[LoweredKernel | Whole]) -> None:
     """Let a library that was read from the disk be of the kind that it was, which calls these others."""
     library.__class__ = LIBRARIES[kind]
     library.parts = parts

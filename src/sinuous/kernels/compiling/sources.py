@@ -34,7 +34,7 @@ IMPORT = re.compile(r"^[ \t]*(?:from (sinuous[\w.]*) import (\([^)]*\)|[^\n#]*)|
 """An import of a module of the package, wherever it stands in a file."""
 
 
-class Source(NamedTuple):
+class KernelFile(NamedTuple):
     """A file with kernels in it.
 
     Attributes
@@ -124,9 +124,9 @@ def compilers() -> bytes:
 
 
 @cache
-def read_sources() -> dict[str, Source]:
+def read_sources() -> dict[str, KernelFile]:
     """Read all sources, by the names of their modules."""
-    return {_module(file): Source(file, file.read_bytes(), _state_of(file)) for file in sources()}
+    return {_module(file): KernelFile(file, file.read_bytes(), _state_of(file)) for file in sources()}
 
 
 @cache

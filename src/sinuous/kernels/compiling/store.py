@@ -24,9 +24,9 @@ from numba.core.compiler import CompileResult
 
 from sinuous.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
-from sinuous.kernels.compiling.once import LIBRARIES, Part, Whole, as_was
+from sinuous.kernels.compiling.once import LIBRARIES, LoweredKernel, Whole, as_was
 from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
-from sinuous.kernels.compiling.targets import Target, shipped
+from sinuous.kernels.compiling.targets import Processor, shipped
 
 KEPT_DAYS = 30
 """How long a file is kept that nobody uses."""
@@ -132,7 +132,7 @@ class Store(NullCache):
         """Keep the code for a signature, where that can be done."""
         library = result.library
         called = None
-        if isinstance(library, Part | Whole):
+        if isinstance(library, LoweredKernel | Whole):
             self._sign(result)
             called = [getattr(part, "origin", None) for part in library.parts]
         if library.has_dynamic_globals or None in (called or ()):
@@ -158,9 +158,9 @@ class Store(NullCache):
 
     def path(self, signature: Any, codegen: Any) -> Path:
         """File in the store of the code for a signature, for this processor."""
-        return self._folder / self._file_name(signature, Target(*codegen.magic_tuple()))
+        return self._folder / self._file_name(signature, Processor(*codegen.magic_tuple()))
 
-    def _file_name(self, signature: Any, target: Target) -> str:
+    def _file_name(self, signature: Any, target: Processor) -> str:
         """Name of a file; what is linked by others is the same for all processors, only the rest is machine code."""
         suffix, processor = (CODE, [target.cpu, target.features]) if self._machine_code else (PART, "")
         told = f"{self.name} {signature} {target.triple} {processor}"

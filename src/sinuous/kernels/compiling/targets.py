@@ -25,7 +25,7 @@ LEVELS: dict[str, str] = {
 """Features of the levels, as LLVM names them; the psABI of x86-64 has them."""
 
 
-class Target(NamedTuple):
+class Processor(NamedTuple):
     """A kind of processor.
 
     Attributes
@@ -54,11 +54,11 @@ def settings(level: str) -> dict[str, str]:
 
 
 @cache
-def shipped() -> list[tuple[Path, Target]]:
+def shipped() -> list[tuple[Path, Processor]]:
     """Folders with code that runs here, that which asks for most first."""
     found = []
     for file in PREBUILT.glob(f"*/{NAME}"):
-        target = Target(*json.loads(file.read_text(encoding="utf-8")))
+        target = Processor(*json.loads(file.read_text(encoding="utf-8")))
         if target.runs_here():
             found.append((file.parent, target))
     return sorted(found, key=lambda one: -len(one[1].features))

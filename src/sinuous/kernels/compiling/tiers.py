@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numba import types
 
-from sinuous.kernels.compiling.helpers import Order, foreman
+from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
 from sinuous.kernels.compiling.store import ENTRIES, Store, begun
 from sinuous.work_time import TooLongError, no_work
@@ -83,7 +83,7 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
         piece = piece_of(compiled, signature)
         if signature in compiled.overloads or store.find(signature, codegen).exists():
             return compile_for(*arguments)
-        order = Order(store.module, store.called, signature, path)
+        order = CompileOrder(store.module, store.called, signature, path)
         if piece is None or not _may_come_later(piece, arguments) or not store.usable() or not foreman.order(order):
             return now(piece, *arguments)
         _tell(piece)

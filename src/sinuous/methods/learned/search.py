@@ -22,7 +22,7 @@ from sinuous.methods import dls
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.learned.network import CAPABILITIES, MOST_WIDTH, Network
 from sinuous.methods.learned.training import train
-from sinuous.methods.options import Kind, Options, count
+from sinuous.methods.options import OptionKind, Options, count
 from sinuous.methods.search import NO_START, Answer, Check, Start, offer, own_number, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -114,7 +114,7 @@ class Learned(Options):
     method: ClassVar[str] = "learned"
     capabilities: ClassVar[Capabilities] = CAPABILITIES
 
-    network: Network | None = field(default=None, metadata={"kind": Kind(_network, read=Network.load)})
+    network: Network | None = field(default=None, metadata={"kind": OptionKind(_network, read=Network.load)})
     steps: int = count(200, 0, 1_000_000)
 
     def refuse(self, robot: Robot) -> None:

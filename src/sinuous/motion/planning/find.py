@@ -9,7 +9,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import overlap_at
-from sinuous.motion.planning.local_planner import Ends
+from sinuous.motion.planning.local_planner import QueryEnds
 from sinuous.motion.planning.pacing import pace
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.retraction import retraction
@@ -42,7 +42,7 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
     """
     if query.robot.hangs:
         return _under_load(query)
-    ends, taken = Ends(query), 0
+    ends, taken = QueryEnds(query), 0
     planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]
     while planners and taken != turns:
         taken += 1

@@ -111,7 +111,7 @@ class LocalPlanner:
         return Solver.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
 
 
-class Ends:
+class QueryEnds:
     """The start and the goals of a query, each with a chain from it to where there is room.
 
     Trees grow from there where the ends themselves are too near to contact.

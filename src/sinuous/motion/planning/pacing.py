@@ -48,7 +48,7 @@ MOST_PIECES = 300
 """Pieces of a path where accelerations are limited: with more, ticks are made longer."""
 
 
-class State(NamedTuple):
+class PathState(NamedTuple):
     """A place of the path, and how many pieces the step there passed (0 where that does not matter)."""
 
     place: int
@@ -58,7 +58,7 @@ class State(NamedTuple):
 class _Reached(NamedTuple):
     """The state at the tick before, what is proved (14,) of the step, and how many pieces were passed so far."""
 
-    before: State
+    before: PathState
     answer: Floats | None
     far: int
 
@@ -73,10 +73,10 @@ def pace(query: TimedQuery, path: Floats) -> ProvedPath | None:
     if grid is None:
         return None
     until = (1.0 - SHARE) * query.deadline.left()
-    start = State(0, 0)
-    reached: dict[tuple[int, State], _Reached] = {}
+    start = PathState(0, 0)
+    reached: dict[tuple[int, PathState], _Reached] = {}
     blocked: set[tuple[int, int, int]] = set()
-    queue: list[tuple[tuple[float, float], int, State, State]] = [((0.0, 0.0), 0, start, start)]
+    queue: list[tuple[tuple[float, float], int, PathState, PathState]] = [((0.0, 0.0), 0, start, start)]
     while queue and query.deadline.left() > until:
         _, k, state, before = heapq.heappop(queue)
         edge, answer, far = (k, before.place, state.place), None, 0
@@ -98,7 +98,7 @@ def pace(query: TimedQuery, path: Floats) -> ProvedPath | None:
 
 
 def _back_from(
-    grid: "_RateGrid | _AccelerationGrid", reached: dict[tuple[int, State], _Reached], last: int, end: State
+    grid: "_RateGrid | _AccelerationGrid", reached: dict[tuple[int, PathState], _Reached], last: int, end: PathState
 ) -> ProvedPath:
     """Return the path that leads to a state at the last tick."""
     state, places, answers = end, [end.place], []
@@ -119,18 +119,18 @@ class _RateGrid:
     most: int
     early: bool
 
-    def next(self, k: int, state: State) -> Iterator[State]:
+    def next(self, k: int, state: PathState) -> Iterator[PathState]:
         """Yield the states that may follow at tick k + 1 on one at tick k."""
         last, left = len(self.places) - 1, len(self.ticks) - 2 - k
         for place in range(max(0, state.place - self.most), min(last, state.place + self.most) + 1):
             if last - place <= self.most * left:
-                yield State(place, 0)
+                yield PathState(place, 0)
 
-    def worth(self, k: int, state: State, far: int) -> tuple[float, float]:
+    def worth(self, k: int, state: PathState, far: int) -> tuple[float, float]:
         """Return what a state at tick k is worth, the least first; `far` pieces were passed before the step there."""
         return float(k), float(far)
 
-    def ends(self, k: int, state: State) -> bool:
+    def ends(self, k: int, state: PathState) -> bool:
         """Whether the motion may end in a state at tick k."""
         return state.place == len(self.places) - 1 and (self.early or k == len(self.ticks) - 1)
 
@@ -172,15 +172,15 @@ class _AccelerationGrid:
     still: NDArray[np.bool_]
     left: Floats
 
-    def next(self, k: int, state: State) -> Iterator[State]:
+    def next(self, k: int, state: PathState) -> Iterator[PathState]:
         """Yield the states that may follow at tick k + 1 on one at tick k."""
         place, passed = state
         allowed = self.fast[place] & (self.still[place] if k == 0 else self.smooth[place, :, passed + FASTEST])
         for step in (np.flatnonzero(allowed) - FASTEST).tolist():
             if k + 1 + self.left[place + step, step + FASTEST] < len(self.ticks):
-                yield State(place + step, step)
+                yield PathState(place + step, step)
 
-    def worth(self, k: int, state: State, far: int) -> tuple[float, float]:
+    def worth(self, k: int, state: PathState, far: int) -> tuple[float, float]:
         """Return what a state at tick k is worth, the least first.
 
         To be early it is best to have few ticks left.
@@ -191,7 +191,7 @@ class _AccelerationGrid:
         even = float(self.left[0, FASTEST]) * (1.0 - k / last)
         return k + HASTE * left if self.early else last - k + HASTE * abs(left - even), -k
 
-    def ends(self, k: int, state: State) -> bool:
+    def ends(self, k: int, state: PathState) -> bool:
         """Whether the motion may end in a state at tick k."""
         arrived = self.left[state.place, state.passed + FASTEST] == 0.0
         return bool(arrived and (self.early or k == len(self.ticks) - 1))

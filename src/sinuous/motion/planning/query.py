@@ -80,7 +80,7 @@ class FixedGoal:
         return self.q[None]
 
 
-class Goals:
+class TargetGoals:
     """Configurations that meet the same targets. Each call solves from some configurations that the start reaches.
 
     Parameters

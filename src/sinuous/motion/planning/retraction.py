@@ -12,12 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.motion.configurations import lever_metric, movable, within_limits
+from sinuous.motion.configurations import lever_metric, within_limits
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
-from sinuous.motion.planning.local_planner import ROOMS, Ends, LocalPlanner, roots_of
+from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect, shortened
 from sinuous.motion.planning.tree import Chain
+from sinuous.packing import scales_of
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.solving.polylines import lengths_along, points_at
@@ -62,7 +63,7 @@ ROOTS = 12
 """Knots of one retraction that trees grow from."""
 
 
-class Kind(NamedTuple):
+class RetractionKind(NamedTuple):
     """How a body is led back.
 
     Attributes
@@ -81,12 +82,12 @@ class Kind(NamedTuple):
 
 
 KINDS = (
-    Kind(True, False, True),
-    Kind(True, False),
-    Kind(True, True, True),
-    Kind(True, True),
-    Kind(False, False),
-    Kind(False, True),
+    RetractionKind(True, False, True),
+    RetractionKind(True, False),
+    RetractionKind(True, True, True),
+    RetractionKind(True, True),
+    RetractionKind(False, False),
+    RetractionKind(False, True),
 )
 """What is tried first, and, where that is stuck, what goes on from there: all of them with most room, then with less.
 """
@@ -168,7 +169,7 @@ class Retraction:
         share = min(1.0, by / left) if left > 0.0 else 0.0
         return slid_back(robot, q, by, weights, share * (self._other - q))
 
-    def _target(self, along: float, kind: Kind) -> Target:
+    def _target(self, along: float, kind: RetractionKind) -> Target:
         place = points_at(self._points, self._along, np.array([along]))[0]
         if not kind.points:
             return Target(place)
@@ -183,7 +184,7 @@ def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Float
     that leaves free changes by `wished` (n, 3).
     """
     n, unit = len(robot), robot.mean_length
-    scale = np.tile([1.0, 1.0, unit / n], n) * movable(robot.segments)
+    scale = np.tile([1.0, 1.0, unit / n], n) * (scales_of(robot.limits).ravel() > 0.0)
     ends = robot.forward(q)[-n:]
     jacobian = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n) * (scale / unit)
     asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()
@@ -205,7 +206,7 @@ def _moved_ends(robot: Robot, q: Floats, ends: Floats) -> Floats:
     return np.asarray(moved * before[:, None])
 
 
-def retraction(query: Query, ends: Ends) -> Iterator[ProvedPath | None]:
+def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:
     """Yield a path from the start, or from where it can be drawn back to, into a goal, or `None` after each turn.
 
     Each turn draws back a goal, or the start, with another kind of retraction; then straight trees and
@@ -223,7 +224,7 @@ def retraction(query: Query, ends: Ends) -> Iterator[ProvedPath | None]:
 class _Join:
     """How far the start and the goals can be drawn back, and trees that join them."""
 
-    def __init__(self, query: Query, ends: Ends) -> None:
+    def __init__(self, query: Query, ends: QueryEnds) -> None:
         self._query, self._ends = query, ends
         self._trees = RRTConnect(query.robot, query.scene)
         self._retracted = ContactRetractionTrees(ends.local, query.seed)

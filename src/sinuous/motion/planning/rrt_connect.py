@@ -14,7 +14,7 @@ from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.between.sweep import sweep_size
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
-from sinuous.motion.planning.local_planner import Ends, roots_of
+from sinuous.motion.planning.local_planner import QueryEnds, roots_of
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query
 from sinuous.motion.planning.tree import Chain
 from sinuous.robot.robot import Robot, robot_group
@@ -136,7 +136,7 @@ def load_trees(robot: Robot, scene: Snapshot) -> None:
         RRTConnect(robot, scene).load()
 
 
-def rrt_connect(query: Query, ends: Ends, trees: RRTConnect) -> Iterator[ProvedPath | None]:
+def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[ProvedPath | None]:
     """Yield the path that straight trees find, or `None` after each round; see `find.find_path`.
 
     In the first round the trees grow from the ends as they are, then from configurations near them that have room.
@@ -162,7 +162,7 @@ def rrt_connect(query: Query, ends: Ends, trees: RRTConnect) -> Iterator[ProvedP
 
 
 def _joined(
-    query: Query, ends: Ends, trees: RRTConnect, goals: list[Chain], known: int, draws: tuple[int, int, int]
+    query: Query, ends: QueryEnds, trees: RRTConnect, goals: list[Chain], known: int, draws: tuple[int, int, int]
 ) -> ProvedPath | None:
     """Let trees grow from the end of the start's chain to those of the goals' chains, and lead on into the ends.
 

@@ -14,7 +14,7 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.walk import walk, walk_size
 from sinuous.motion.configurations import lever_metric
-from sinuous.motion.planning.query import FixedGoal, Goals, ProvedPath, Query
+from sinuous.motion.planning.query import FixedGoal, ProvedPath, Query, TargetGoals
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.target import target_table
@@ -69,7 +69,7 @@ class Walks:
         self._metric = metric
         self._walk(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))  # compiled, or loaded
 
-    def find_path(self, query: Query, goals: FixedGoal | Goals) -> ProvedPath | None:
+    def find_path(self, query: Query, goals: FixedGoal | TargetGoals) -> ProvedPath | None:
         """Return a path to a goal, shortened as the query asks; `None` where no walk leads to one."""
         begins = self._links(query, query.start)
         if not begins:
@@ -83,7 +83,7 @@ class Walks:
                 return self._trees.shorten(path.q, query.seed, query.deadline, shortcuts) if shortcuts else path
         return None
 
-    def _offered(self, query: Query, goals: FixedGoal | Goals, parts: Whole) -> Iterator[Floats]:
+    def _offered(self, query: Query, goals: FixedGoal | TargetGoals, parts: Whole) -> Iterator[Floats]:
         """Yield the goal, or configurations (n, 3) that meet the targets, each solved from a shape near them."""
         if isinstance(goals, FixedGoal):
             yield goals.q

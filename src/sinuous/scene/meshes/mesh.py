@@ -16,7 +16,7 @@ from sinuous.reprs import text
 from sinuous.scene.meshes.bodies import apart, cuts_itself
 from sinuous.scene.meshes.mending import Integers, mend
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Placement, Source, check_file
+from sinuous.scene.reading import Origin, Placement, check_file
 
 KINDS = (".stl", ".ply", ".obj", ".glb")
 
@@ -197,7 +197,7 @@ class Mesh(Obstacle):
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
-        source = Source.of(file, **placement.arguments, thickness=mesh.thickness or None, inside=mesh.inside or None)
+        source = Origin.of(file, **placement.arguments, thickness=mesh.thickness or None, inside=mesh.inside or None)
         mesh._keep(name, scale=placement.scale, _source=source)
         return mesh
 
@@ -220,7 +220,7 @@ class Mesh(Obstacle):
         return parts
 
     @property
-    def source(self) -> Source | None:
+    def source(self) -> Origin | None:
         """See `Obstacle.source`; None for a mesh that its file, read again, would be divided from."""
         own = super().source
         return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own

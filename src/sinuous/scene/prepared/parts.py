@@ -19,7 +19,7 @@ from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared import sampling, trees
 from sinuous.scene.prepared.sampling import Progress
-from sinuous.scene.prepared.trees import Order, Pieces
+from sinuous.scene.prepared.trees import LeafOrder, Pieces
 
 NOTHING = np.empty(0)
 
@@ -47,7 +47,7 @@ class _Entry:
     def __init__(self) -> None:
         self.lock = threading.Lock()
         self.part: Part | None = None
-        self.order: Order | None = None
+        self.order: LeafOrder | None = None
 
 
 _ENTRIES: "WeakKeyDictionary[Obstacle, _Entry]" = WeakKeyDictionary()

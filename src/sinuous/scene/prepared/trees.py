@@ -61,7 +61,7 @@ WORSE = 1.5
 """By how much larger leaves may be than in a new order, on average, before one is made."""
 
 
-class Order(NamedTuple):
+class LeafOrder(NamedTuple):
     """An order of primitives (m,), and the sum of the sides of all leaves of the tree when it was made."""
 
     order: NDArray[np.int64]
@@ -90,7 +90,7 @@ class Pieces:
         Half side of cubes.
     rounding : float
         What is taken off the distance.
-    order : Order or None
+    order : LeafOrder or None
         Of balls: how they were put in order.
     """
 
@@ -102,7 +102,7 @@ class Pieces:
     sign: float = 1.0
     half: float = 0.0
     rounding: float = 0.0
-    order: Order | None = None
+    order: LeafOrder | None = None
 
     @property
     def low(self) -> Floats:
@@ -141,7 +141,7 @@ def with_planes(corners: Floats) -> Floats:
     return np.concatenate([corners.reshape(-1, 9), normals, offsets], axis=1)
 
 
-def balls(cloud: "PointCloud", like: Order | None = None) -> Pieces:
+def balls(cloud: "PointCloud", like: LeafOrder | None = None) -> Pieces:
     """Balls about the points of a cloud; in an order of as many balls, where these lie in about the same way."""
     radii = cloud.radii[:, None]
     corners = cloud.points - radii, cloud.points + radii
@@ -151,7 +151,7 @@ def balls(cloud: "PointCloud", like: Order | None = None) -> Pieces:
         known = known if _leaves(levels, nodes) <= WORSE * known.leaves else None
     if known is None:
         order, levels, nodes = _tree(cloud.points, *corners)
-        known = Order(order, _leaves(levels, nodes))
+        known = LeafOrder(order, _leaves(levels, nodes))
     items = np.concatenate([cloud.points, radii], axis=1)[known.order]
     return Pieces(BALLS, levels, nodes, items, NO_NORMALS, order=known)
 

@@ -29,7 +29,7 @@ KEPT = 256
 """Shapes at knots that are kept."""
 
 
-class Piece(NamedTuple):
+class StepPiece(NamedTuple):
     """A part of a step: shares where it begins and ends, both shapes (2, N, 3), and how far aside the body may be."""
 
     begin: float
@@ -68,7 +68,7 @@ class Ways:
         return found
 
 
-def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[Piece], Floats], end: float) -> Floats:
+def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[StepPiece], Floats], end: float) -> Floats:
     """Answer (14,) about a step: proved where every piece is, else `SAMPLED` where shapes are clear, else undecided.
 
     Parameters
@@ -91,7 +91,7 @@ def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[Piece], Float
         begin, last, a, b = left.pop()
         off, answer = leave(a, b), None
         if off.aside < np.inf:
-            answer = prove(Piece(begin, last, np.stack([a.arcs, b.arcs]), off.aside))
+            answer = prove(StepPiece(begin, last, np.stack([a.arcs, b.arcs]), off.aside))
             if answer[VERDICT] == CLEAR:
                 done.append((begin, last, answer))
                 continue
@@ -108,7 +108,7 @@ def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[Piece], Float
     return _sampled(one, other, prove)
 
 
-def _sampled(one: Rest, other: Rest, prove: Callable[[Piece], Floats]) -> Floats:
+def _sampled(one: Rest, other: Rest, prove: Callable[[StepPiece], Floats]) -> Floats:
     """Look at shapes on the way, and from each to the next, as far aside as every other leaves its neighbours."""
     from sinuous.kernels.chain import batch  # noqa: PLC0415
 
@@ -126,7 +126,7 @@ def _sampled(one: Rest, other: Rest, prove: Callable[[Piece], Floats]) -> Floats
     answers = []
     for i in range(SAMPLES - 1):
         begin = i / (SAMPLES - 1.0)
-        answers.append(prove(Piece(begin, begin + 1.0 / (SAMPLES - 1.0), arcs[i : i + 2].copy(), aside)))
+        answers.append(prove(StepPiece(begin, begin + 1.0 / (SAMPLES - 1.0), arcs[i : i + 2].copy(), aside)))
         if answers[-1][VERDICT] != CLEAR:
             break
     begins = np.arange(len(answers)) / (SAMPLES - 1.0)

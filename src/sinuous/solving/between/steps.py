@@ -18,7 +18,7 @@ from sinuous.reprs import call
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.drifts import Drifts, divided_knots, together
-from sinuous.solving.between.loaded import SAMPLED, SAMPLES, Piece, Ways, prove_way, unproved
+from sinuous.solving.between.loaded import SAMPLED, SAMPLES, StepPiece, Ways, prove_way, unproved
 from sinuous.statics.equilibrium import longest_body
 from sinuous.work_time import work_time
 
@@ -195,7 +195,7 @@ class Prover:
         for i in range(len(answers)):
             begin, more = (0.0, 0.0) if times is None else (float(times[i]), float(times[i + 1] - times[i]))
 
-            def clear(piece: Piece, begin: float = begin, more: float = more) -> Floats:
+            def clear(piece: StepPiece, begin: float = begin, more: float = more) -> Floats:
                 when = None if times is None else begin + more * np.array([piece.begin, piece.end])
                 left = max(0.0, end - work_time())
                 return self._prove_piece(piece, slack, left, when)
@@ -203,7 +203,7 @@ class Prover:
             answers[i] = prove_way(ways, knots[i], knots[i + 1], clear, end)
         return answers
 
-    def _prove_piece(self, piece: Piece, slack: float, seconds: float, times: Floats | None) -> Floats:
+    def _prove_piece(self, piece: StepPiece, slack: float, seconds: float, times: Floats | None) -> Floats:
         """Prove the way linear in the coordinates of arcs (2, N, 3) for a body that is thicker by `piece.aside`."""
         count = piece.arcs.shape[1]
         rows = self._group[k.ROBOT_HEADER : k.ROBOT_HEADER + count * k.SEGMENT_WIDTH].reshape(count, -1)

@@ -15,13 +15,13 @@ from sinuous.kernels.tables import QUERY_GOAL, QUERY_LONGEST, QUERY_ORIGIN, QUER
 from sinuous.problem.problem import Problem
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
+from sinuous.solving.classes.curves import ClassCurves
+from sinuous.solving.classes.screens import Passage, ScreenBounds, passages, refined, screen
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.candidates import Candidate, Candidates
 from sinuous.solving.routing.growth import FIRST_WIDTH
-from sinuous.solving.routing.searches import Plan, Searches
-from sinuous.solving.starts import Batch, Question
+from sinuous.solving.routing.searches import RouteSearch, Searches
+from sinuous.solving.starts import Question, StartBatch
 
 THICK = 0.5
 """Thickness of a screen, in edges of the cells."""
@@ -48,7 +48,7 @@ class Passages:
     Parameters
     ----------
     searches : Searches
-    curves : Curves
+    curves : ClassCurves
         Of the same robot and scene.
     question : Question
     query : ndarray (27,)
@@ -58,7 +58,12 @@ class Passages:
     """
 
     def __init__(
-        self, searches: Searches, curves: Curves, question: Question, query: Floats, solved: Callable[[Floats], bool]
+        self,
+        searches: Searches,
+        curves: ClassCurves,
+        question: Question,
+        query: Floats,
+        solved: Callable[[Floats], bool],
     ) -> None:
         self._searches, self._curves, self._question, self._query = searches, curves, question, query
         self._solved = solved
@@ -67,7 +72,7 @@ class Passages:
         self._known: list[Floats] = []
         self._seen = {frozenset[int]()}
 
-    def routes(self, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+    def routes(self, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that are wide enough and lead through no closed passage, and how many cells they cost.
 
         `closed` are numbers of screens.
@@ -80,7 +85,7 @@ class Passages:
         least = -np.inf if finest else WIDE * self._query[QUERY_RADIUS]
         return [route for route in found.routes if self._keeps(problem.scene, route) >= least], found.cells
 
-    def starts(self, routes: list[Floats]) -> Generator[Batch, None, bool]:
+    def starts(self, routes: list[Floats]) -> Generator[StartBatch, None, bool]:
         """Yield configurations along routes (k, 3) of new classes, and of those that are not solved.
 
         Returns whether one still is not.
@@ -120,7 +125,7 @@ class Passages:
                 self._seen.add(more)
                 yield more
 
-    def _along(self, route: Floats) -> Iterator[Batch]:
+    def _along(self, route: Floats) -> Iterator[StartBatch]:
         """Yield configurations along one route (K, 3): laid, and grown."""
         candidates = Candidates(self._searches, self._question, self._query)
         yield from candidates.laid([route])
@@ -159,10 +164,10 @@ class Passages:
         return len(self._screens) - 1
 
 
-def _bounds(query: Floats, plan: Plan) -> Bounds:
+def _bounds(query: Floats, plan: RouteSearch) -> ScreenBounds:
     """What screens have to keep in the searches of a query (27,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell
-    return Bounds(
+    return ScreenBounds(
         ends, OFF_ENDS * (radius + edge), float(query[QUERY_LONGEST]), max(0.2 * radius, 1e-3 * edge), THICK * edge
     )

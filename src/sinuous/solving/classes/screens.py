@@ -12,7 +12,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.solving.classes.curves import Curves, across
+from sinuous.solving.classes.curves import ClassCurves, across
 from sinuous.solving.polylines import lengths_along, points_at
 from sinuous.solving.starts import Deadline
 
@@ -71,7 +71,7 @@ class Passage(NamedTuple):
     room: float
 
 
-class Bounds(NamedTuple):
+class ScreenBounds(NamedTuple):
     """What a screen has to keep.
 
     Attributes
@@ -102,7 +102,7 @@ def refined(route: Floats, spacing: float) -> Floats:
     return points_at(route, along, wanted)
 
 
-def passages(route: Floats, distances: Floats, bounds: Bounds) -> list[Passage]:
+def passages(route: Floats, distances: Floats, bounds: ScreenBounds) -> list[Passage]:
     """Return where a route (k, 3) passes what is nearest to it, the narrowest passage first.
 
     `distances` (k,) of its points to the obstacles; between two passages, which are some way apart, they are larger.
@@ -135,7 +135,7 @@ def _about(distances: Floats, at: int, most: int) -> list[int]:
     return sorted({round(i) for i in np.linspace(first, last, PLACES).tolist()})
 
 
-def screen(curves: Curves, passage: Passage, bounds: Bounds) -> Mesh | None:
+def screen(curves: ClassCurves, passage: Passage, bounds: ScreenBounds) -> Mesh | None:
     """Return a screen that closes a passage: a fan of triangles, as far as is seen from a point of the route.
 
     `None`: the time of the curves did not suffice.
@@ -161,7 +161,7 @@ def screen(curves: Curves, passage: Passage, bounds: Bounds) -> Mesh | None:
     return Mesh(np.vstack([place, rim]), faces, thickness=bounds.thickness)
 
 
-def _narrowest(curves: Curves, places: Floats, normals: Floats, bounds: Bounds) -> tuple[Floats, Floats]:
+def _narrowest(curves: ClassCurves, places: Floats, normals: Floats, bounds: ScreenBounds) -> tuple[Floats, Floats]:
     """Of planes (m, 3), (m, 3) return the one, place and normal, in which least is seen from the place."""
     lengths = _stars(curves, places, normals, FEW_RAYS, bounds)[1]
     least = int((lengths * lengths).sum(axis=1).argmin())
@@ -179,7 +179,9 @@ def _tilted(axes: Floats, tilts: tuple[float, ...]) -> Floats:
     return np.stack(normals, axis=1).reshape(-1, 3)
 
 
-def _stars(curves: Curves, places: Floats, normals: Floats, count: int, bounds: Bounds) -> tuple[Floats, Floats]:
+def _stars(
+    curves: ClassCurves, places: Floats, normals: Floats, count: int, bounds: ScreenBounds
+) -> tuple[Floats, Floats]:
     """Directions (m, count, 3) across axes (m, 3), and how far is seen from places (m, 3) in them (m, count)."""
     angles = 2.0 * np.pi / count * np.arange(count)
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1) @ across(normals)

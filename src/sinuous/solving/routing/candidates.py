@@ -29,9 +29,9 @@ from sinuous.solving.routing.detours import led_aside
 from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, arriving, divided, leg_queries
 from sinuous.solving.routing.halves import Halves
 from sinuous.solving.routing.roots import roots
-from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
+from sinuous.solving.routing.searches import CELLS, FoundRoutes, RouteSearch, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
-from sinuous.solving.starts import Batch, Question
+from sinuous.solving.starts import Question, StartBatch
 
 CUT = 0.9
 """Distance from the obstacles, in radii of the body, below which a route over coarse cells may lead through a wall."""
@@ -109,7 +109,7 @@ class Candidates:
         self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
 
-    def in_tube(self) -> Iterator[Batch]:
+    def in_tube(self) -> Iterator[StartBatch]:
         """Yield chains along the tube that the base lies in, where there is one."""
         if self._groups[0][1] > 0.0:
             return  # limits of actuators join what is in the tube and what is not
@@ -136,12 +136,12 @@ class Candidates:
         off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
-    def over_cells_once(self, plan: Plan) -> Found:
+    def over_cells_once(self, plan: RouteSearch) -> FoundRoutes:
         """Search as a plan says; where a table is too small for a first route, with the next one at once.
 
         Returns what was found, with the cells of all tables, and without the routes that the same cells gave before.
         """
-        found, cells = Found([], FULL, 0), 0
+        found, cells = FoundRoutes([], FULL, 0), 0
         for size in CELLS[CELLS.index(plan.cells) :][:TABLES]:
             if size <= self._too_small.get(plan.cell, 0):
                 continue
@@ -199,13 +199,13 @@ class Candidates:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
         return bool(self.query[QUERY_SHORTEST] > STOWED * lengths_along(route)[-1])
 
-    def laid(self, routes: list[Floats]) -> Iterator[Batch]:
+    def laid(self, routes: list[Floats]) -> Iterator[StartBatch]:
         """Yield configurations along routes (K, 3)."""
         fits = self.searches.fit(self._problem, routes, self._deadline)
         new = np.array([self._is_new(q) for q in fits], bool)
         yield along(fits[new], tuple(compress(routes, new)))
 
-    def grown(self, candidate: Candidate, width: int) -> Iterator[Batch]:
+    def grown(self, candidate: Candidate, width: int) -> Iterator[StartBatch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
         legs = self._legs_of(candidate)
         if legs is None or self._deadline() <= 0.0:
@@ -217,7 +217,7 @@ class Candidates:
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
-    def detour(self, candidate: Candidate, number: int) -> Iterator[Batch]:
+    def detour(self, candidate: Candidate, number: int) -> Iterator[StartBatch]:
         """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""
         legs = self._legs_of(candidate)
         longer = None if legs is None else led_aside(self._groups, legs, number, self._deadline)
@@ -229,7 +229,7 @@ class Candidates:
             if self._is_new(chain):
                 yield along(chain[None], (route,))
 
-    def halves(self, candidate: Candidate, starts: int) -> Iterator[Batch]:
+    def halves(self, candidate: Candidate, starts: int) -> Iterator[StartBatch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self._legs_of(candidate)
         if legs is None or self._deadline() <= 0.0 or not candidate.clear:
@@ -260,7 +260,7 @@ class Candidates:
         least = distances[skipped:-skipped].min(initial=np.inf)
         return bool(least > CUT * query[QUERY_RADIUS] and distances.min(initial=np.inf) > 0.0)
 
-    def _nothing(self) -> Batch:
+    def _nothing(self) -> StartBatch:
         """A batch without any start."""
         return along(np.empty((0, len(self._problem.robot), 3)), ())
 
@@ -309,8 +309,8 @@ class Candidates:
         return leg
 
 
-def along(initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None) -> Batch:
+def along(initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None) -> StartBatch:
     """Configurations along routes, which are frozen."""
     for route in routes:
         route.setflags(write=False)
-    return Batch(SOURCES[ROUTE], initial, cost=cost, closed=closed, routes=routes)
+    return StartBatch(SOURCES[ROUTE], initial, cost=cost, closed=closed, routes=routes)

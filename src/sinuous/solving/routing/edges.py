@@ -24,21 +24,21 @@ WIDTH = 10
 """Numbers of an edge, see `kernels.roadmap.places`."""
 
 
-class Walls(NamedTuple):
+class SharpWalls(NamedTuple):
     """What is sharp-edged: edges (e, 10) that stick out, and triangles (t, 12), as `find_by_edges` takes them."""
 
     edges: Floats
     triangles: Floats
 
 
-_NONE = Walls(np.empty((0, WIDTH)), np.empty((0, 12)))
-_KNOWN: "WeakKeyDictionary[Mesh, Walls]" = WeakKeyDictionary()
+_NONE = SharpWalls(np.empty((0, WIDTH)), np.empty((0, 12)))
+_KNOWN: "WeakKeyDictionary[Mesh, SharpWalls]" = WeakKeyDictionary()
 
 
-def walls_of(scene: Snapshot) -> Walls:
+def walls_of(scene: Snapshot) -> SharpWalls:
     """Return the walls of all solid meshes that are not smooth."""
     found = [walls for walls in _all(scene) if len(walls.triangles) < SMOOTH * len(walls.edges)]
-    return Walls(*map(np.concatenate, zip(*found, strict=True))) if found else _NONE
+    return SharpWalls(*map(np.concatenate, zip(*found, strict=True))) if found else _NONE
 
 
 def rims_of(scene: Snapshot) -> Floats:
@@ -46,15 +46,15 @@ def rims_of(scene: Snapshot) -> Floats:
     return np.concatenate([_NONE.edges, *(walls.edges for walls in _all(scene))])
 
 
-def _all(scene: Snapshot) -> list[Walls]:
+def _all(scene: Snapshot) -> list[SharpWalls]:
     return [_of(mesh) for mesh in scene.obstacles if isinstance(mesh, Mesh) and mesh.watertight and not mesh.inside]
 
 
-def _of(mesh: Mesh) -> Walls:
+def _of(mesh: Mesh) -> SharpWalls:
     walls = _KNOWN.get(mesh)
     if walls is None:
         edges = _sticking_out(mesh.vertices, mesh.faces)
-        walls = _KNOWN[mesh] = Walls(edges, _faces(mesh)) if 0 < len(edges) <= MOST else _NONE
+        walls = _KNOWN[mesh] = SharpWalls(edges, _faces(mesh)) if 0 < len(edges) <= MOST else _NONE
     return walls
 
 

@@ -38,7 +38,7 @@ BARELY = 0.15
 """Share of a segment that may stick out of a long narrow place and still counts as in it."""
 
 
-class Part:
+class Half:
     """One part of a robot, solved with more and more scattered starts.
 
     Parameters
@@ -93,8 +93,8 @@ class Halves:
 
     def __init__(self, groups: Groups, legs: Floats, widths: Floats) -> None:
         self._groups, self._legs = groups, legs
-        self._heads: dict[int, Part] = {}
-        self._tails: dict[int, tuple[Floats, Part]] = {}
+        self._heads: dict[int, Half] = {}
+        self._tails: dict[int, tuple[Floats, Half]] = {}
         skipped = max(1 + TANGENT, round(ENDS * legs.shape[1]))
         looked = widths[:, skipped:-skipped]
         self._which = which = int(looked.min(axis=1).argmin())
@@ -144,13 +144,13 @@ class Halves:
         Where the second part is not solved, what came nearest is taken: the whole chain has more freedom.
         """
         if count not in self._heads:
-            self._heads[count] = Part(before(self._groups, self._row(count)))
+            self._heads[count] = Half(before(self._groups, self._row(count)))
         head = self._heads[count].solved(starts, deadline)
         if head is None:
             return None, not self._heads[count].possible
         if count not in self._tails:
             within = self._within(beyond(self._groups, head), deadline)
-            self._tails[count] = within, Part(beyond(self._groups, np.concatenate([head, within])))
+            self._tails[count] = within, Half(beyond(self._groups, np.concatenate([head, within])))
         within, part = self._tails[count]
         tail = part.solved(starts, deadline)
         tail = part.nearest if tail is None else tail

@@ -23,10 +23,10 @@ from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.detours import led_aside
-from sinuous.solving.routing.edges import Walls, rims_of, walls_of
+from sinuous.solving.routing.edges import SharpWalls, rims_of, walls_of
 from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, Grown, query_of, settled
 from sinuous.solving.routing.halves import WIDE
 from sinuous.solving.routing.openings import route_through, tubes_beside
@@ -59,7 +59,7 @@ MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
 one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
-class Plan(NamedTuple):
+class RouteSearch(NamedTuple):
     """One search.
 
     Attributes
@@ -83,7 +83,7 @@ class Plan(NamedTuple):
     prove: bool
 
 
-class Found(NamedTuple):
+class FoundRoutes(NamedTuple):
     """What came of one search.
 
     Attributes
@@ -113,7 +113,7 @@ class Searches:
     Attributes
     ----------
     robot : Robot
-    coarse, middle, fine : Plan
+    coarse, middle, fine : RouteSearch
         The quickest searches with coarse cells, with smaller ones, and with fine ones.
     proves : bool
         Whether fine cells prove that a room is closed: where no segment is thinner than the ball.
@@ -126,14 +126,14 @@ class Searches:
         self.robot, self._scene, self._tolerance = robot, scene, tolerance
         self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
         self._radius = ball_radius(segments_in(self._group))
-        self._walls: tuple[Snapshot, Walls] | None = None
+        self._walls: tuple[Snapshot, SharpWalls] | None = None
         self._about: tuple[Snapshot, bool] | None = None
         self._longest = sum(segment.length[1] for segment in robot.segments)
         self.coarse, self.middle, self.fine = _plans_of(self._radius, self._longest)
         self.proves = min(robot.needed_radii) >= self._radius
 
     @property
-    def single_plans(self) -> tuple[Plan, ...]:
+    def single_plans(self) -> tuple[RouteSearch, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
@@ -144,7 +144,7 @@ class Searches:
         return tuple(dict.fromkeys(plans))
 
     @property
-    def leg_plans(self) -> tuple[Plan, ...]:
+    def leg_plans(self) -> tuple[RouteSearch, ...]:
         """Searches for the route from one target to the next, from the quickest to the most thorough."""
         many = CELLS[1]
         plans = self.coarse, self.middle, self.fine, self.fine._replace(cells=many)
@@ -154,7 +154,7 @@ class Searches:
         """Return what a route has to keep (27,); see `query_of`."""
         return query_of(self.groups(problem))
 
-    def find(self, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def find(self, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
         """Search for routes, as one plan says, for at most so many seconds.
 
         Obstacles do not concern the backbone within its mount. Where the body can be so short that its end lies there,
@@ -174,7 +174,7 @@ class Searches:
             group = problem.scene._kernel_group
             found, ended, cells = find_routes(group, planned, seconds, memory, routes, counts)
         lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
-        return Found(lines, ended, cells)
+        return FoundRoutes(lines, ended, cells)
 
     def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
         """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
@@ -214,7 +214,7 @@ class Searches:
             known = self._about = scene, met >= ENCLOSED
         return known[1]
 
-    def _walls_of(self, scene: Snapshot) -> Walls:
+    def _walls_of(self, scene: Snapshot) -> SharpWalls:
         """What is sharp-edged in a scene, looked for once."""
         known = self._walls
         if known is None or known[0] is not scene:
@@ -282,7 +282,7 @@ class Searches:
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
-            Curves(self.robot, problem.scene).load()
+            ClassCurves(self.robot, problem.scene).load()
 
     def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
@@ -308,7 +308,7 @@ def _wide_enough(radius: float, cell: float) -> float:
     return max(radius - 0.5 * cell, 0.25 * radius)
 
 
-def _plans_of(radius: float, length: float) -> tuple[Plan, Plan, Plan]:
+def _plans_of(radius: float, length: float) -> tuple[RouteSearch, RouteSearch, RouteSearch]:
     """Searches for one route with coarse, middle and fine cells, for a ball of this radius and a robot of this length.
 
     Cells of half the radius and less cannot leak through a wall, however thin it is. Coarser ones miss narrow passages.
@@ -316,8 +316,8 @@ def _plans_of(radius: float, length: float) -> tuple[Plan, Plan, Plan]:
     fine = 0.5 * radius
     coarse = max(fine, length / COARSE)
 
-    def plan(cell: float) -> Plan:
+    def plan(cell: float) -> RouteSearch:
         clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
-        return Plan(cell, clearance, CELLS[0], 1, False)
+        return RouteSearch(cell, clearance, CELLS[0], 1, False)
 
     return plan(coarse), plan(math.sqrt(coarse * fine)), plan(fine)

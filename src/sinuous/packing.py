@@ -57,6 +57,11 @@ def segment_row(
     return row
 
 
+def scales_of(limits: Floats) -> Floats:
+    """Scales (n, 3) in which coordinates of segments (n, 8) count: 1 rad, and mean lengths; 0 for what cannot move."""
+    return limits[:, [t.BEND_SCALE, t.BEND_SCALE, t.LENGTH_SCALE]]
+
+
 def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[float, float]) -> list[float]:
     """Return the row of an actuator limit on segments `first` to `last`, counted from 0."""
     return [float(first), float(last), *weights, *limits]

@@ -1,12 +1,12 @@
 """The command warm: compile everything now, so that nobody waits for it later."""
 
+import multiprocessing
 import signal
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
 from typing import Any
 
 import typer
@@ -102,7 +102,7 @@ def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
 
 def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
     """Take the steps in so many processes, which share what they compile through the disk."""
-    context = get_context("spawn")
+    context = multiprocessing.get_context("spawn")
     said: Any = context.SimpleQueue()
     pool = ProcessPoolExecutor(count, context, _begin, (said,))
     try:
@@ -119,7 +119,7 @@ def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> 
             if done and due:
                 shown.begin(next(iter(due.values())))
     except BaseException:
-        for child in active_children():
+        for child in multiprocessing.active_children():
             child.terminate()
         raise
     finally:

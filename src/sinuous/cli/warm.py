@@ -11,6 +11,7 @@ from typing import Any
 
 import typer
 
+from sinuous import checks
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
@@ -43,8 +44,7 @@ def warm_up(asked: Warm) -> int:
         return SOLVED
     methods = tuple(asked.method or METHODS)
     for name in methods:
-        if name not in METHODS:
-            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+        checks.choice("--method", name, tuple(METHODS))
     return _profile(steps(methods)) if asked.profile else _compile(methods)
 
 

@@ -32,8 +32,10 @@ def warm_up(asked: Warm) -> int:
     InputError
         When there is no such method, or options contradict each other.
     """
-    if asked.where + asked.clear + asked.profile > 1 or (asked.method and (asked.where or asked.clear)):
-        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    typed = [name for name in ("where", "clear", "profile") if getattr(asked, name)]
+    if len(typed) > 1 or (asked.method and typed not in ([], ["profile"])):
+        named = [f"--{name}" for name in [*typed, *(["method"] if asked.method else [])]]
+        raise InputError(named[0], f"cannot be combined with {named[1]}", True, f"one of {named[0]}, {named[1]}")
     if asked.where:
         return _show_store()
     if asked.clear:

@@ -75,6 +75,16 @@ class Frozen(ShortRepr):
         return value
 
 
+class Noun(Frozen):
+    """What a user makes of parameters, and may want with others."""
+
+    __slots__ = ()
+
+    def changed(self, **values: Any) -> Self:
+        """Return the same with other values of some parameters."""
+        return self._changed(values)
+
+
 def same(a: Any, b: Any) -> bool:
     """Whether two values say the same: nouns, arrays, mappings, lists and whatever compares by itself."""
     if isinstance(a, Frozen):

@@ -13,12 +13,12 @@ from benchmarks.derivatives.families import FAMILIES, OBSTACLES, draw, touching
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
 from sinuous.derivatives.derivative import derivative_of
-from sinuous.derivatives.rows import metric
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.derivative.layout import KIND
 from sinuous.kernels.derivative.rows import PIECES
 from sinuous.kernels.tables import BEND_SCALE
 from sinuous.kernels.velocity.layout import CLEARANCE
+from sinuous.packing import scales_of
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
 from sinuous.solution.solution import Solution
@@ -90,7 +90,7 @@ def asked_of(found: Solution, tangent: Floats) -> Floats:
 
 def least_motions(found: Solution, rows: Floats, bounds: Floats, asked: Floats) -> Floats:
     """The least motion (3 n,) with which targets move as asked (m,) and `rows . dq >= bounds`, of all subsets."""
-    scale = metric(found.problem.robot)
+    scale = scales_of(found.problem.robot.limits).ravel()
     J = residual_of(found.problem, found.q).jacobian * scale
     C = rows * scale
     best, least = np.full(len(scale), np.nan), np.inf
@@ -132,7 +132,7 @@ def test_limits_that_move_push_the_answer() -> None:
         if (robot.limits[:, 0] == robot.limits[:, 1]).any():
             way.pop("lengths")  # what cannot stretch moves by itself
         left, gradients = slacks(robot, q)
-        moves = np.linalg.norm(gradients * metric(robot), axis=1) > 0.0
+        moves = np.linalg.norm(gradients * scales_of(robot.limits).ravel(), axis=1) > 0.0
         active = (left < 1e-6 * robot.mean_length) & moves
         for sign in (1.0, -1.0):
             asked = question(found, way, sign * h)
@@ -140,7 +140,7 @@ def test_limits_that_move_push_the_answer() -> None:
         wanted, shrinks = ((a - b) / (2.0 * h) for a, b in zip(*ends, strict=True))
         motion = found.derivative(names).jvp(way).ravel()
         oracle = least_motions(found, gradients[active], -shrinks[active], wanted)
-        scale = np.where(metric(robot) > 0.0, metric(robot), 1.0)
+        scale = np.where(scales_of(robot.limits).ravel() > 0.0, scales_of(robot.limits).ravel(), 1.0)
         if np.isnan(oracle).any():
             assert np.isnan(motion).any()
             continue
@@ -151,7 +151,7 @@ def test_limits_that_move_push_the_answer() -> None:
 
 def gap_gradient(found: Solution) -> Floats:
     """Derivatives (3 n,) of the least distance from the obstacles, by central differences."""
-    scale = metric(found.problem.robot)
+    scale = scales_of(found.problem.robot.limits).ravel()
     some = np.flatnonzero(scale)
     steps = 1e-6 * np.diag(scale)[some].reshape(-1, *found.q.shape)
     ahead, back = (least_gaps(found.problem, found.q + sign * steps) for sign in (1.0, -1.0))
@@ -179,7 +179,7 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
         asked = asked_of(found, tangent)
         slope = gap_gradient(found)
         wanted = least_motions(found, slope[None], np.zeros(1), asked)
-        scale = metric(found.problem.robot)
+        scale = scales_of(found.problem.robot.limits).ravel()
         error = np.abs((motion.ravel() - wanted) / np.where(scale > 0.0, scale, 1.0)).max()
         assert error < 1e-4 * max(1.0, np.abs(wanted / np.where(scale > 0.0, scale, 1.0)).max()), seed
         compared += 1

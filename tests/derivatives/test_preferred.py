@@ -8,7 +8,7 @@ import sinuous as sn
 from benchmarks.derivatives.differences import ALL, Tangent, question, random_tangent
 from benchmarks.derivatives.families import SHAPES, preferred
 from sinuous.checks import Floats
-from sinuous.derivatives.rows import metric
+from sinuous.packing import scales_of
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
 from sinuous.solution.solution import Solution
@@ -20,7 +20,7 @@ STEP = 1e-4
 
 def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Floats) -> Floats:
     """The nearest zero of the conditions of a minimum (Lagrange), with the limits that are active at `near` kept."""
-    scale = metric(problem.robot)
+    scale = scales_of(problem.robot.limits).ravel()
     moves = np.flatnonzero(scale)
     active = [i for i, each in enumerate(limits_of(problem.robot, near)) if abs(each.slack) < 1e-6 and not each.fixed]
 
@@ -47,7 +47,7 @@ def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Fl
 def differences(found: Solution, prefer: sn.Preferences, start: Floats, way: Tangent) -> Floats:
     """Central differences of minima along a tangent, of two steps: together exact to the fourth order."""
     derivative = found.derivative(ALL)
-    fixed = metric(found.problem.robot)[2::3] == 0.0
+    fixed = scales_of(found.problem.robot.limits).ravel()[2::3] == 0.0
     ends = []
     for h in (STEP, -STEP, 0.5 * STEP, -0.5 * STEP):
         asked = question(found, way, h)

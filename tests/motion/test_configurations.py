@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.motion.configurations import distances, movable, random_configuration, within_limits
+from sinuous.motion.configurations import distances, random_configuration, within_limits
+from sinuous.packing import scales_of
 
 ROBOT = sn.on_stage(sn.Robot.uniform(3, (0.0, 1.2), 2.4, max_curvature=3.0, radius=0.05), 2.0)
 ENDLESS = sn.Robot.uniform(2, 1.0, radius=0.01)
@@ -29,7 +30,7 @@ def test_random_configurations_are_within_limits(robot: sn.Robot) -> None:
     assert max(robot.excess(q) for q in drawn) < 1e-12
     assert np.hypot(drawn[..., 0], drawn[..., 1]).max() <= 2.0 * np.pi
     moves = np.ptp(drawn, axis=0).ravel() > 0.0
-    np.testing.assert_array_equal(moves, movable(robot.segments))
+    np.testing.assert_array_equal(moves, scales_of(robot.limits).ravel() > 0.0)
 
 
 def test_what_is_within_limits_stays_and_the_rest_is_brought_there() -> None:

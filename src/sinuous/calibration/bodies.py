@@ -28,16 +28,11 @@ class Point(NamedTuple):
     jacobian: Floats
 
 
-def shapes(robot: Robot, actuators: Floats) -> Floats:
-    """Configurations (N, n, 3) without load for values of actuators (N, m); contradictions are answered silently."""
-    return robot.from_actuators(actuators, tolerance=ANY)
-
-
 class Free:
     """Bodies without load; their coordinates are configurations (N, n, 3)."""
 
     def __init__(self, robot: Robot, actuators: Floats) -> None:
-        self.robot, self.q = robot, shapes(robot, actuators)
+        self.robot, self.q = robot, robot.from_actuators(actuators, tolerance=ANY)
 
     def point(self, place: Place) -> Point:
         """A place of all bodies."""
@@ -50,7 +45,8 @@ class Free:
 
 def _drives(robot: Robot, actuators: Floats) -> "zip[tuple[Floats, Floats]]":
     """Configurations (n, 3) without load, and displacements (m,), at each of the values (N, m)."""
-    return zip(shapes(robot, actuators), robot.drive.motors.displacements(actuators), strict=True)
+    shapes = robot.from_actuators(actuators, tolerance=ANY)
+    return zip(shapes, robot.drive.motors.displacements(actuators), strict=True)
 
 
 def _rests(robot: Robot, actuators: Floats) -> list[Rest]:

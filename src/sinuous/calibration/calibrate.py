@@ -10,7 +10,7 @@ from sinuous import checks
 from sinuous.arguments import HasArray, Names, Number, Rows, Stack, Whole
 from sinuous.calibration.bodies import holds
 from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
-from sinuous.calibration.fit import DRAWING, Fit, FitState, begun, errors, extended, fitted, left_out
+from sinuous.calibration.fit import DRAWING, Fit, FitState, begun, by_pose, errors, extended, fitted, left_out
 from sinuous.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
 from sinuous.calibration.model import derivatives, model
 from sinuous.calibration.parameters import (
@@ -325,12 +325,7 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     settings = settings[held]
     tip = Place(len(robot) - 1, 1.0, np.array(robot.tool[:3, 3]))
     points, slopes = derivatives(model(soft, values, (tip,)), settings)
-    pose = np.zeros((len(points), 1, 3, 6))
-    pose[:, 0, [0, 1, 2], [3, 4, 5]] = 1.0
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        pose[:, 0, i, j], pose[:, 0, i, k] = points[:, 0, k], -points[:, 0, j]
-    noise = 0.01 * robot.mean_length
-    rows = np.concatenate([pose, slopes], axis=-1)[:, 0] / noise
+    rows = np.concatenate([by_pose(points), slopes], axis=-1)[:, 0] / (0.01 * robot.mean_length)
     known = np.diag(np.concatenate([np.full(6, 1e-6), 1.0 / values.widths**2]))
     known[3:6, 3:6] /= robot.mean_length**2
     taken: list[int] = []

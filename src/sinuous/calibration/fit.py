@@ -171,13 +171,16 @@ def _slopes(drawn: Robot, state: FitState, rows: Measurements) -> Floats:
     points, slopes = derivatives(own, rows.actuators, of_gravity=turns)
     rotation = state.pose[:3, :3]
     slopes = np.asarray(np.matmul(rotation, slopes), np.float64)
-    pose = np.zeros((*points.shape, 6))
-    pose[..., :3] = -_crossing(points @ rotation.T)
-    pose[..., [0, 1, 2], [3, 4, 5]] = 1.0
+    pose = by_pose(points @ rotation.T)
     if turns:  # a turn of the robot turns gravity the other way in its own world
         pose[..., :3] += slopes[..., -3:] @ rotation.T @ _crossing(np.asarray(drawn.gravity))
         slopes = slopes[..., :-3]
     return np.concatenate([pose, slopes], axis=-1)
+
+
+def by_pose(points: Floats) -> Floats:
+    """Derivatives (..., 3, 6) of points (..., 3) by a small turn about the origin, and a small motion."""
+    return np.concatenate([-_crossing(points), np.broadcast_to(np.eye(3), (*points.shape, 3))], axis=-1)
 
 
 def _crossing(vectors: Floats) -> Floats:

@@ -170,29 +170,18 @@ def _points(
 
 def _labels(groups: Sequence[object] | NDArray[Any] | None, count: int) -> tuple[str, ...]:
     if groups is None:
-        return tuple(f"rows {count * i // FOLDS} to {max(0, count * (i + 1) // FOLDS - 1)}" for i in _blocks(count))
+        blocks = (i * FOLDS // count for i in range(count))
+        return tuple(f"rows {count * i // FOLDS} to {max(0, count * (i + 1) // FOLDS - 1)}" for i in blocks)
     labels = tuple(str(label) for label in groups)
     if len(labels) != count:
         raise InputError("groups", f"{len(labels)} labels", list(labels[:3]), f"{count}, one a row")
     return labels
 
 
-def _blocks(count: int) -> list[int]:
-    """Which of so many blocks of time each row belongs to."""
-    return [min(FOLDS - 1, i * FOLDS // max(count, 1)) for i in range(count)]
-
-
 def _folds(labels: tuple[str, ...]) -> NDArray[np.intp]:
     """Part of each row: labels that begin alike are held back together, for they are likely of one kind of motion."""
-    ordered = sorted(set(labels))
-    counts = dict.fromkeys(ordered, 0)
-    for label in labels:
-        counts[label] += 1
-    before, fold = 0, {}
-    for label in ordered:
-        fold[label] = min(FOLDS - 1, before * FOLDS // len(labels))
-        before += counts[label]
-    return np.array([fold[label] for label in labels], np.intp)
+    _, which, counts = np.unique(labels, return_inverse=True, return_counts=True)
+    return ((np.cumsum(counts) - counts) * FOLDS // len(labels))[which]
 
 
 def refuse_size(robot: Robot, own: Measurements) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sinuous.calibration.bodies import Loaded, at_rest
 from sinuous.calibration.measurements import Place
-from sinuous.calibration.parameters import LineTable, Values, changed, lines_of
+from sinuous.calibration.parameters import Values, changed, is_fixed, is_soft, lines_of
 from sinuous.checks import Floats
 from sinuous.robot.elastic import Springs
 from sinuous.robot.robot import Robot
@@ -31,15 +31,12 @@ class RobotModel(NamedTuple):
         With the values of the parameters, and without.
     values : Values
     places : tuple of Place
-    lines : LineTable
-        Of `robot`.
     """
 
     robot: Robot
     drawn: Robot
     values: Values
     places: tuple[Place, ...]
-    lines: LineTable
 
 
 def model(drawn: Robot, values: Values, places: tuple[Place, ...]) -> RobotModel:
@@ -47,8 +44,7 @@ def model(drawn: Robot, values: Values, places: tuple[Place, ...]) -> RobotModel
     tool = values.of("tool")
     if tool is not None:
         places = tuple(place._replace(offset=place.offset + tool) for place in places)
-    robot = changed(drawn, values)
-    return RobotModel(robot, drawn, values, places, lines_of(robot))
+    return RobotModel(changed(drawn, values), drawn, values, places)
 
 
 def predicted(own: RobotModel, actuators: Floats) -> Floats:
@@ -86,15 +82,6 @@ def _beside(own: RobotModel, of_gravity: bool) -> tuple[list[Robot], Floats]:
     return robots, steps
 
 
-def _fixed(robot: Robot) -> NDArray[np.intp]:
-    """Columns of the lengths that a fit may change."""
-    return np.array([3 * k + 2 for k, s in enumerate(robot.segments) if s.length[0] == s.length[1] > 0.0], np.intp)
-
-
-def _lengths(robot: Robot) -> Floats:
-    return np.array([s.length[0] for s in robot.segments if s.length[0] == s.length[1] > 0.0])
-
-
 def _springs(robot: Robot) -> tuple[Springs, NDArray[np.intp]]:
     """All actuators as lines, and the coordinates that move."""
     moves = np.array([[s.max_bend > 0.0, s.max_bend > 0.0, s.length[0] < s.length[1]] for s in robot.segments])
@@ -113,78 +100,59 @@ def _springs(robot: Robot) -> tuple[Springs, NDArray[np.intp]]:
 
 def _sensitivity(own: RobotModel, actuators: Floats, q: Floats) -> Floats:
     """Derivatives (N, 3 n, P) of configurations by the parameters."""
-    robot, lines, values = own.robot, own.lines, own.values
+    robot, values = own.robot, own.values
+    places, sets = lines_of(robot)
     springs, columns = _springs(robot)
-    x = q.reshape(len(q), -1)
+    bends = [np.flatnonzero((columns // 3 == k) & (columns % 3 < 2)) for k in range(len(robot))]
+    fixed = [k for k, segment in enumerate(robot.segments) if is_fixed(segment)]
+    soft = [k for k, segment in enumerate(robot.segments) if is_soft(segment)]
+    lengths = np.array([robot.segments[k].length[0] for k in fixed])
+    x, arms = q.reshape(len(q), -1), robot.drive.jacobian
     displaced = robot.drive.motors.displacements(actuators)
-    elongation = displaced - x @ robot.drive.jacobian.T
+    elongation = displaced - x @ arms.T
     stiff = springs.pulls(elongation) * springs.stiffness
     force = stiff * elongation
+    resisting = springs.resistance * (x[:, columns] - springs.rest)
     count = len(values.x)
     pushed = np.zeros((len(q), len(robot.drive), count))  # by how much forces grow, were the shape kept
     turned = np.zeros((len(q), len(columns), count))  # and what else the balance changes by
-    own_x = x[:, columns] - springs.rest
-    at = 0
-    for each in values.groups:
-        for i in range(len(each.names)):
-            column = at + i
-            match each.name:
-                case "offsets":
-                    place = lines.places[i]
-                    pushed[:, place, column] = stiff[:, place]
-                case "gains":
-                    mine = lines.places[lines.sets == i]
-                    offsets = values.of("offsets")
-                    extra = 0.0 if offsets is None else offsets[lines.sets == i]
-                    pushed[:, mine, column] = stiff[:, mine] * (displaced[:, mine] - extra)
-                case "stretch":
-                    mine = lines.places[lines.sets == i]
-                    pushed[:, mine, column] = force[:, mine]
-                case "circles" | "angles":
-                    mine = lines.places[lines.sets == i]
-                    change = np.zeros_like(robot.drive.jacobian)
-                    change[mine] = _moved(robot.drive.jacobian[mine], each.name)
-                    pushed[:, mine, column] = -stiff[:, mine] * (x @ change[mine].T)
-                    turned[:, :, column] += force[:, mine] @ change[np.ix_(mine, columns)]
-                case "stiffness" | "rest" | "lengths":
-                    _resist(own, each.name, i, springs, columns, own_x, turned[:, :, column])
-                    if each.name == "lengths":
-                        fixed = _fixed(robot)[i]
-                        grown = robot.drive.jacobian[:, fixed] * _lengths(robot)[i]
-                        pushed[:, :, column] = -stiff * grown
-        at += len(each.names)
+    listed = ((each.name, i) for each in values.groups for i in range(len(each.names)))
+    for column, (name, i) in enumerate(listed):
+        mine = places[sets == i]
+        match name:
+            case "offsets":
+                pushed[:, places[i], column] = stiff[:, places[i]]
+            case "gains":
+                offsets = values.of("offsets")
+                extra = 0.0 if offsets is None else offsets[sets == i]
+                pushed[:, mine, column] = stiff[:, mine] * (displaced[:, mine] - extra)
+            case "stretch":
+                pushed[:, mine, column] = force[:, mine]
+            case "circles" | "angles":
+                change = np.zeros_like(arms)
+                change[mine] = _moved(arms[mine], name)
+                pushed[:, mine, column] = -stiff[:, mine] * (x @ change[mine].T)
+                turned[:, :, column] += force[:, mine] @ change[np.ix_(mine, columns)]
+            case "stiffness":
+                turned[:, bends[soft[i]], column] -= resisting[:, bends[soft[i]]]
+            case "rest":
+                bend = bends[soft[i // 2]][i % 2]
+                turned[:, bend, column] += springs.resistance[bend]
+            case "lengths":
+                turned[:, bends[fixed[i]], column] += resisting[:, bends[fixed[i]]]
+                pushed[:, :, column] = -stiff * (arms[:, 3 * fixed[i] + 2] * lengths[i])
     hessian = springs.hessian(springs.pulls(elongation))
     right = np.einsum("mc,nmp->ncp", springs.arms, pushed) + turned
     result = np.zeros((len(q), x.shape[1], count))
     result[:, columns] = np.linalg.solve(hessian, right)
     if (grown := values.columns("lengths")) is not None:
-        result[:, _fixed(robot), np.arange(grown.start, grown.stop)] = _lengths(robot)
+        result[:, 3 * np.array(fixed) + 2, np.arange(grown.start, grown.stop)] = lengths
     return result
 
 
 def _moved(rows: Floats, name: str) -> Floats:
     """Derivative of lines (g, 3 n) by the logarithm of their circle, or by the angle of all."""
     result = np.zeros_like(rows)
-    result[:, 0::3], result[:, 1::3] = (
-        (rows[:, 0::3], rows[:, 1::3]) if name == "circles" else (-rows[:, 1::3], rows[:, 0::3])
-    )
+    x, y = rows[:, 0::3], rows[:, 1::3]
+    result[:, 0::3], result[:, 1::3] = (x, y) if name == "circles" else (-y, x)
     return result
-
-
-def _resist(
-    own: RobotModel, name: str, i: int, springs: Springs, columns: NDArray[np.intp], bent: Floats, out: Floats
-) -> None:
-    """Add to `out` (N, c) what a parameter of the segments' own resistance changes."""
-    robot = own.robot
-    if name == "lengths":
-        k = int(_fixed(robot)[i]) // 3
-        for c in np.flatnonzero((columns // 3 == k) & (columns % 3 < 2)):
-            out[:, c] += springs.resistance[c] * bent[:, c]
-        return
-    soft = [k for k, s in enumerate(robot.segments) if s.stiffness is not None and s.max_bend > 0.0]
-    if name == "rest":
-        own_column = int(np.flatnonzero(columns == 3 * soft[i // 2] + i % 2)[0])
-        out[:, own_column] += springs.resistance[own_column]
-        return
-    for c in np.flatnonzero((columns // 3 == soft[i]) & (columns % 3 < 2)):
-        out[:, c] -= springs.resistance[c] * bent[:, c]

@@ -68,39 +68,17 @@ SOFT = 3.0
 from which a fit of elastic ones begins."""
 
 
-@dataclass(frozen=True)
-class LineTable:
-    """Tendons and chambers of a robot as arrays (e,), in the order of its actuators, without stages and `Actuators`.
-
-    `places` among all actuators; `segments` 0 = first; `tendon` or chamber; `sets`: which of the robot's sets of lines
-    each belongs to.
-    """
-
-    places: NDArray[np.intp]
-    segments: NDArray[np.intp]
-    tendon: NDArray[np.bool_]
-    sets: NDArray[np.intp]
-    radius: Floats
-    angle: Floats
-    stiffness: Floats
-
-
-def lines_of(robot: Robot) -> LineTable:
-    """The tendons and chambers of a robot."""
-    rows, at, number = [], 0, 0
-    for k, segment in enumerate(robot.segments):
-        for lines, tendon in ((segment.tendons, True), (segment.chambers, False)):
-            if lines is None:
-                continue
-            for angle, stiff in zip(lines.angles, lines.stiffnesses, strict=True):
-                rows.append((at, k, tendon, number, lines.radius, angle, stiff))
-                at += 1
-            number += 1
+def lines_of(robot: Robot) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The tendons and chambers (e,): places among all actuators, and which of the robot's sets of lines each is of."""
+    rows, at, number = list[tuple[int, int]](), 0, 0
+    for segment in robot.segments:
+        for lines in (segment.tendons, segment.chambers):
+            if lines is not None:
+                rows += [(at + j, number) for j in range(len(lines.angles))]
+                at, number = at + len(lines.angles), number + 1
         at += segment.stage is not None
-    table = np.array(rows, np.float64).reshape(-1, 7).T
-    return LineTable(
-        table[0].astype(np.intp), table[1].astype(np.intp), table[2] > 0.0, table[3].astype(np.intp), *table[4:]
-    )
+    places, sets = np.array(rows, np.intp).reshape(-1, 2).T
+    return places, sets
 
 
 def elastic(robot: Robot) -> Robot:
@@ -176,20 +154,27 @@ def _names(robot: Robot, name: GroupName) -> Iterator[str]:
         case "tool":
             yield from (f"tool {axis}" for axis in "xyz")
         case "stiffness":
-            yield from (
-                f"stiffness of {n}" for s, n in segments if soft and s.stiffness is not None and s.max_bend > 0.0
-            )
+            yield from (f"stiffness of {n}" for s, n in segments if soft and is_soft(s))
         case "rest":
-            own = [n for s, n in segments if soft and s.stiffness is not None and s.max_bend > 0.0]
-            yield from (f"rest bend_{axis} of {n}" for n in own for axis in "xy")
+            yield from (f"rest bend_{axis} of {n}" for s, n in segments if soft and is_soft(s) for axis in "xy")
         case "lengths":
-            yield from (f"length of {n}" for s, n in segments if s.length[0] == s.length[1] > 0.0)
+            yield from (f"length of {n}" for s, n in segments if is_fixed(s))
         case "offsets":
-            yield from (f"offset of {robot.actuators[place].name}" for place in lines_of(robot).places)
+            yield from (f"offset of {robot.actuators[place].name}" for place in lines_of(robot)[0])
         case _:
             word = {"stretch": "stretch", "circles": "circle", "angles": "angle", "gains": "gain"}[name]
             stretch = robot.drive.elastic is not None
             yield from (f"{word} of {kind} of {n}" for _, n, kind in lines if stretch or name != "stretch")
+
+
+def is_fixed(segment: Segment) -> bool:
+    """Whether the length of a segment may be fitted: it has one that does not change."""
+    return segment.length[0] == segment.length[1] > 0.0
+
+
+def is_soft(segment: Segment) -> bool:
+    """Whether the stiffness of a segment, and its bend at rest, may be fitted."""
+    return segment.stiffness is not None and segment.max_bend > 0.0
 
 
 def _gives(robot: Robot) -> bool:
@@ -223,11 +208,6 @@ class Values:
         return replace(self, x=x)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of all parameters."""
-        return tuple(name for each in self.groups for name in each.names)
-
-    @property
     def widths(self) -> Floats:
         """How far each may well be off."""
         return np.concatenate([np.zeros(0), *(each.widths for each in self.groups)])
@@ -245,7 +225,7 @@ def changed(robot: Robot, values: Values) -> Robot:
     segments = []
     for segment in robot.segments:
         new: dict[str, Any] = {}
-        if segment.length[0] == segment.length[1] > 0.0:
+        if is_fixed(segment):
             if (own := parts["lengths"]) is not None:
                 new["length"] = segment.length[0] * math.exp(own[fixed])
             fixed += 1

@@ -1,12 +1,12 @@
 """The command warm: compile everything now, so that nobody waits for it later."""
 
+import multiprocessing
 import signal
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
 from typing import Any
 
 import typer
@@ -32,8 +32,10 @@ def warm_up(asked: Warm) -> int:
     InputError
         When there is no such method, or options contradict each other.
     """
-    if asked.where + asked.clear + asked.profile > 1 or (asked.method and (asked.where or asked.clear)):
-        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    typed = [name for name in ("where", "clear", "profile") if getattr(asked, name)]
+    if len(typed) > 1 or (asked.method and typed not in ([], ["profile"])):
+        named = [f"--{name}" for name in [*typed, *(["method"] if asked.method else [])]]
+        raise InputError(named[0], f"cannot be combined with {named[1]}", True, f"one of {named[0]}, {named[1]}")
     if asked.where:
         return _show_store()
     if asked.clear:
@@ -100,7 +102,7 @@ def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
 
 def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
     """Take the steps in so many processes, which share what they compile through the disk."""
-    context = get_context("spawn")
+    context = multiprocessing.get_context("spawn")
     said: Any = context.SimpleQueue()
     pool = ProcessPoolExecutor(count, context, _begin, (said,))
     try:
@@ -117,7 +119,7 @@ def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> 
             if done and due:
                 shown.begin(next(iter(due.values())))
     except BaseException:
-        for child in active_children():
+        for child in multiprocessing.active_children():
             child.terminate()
         raise
     finally:

@@ -12,9 +12,10 @@ from sinuous.checks import Floats
 from sinuous.derivatives.directional import Kept, least_motion
 from sinuous.derivatives.parameters import Request, circles_of, plan_for, read_wrt
 from sinuous.derivatives.preferred import Wish, follow_minimum
-from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
+from sinuous.derivatives.rows import KeptRows, fixed_lengths
 from sinuous.groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
+from sinuous.packing import scales_of
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.elastic import Elastic
@@ -197,7 +198,7 @@ class Derivative:
 
     def _one_way(self, tangent: Floats) -> Floats:
         """Motion (3 n,) where parameters begin to move along `tangent` (p,): what is active only pushes."""
-        rows, targets, scale = self._rows.rows, self._rows.targets, metric(self._problem.robot)
+        rows, targets, scale = self._rows.rows, self._rows.targets, scales_of(self._problem.robot.limits).ravel()
         moves = scale > 0.0
         direct = direct_motion(self._plan) @ tangent
         values = self._rows.sides @ tangent - rows @ direct
@@ -238,7 +239,7 @@ def direct_motion(plan: Request) -> Floats:
     """What parameters move by themselves (3 n, p)."""
     direct = fixed_lengths(plan)
     if plan.asked[a.INITIAL] >= 0:
-        own = np.flatnonzero(metric(plan.robot) > 0.0)
+        own = np.flatnonzero(scales_of(plan.robot.limits).ravel() > 0.0)
         direct[own, plan.asked[a.INITIAL] + own] = 1.0
     return direct
 

@@ -11,9 +11,10 @@ from sinuous.checks import Floats
 from sinuous.groups import TWIST, read_names
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, NUMBER, RADIUS_OF
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.packing import scales_of
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.robot.robot import Robot, robot_group
+from sinuous.robot.segment import coordinate_names
 
 GROUPS: dict[Parameter, int] = {
     "target": a.TARGET,
@@ -43,7 +44,6 @@ GROUPS: dict[Parameter, int] = {
 - `initial`: the configuration to stay close to, which by default is the answer itself.
 """
 
-COORDINATES = ("bend_x", "bend_y", "length")
 FIELDS = {"lengths": "length", "bends": "max_bend", "curvatures": "max_curvature", "radii": "radius"}
 
 _KNOWN: dict[Any, tuple[Parameter, ...]] = {(name,): (name,) for name in GROUPS}
@@ -171,7 +171,7 @@ class Request:
             "tendons": (f"{names[k]}.{kind}.radius" for kind, k, _ in self.circles),
             "actuators": (f"{actuator.name}.limits[{i}]" for actuator in robot.actuators for i in (0, 1)),
             "obstacles": (f"{problem.scene.name(i)}.{each}" for i in range(self.obstacles) for each in TWIST),
-            "initial": (f"{segment}.{each}" for segment in names for each in COORDINATES),
+            "initial": coordinate_names(names),
         }
         return tuple(listed[name] if name in listed else (f"{segment}.{FIELDS[name]}" for segment in names))
 
@@ -208,7 +208,7 @@ def circles_of(robot: Robot) -> tuple[tuple[str, int, float], ...]:
 
 def _limited(robot: Robot) -> tuple[int, ...]:
     """Of each row of `Robot.actuation` the number of its actuator; the order is that of `packing.actuator_table`."""
-    moves = robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] > 0.0
+    moves = scales_of(robot.limits) > 0.0
     found = []
     for number, actuator in enumerate(robot.drive.actuators):
         if not np.isfinite(robot.drive.limits[number]).any():

@@ -14,10 +14,11 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.derivatives.directional import RANK, Kept, least_motion
 from sinuous.derivatives.parameters import Request
-from sinuous.derivatives.rows import KeptRows, fixed_lengths, metric
+from sinuous.derivatives.rows import KeptRows, fixed_lengths
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, RADIUS_OF
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, SELF_CLEARANCE
+from sinuous.packing import scales_of
 from sinuous.problem.problem import Preferences, Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import limits_of
@@ -106,7 +107,8 @@ def _is_near(q: Floats, begin: Floats, wish: Wish, robot: Robot) -> bool:
     way = np.abs(q - begin)
     reach = float(way[:, :2].sum() * q[:, 2].sum() + way[:, 2].sum())
     clear = wish.preferences.clearance == 0.0 or reach < wish.spare
-    return clear and float(np.linalg.norm(way.ravel() / np.where((s := metric(robot)) > 0.0, s, 1.0))) < FARTHEST
+    scales = scales_of(robot.limits)
+    return clear and float(np.linalg.norm(way / np.where(scales > 0.0, scales, 1.0))) < FARTHEST
 
 
 class _System:
@@ -114,7 +116,7 @@ class _System:
 
     def __init__(self, problem: Problem, q: Floats, wish: Wish, rows: KeptRows) -> None:
         self._problem, self._q, self._wish, self._rows = problem, q, wish, rows
-        self.scale = metric(problem.robot)
+        self.scale = scales_of(problem.robot.limits).ravel()
         weight = np.where(self.scale > 0.0, wish.preferences.start, 0.0).reshape(q.shape)
         weight[:, 2] /= np.where(self.scale[2::3] > 0.0, self.scale[2::3], 1.0) ** 2
         self._weight = weight

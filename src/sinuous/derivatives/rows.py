@@ -8,21 +8,15 @@ from sinuous.checks import Floats
 from sinuous.derivatives.parameters import Request
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive, find_contacts
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.packing import scales_of
 from sinuous.problem.problem import Problem
-from sinuous.robot.robot import Robot
-
-
-def metric(robot: Robot) -> Floats:
-    """Scales (3 n,) in which motion counts: rad, and mean lengths of segments; 0 for what cannot move."""
-    return robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]].ravel()
 
 
 def fixed_lengths(plan: Request) -> Floats:
     """Motions (3 n, p) of the lengths of segments that cannot stretch, by the parameters that say them."""
     direct = np.zeros((3 * len(plan.robot), plan.columns))
     if plan.asked[a.LENGTHS] >= 0:
-        fixed = np.flatnonzero(metric(plan.robot)[2::3] == 0.0)
+        fixed = np.flatnonzero(scales_of(plan.robot.limits)[:, 2] == 0.0)
         direct[3 * fixed + 2, plan.asked[a.LENGTHS] + fixed] = 1.0
     return direct
 

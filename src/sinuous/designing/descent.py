@@ -15,10 +15,11 @@ from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Chunk
 from sinuous.checks import Floats
 from sinuous.derivatives.parameters import plan_for
-from sinuous.derivatives.rows import KeptRows, metric
+from sinuous.derivatives.rows import KeptRows
 from sinuous.designing.judge import Judge, Judged
 from sinuous.designing.objectives import Objective, of_robot
 from sinuous.kernels.derivative import layout as a
+from sinuous.packing import scales_of
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import straight
@@ -180,7 +181,7 @@ class _Steps:
             pair = [space.robot(combination, each) for each in (high, low)]
             solved = [judge.solver(each).robot for each in pair if each is not None]
             self._ends.append((solved[0], solved[-1], float((high - low).sum())))
-        self._scale = metric(self._robot)
+        self._scale = scales_of(self._robot.limits).ravel()
         self._moved = self._by_fields(_parameters)
         n = len(self._robot)
         fixed = np.flatnonzero(self._scale[2::3] == 0.0)
@@ -253,7 +254,7 @@ class _Steps:
     def _rows(
         self, fields: Floats, own: Floats, left: Floats, name: Objective | None = None, shared: Floats | None = None
     ) -> _Rows:
-        """Rows for coordinates in the metric, where lengths that fields fix move by themselves."""
+        """Rows for coordinates in the where lengths that fields fix move by themselves."""
         tops = np.zeros((len(left), self._shared)) if shared is None else shared
         if name is not None:
             tops[:, self._judge.minimise.index(name)] = 1.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.packing import scales_of
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import straight
 
@@ -55,7 +55,7 @@ def read_objectives(minimise: Any, template: Robot) -> tuple[Objective, ...]:
 def of_robot(name: Objective, robot: Robot) -> float | None:
     """What a robot has whatever its tasks; `None` where answers say it."""
     if name == "actuators":
-        moves = robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] > 0.0
+        moves = scales_of(robot.limits) > 0.0
         return float(len(robot.drive) or moves.sum())
     if name == "length":
         return float(sum(segment.length[1] for segment in robot.segments))

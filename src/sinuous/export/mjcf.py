@@ -28,13 +28,12 @@ from sinuous.export.chain import Joint, JointChain, Link
 from sinuous.export.urdf import THIN, TURNING, text, texts
 from sinuous.frozen import Frozen
 from sinuous.reprs import call
+from sinuous.robot.segment import coordinate_names
 from sinuous.writing.documents import write_xml
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
 
-
-COORDINATES = ("bend_x", "bend_y", "length")
 
 STEP = 0.002
 """Time step of the simulation, s."""
@@ -112,10 +111,8 @@ class DrivenChain(Frozen):
         moving = np.flatnonzero(rows[:, columns].any(axis=1))
         own, wanted = robot.drive.motors, len(open_ones)
         gain, offset = np.append(own.gain, np.ones(wanted)), np.append(own.offset, np.zeros(wanted))
-        names = [
-            *(a.name for a in robot.actuators),
-            *(f"{robot.segment_names[c // 3]}.{COORDINATES[c % 3]}" for c in open_ones.tolist()),
-        ]
+        own_names = coordinate_names(robot.segment_names)
+        names = [*(a.name for a in robot.actuators), *(own_names[c] for c in open_ones)]
         limits = [*(a.limits for a in robot.actuators), *(_limits(robot, int(c)) for c in open_ones)]
         inertia = np.tile([robot.mean_length**2] * 2 + [1.0], len(robot)) * mass
         squares = (chain.matrix**2).sum(axis=0)

@@ -49,13 +49,6 @@ def _levers_of(segments: tuple[Segment, ...]) -> Floats:
     return checks.closed(np.stack([levers, levers, np.ones(len(levers))], axis=-1))
 
 
-def movable(segments: tuple[Segment, ...]) -> Floats:
-    """Which coordinates (3 n,) can move."""
-    bends = np.array([segment.max_bend > 0.0 and segment.length[1] > 0.0 for segment in segments])
-    stretches = np.array([segment.length[0] < segment.length[1] for segment in segments])
-    return np.stack([bends, bends, stretches], axis=1).ravel()
-
-
 def within_limits(robot: Robot, q: Floats) -> Floats:
     """Configurations brought within the limits of segments."""
     low, high = np.array([segment.length for segment in robot.segments]).T

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.motion.configurations import movable, within_limits
+from sinuous.motion.configurations import within_limits
+from sinuous.packing import scales_of
 from sinuous.problem.curve import Curve
 from sinuous.robot.robot import Robot
 from sinuous.statics.equilibrium import longest_body
@@ -60,7 +61,7 @@ def lay(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) 
 def _laid(chains: "_Chains", curve: Curve, depths: Floats, q: Floats, always: bool) -> Floats:
     """Lead configurations (T, n, 3) to the curve; `always`: take every step."""
     robot = chains.robot
-    free = np.flatnonzero(movable(robot.segments))
+    free = np.flatnonzero(scales_of(robot.limits))
     if len(free) == 0 or len(q) == 0:
         return q
     nudges = np.where(free % 3 == 2, NUDGE * robot.mean_length, NUDGE)

@@ -13,6 +13,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.export.ros import Of, joint_map, joint_trajectory, write_json
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import coordinate_names
 from sinuous.solution.solution import Solution
 from sinuous.writing.documents import readable, write_archive, write_table
 
@@ -34,8 +35,7 @@ def sample_times(times: Floats, rate: float) -> Floats:
 
 def columns(robot: Robot) -> list[str]:
     """Names of the numbers: `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, then the names of all actuators."""
-    of_segments = [f"{name}.{key}" for name in robot.segment_names for key in ("bend_x", "bend_y", "length")]
-    return [*of_segments, *(actuator.name for actuator in robot.actuators)]
+    return [*coordinate_names(robot.segment_names), *(actuator.name for actuator in robot.actuators)]
 
 
 def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:

@@ -21,8 +21,8 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_LENGTH, MIN_LENGTH
-from sinuous.packing import actuator_row
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.packing import actuator_row, scales_of
 from sinuous.robot.actuators import UNLIMITED, Actuators, Lines, Motors, Stage
 from sinuous.robot.elastic import Elastic
 from sinuous.robot.names import line_names, refuse_repeated
@@ -321,7 +321,7 @@ def coupled_rows(linear: Actuators, scales: Floats, limits: Floats) -> Iterator[
     InputError
         When a row has limits and is of another form, or when a straight robot would violate them.
     """
-    moves = limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] > 0.0
+    moves = scales_of(limits) > 0.0
     lengths = limits[:, [MIN_LENGTH, MAX_LENGTH]]
     rows = zip(linear.matrix, linear.displacements.tolist(), scales, strict=True)
     for i, (row, (least, most), scale) in enumerate(rows):

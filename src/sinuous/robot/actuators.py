@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from inspect import cleandoc
 from itertools import islice
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from sinuous import checks
 from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.frozen import Frozen
+from sinuous.frozen import Frozen, Noun
 from sinuous.robot.names import listed_names, optional_name
 
 Each = Number | Vector
@@ -134,7 +134,7 @@ TensionLimits = Limits | Sequence[Number | None]
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Lines(Frozen):
+class Lines(Noun):
     """Lines parallel to the backbone of a segment.
 
     Parameters
@@ -257,10 +257,6 @@ class Lines(Frozen):
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
         return checks.closed(self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1))
 
-    def changed(self, **values: Any) -> Self:
-        """Return the same lines with other values of some parameters."""
-        return self._changed(values)
-
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Tendons(Lines):
@@ -357,7 +353,7 @@ class Chambers(Lines):
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Stage(Frozen):
+class Stage(Noun):
     """A motor that sets the length of a segment: an insertion stage, where the segment cannot bend.
 
     Its limits are those of the length of the segment.
@@ -387,10 +383,6 @@ class Stage(Frozen):
     def motors(self) -> Motors:
         """The motor."""
         return Motors.of(1, self.gain, self.offset, self.unit)
-
-    def changed(self, **values: Any) -> Self:
-        """Return the same stage with other values of some parameters."""
-        return self._changed(values)
 
 
 def _positive(key: str, value: Each, count: int) -> float | Floats:
@@ -433,7 +425,7 @@ RowLimits = HasArray | Sequence[Number | Vector | None]
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Actuators(Frozen):
+class Actuators(Noun):
     """Actuators whose values are linear in the configuration of the whole robot.
 
     Parameters
@@ -492,10 +484,6 @@ class Actuators(Frozen):
     def displacements(self) -> Floats:
         """Least and largest displacement (m, 2) of each row."""
         return self.motors.limits_of_displacements(np.array(self.limits))
-
-    def changed(self, **values: Any) -> Self:
-        """Return the same actuators with other values of some parameters."""
-        return self._changed(values)
 
 
 def _limits(value: Any, count: int) -> tuple[tuple[float, float], ...]:

@@ -25,7 +25,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Lines
-from sinuous.robot.segment import Segment
+from sinuous.robot.segment import COORDINATES, Segment
 
 STEPS = 100
 """Most Newton steps of an equilibrium; a handful is usual."""
@@ -129,8 +129,6 @@ def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, c
     low, high = slopes(ends).T
     return left - low * (right - left) / np.where(high != low, high - low, 1.0)
 
-
-COORDINATES = ("bend_x", "bend_y", "length")
 
 SHORTEST = 1e-9
 """Of the length of the robot: a segment that is retracted further is as stiff as one of this length."""

@@ -10,14 +10,14 @@ from sinuous.arguments import Batch, Number, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
 from sinuous.frozen import Frozen
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MIN_LENGTH
+from sinuous.kernels.tables import MIN_LENGTH
+from sinuous.packing import scales_of
 from sinuous.robot.actuation import Actuation, flat, product
 from sinuous.robot.actuators import Each, checked_each
+from sinuous.robot.segment import COORDINATES
 
 RANK = 1e-9
 """Actuators that are as nearly dependent as this, relative to their weights, count as dependent."""
-
-COORDINATES = ("bend_x", "bend_y", "length")
 
 MOST_NAMED = 4
 """Coordinates or names that a refusal names."""
@@ -51,7 +51,7 @@ class Inverse(Frozen):
     _constant: Floats
 
     def __init__(self, actuation: Actuation, limits: Floats) -> None:
-        scale = limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]]
+        scale = scales_of(limits)
         moves = scale.ravel() > 0.0
         jacobian = actuation.jacobian
         system = jacobian[:, moves] * scale.ravel()[moves]

@@ -7,11 +7,11 @@ from sinuous import checks
 from sinuous.arguments import Number, Vector, Which
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.frozen import Frozen
+from sinuous.frozen import Noun
 from sinuous.robot.names import any_segment, segment_number
 
 
-class Payload(Frozen):
+class Payload(Noun):
     """A mass that a robot carries.
 
     Parameters
@@ -40,12 +40,8 @@ class Payload(Frozen):
             segment=any_segment(segment),
         )
 
-    def changed(self, **values: Any) -> "Payload":
-        """Return the same with other values of some parameters."""
-        return self._changed(values)
 
-
-class Force(Frozen):
+class Force(Noun):
     """A force and a moment at the end of a segment; both stay as they are in the world while the body moves.
 
     Parameters
@@ -78,10 +74,6 @@ class Force(Frozen):
             segment=any_segment(segment),
             position=checks.array("position", position, (3,)),
         )
-
-    def changed(self, **values: Any) -> "Force":
-        """Return the same with other values of some parameters."""
-        return self._changed(values)
 
 
 Load = Force | Payload

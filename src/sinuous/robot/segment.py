@@ -218,6 +218,14 @@ class Segment(Frozen):
         return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
 
 
+COORDINATES = ("bend_x", "bend_y", "length")
+
+
+def coordinate_names(segments: Sequence[str]) -> list[str]:
+    """Names of all coordinates of segments of these names: `s1.bend_x`, `s1.bend_y`, `s1.length`, ..."""
+    return [f"{name}.{key}" for name in segments for key in COORDINATES]
+
+
 def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:
     """Names of all segments; by default `s1`, `s2`, ... from base to tip."""
     return tuple(segment.name or f"s{k + 1}" for k, segment in enumerate(segments))

@@ -19,6 +19,7 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import POSE, TARGETS
 from sinuous.measures.body import nearest_meeting, segment_ends
+from sinuous.packing import scales_of
 from sinuous.problem.target import Target, Tolerance, meets
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
@@ -124,7 +125,7 @@ class LoadedTick:
     def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         self._robot, self.scene, self._tolerance = robot, scene, tolerance
         self._body, self._prover = longest_body(robot), Prover(robot, scene)
-        self._scale = np.stack([robot.limits[:, k.BEND_SCALE]] * 2 + [robot.limits[:, k.LENGTH_SCALE]], axis=-1).ravel()
+        self._scale = scales_of(robot.limits).ravel()
         owners = self._prover.owners
         self._owners = np.repeat(owners, SAMPLES)
         self._radii = np.repeat(np.array(self._body.needed_radii), SAMPLES)

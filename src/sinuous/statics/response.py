@@ -13,7 +13,7 @@ from sinuous.arguments import LoadParameter
 from sinuous.checks import Floats
 from sinuous.groups import TWIST, ByGroups, Column, read_names
 from sinuous.robot.loads import Force, Load
-from sinuous.robot.segment import Stiffness
+from sinuous.robot.segment import Stiffness, coordinate_names
 from sinuous.statics.body import body_of
 
 if TYPE_CHECKING:
@@ -129,30 +129,28 @@ def softest(robot: "Robot") -> float:
     return own if np.isfinite(own) else 1.0
 
 
-def _entries(names: Sequence[str], value: Floats, scale: float, put: Callable[[Floats], Loading]) -> Iterator[Column]:
-    """Columns of the numbers of an array, which `put` puts into the question."""
-    for i, name in enumerate(names):
-        unit = np.zeros(value.size)
-        unit[i] = 1.0
-        direction = unit.reshape(value.shape)
-        yield Column(name, scale, lambda h, d=direction: put(value + h * d))
+def _entries(
+    names: Sequence[str], value: Floats, scale: float | Floats, put: Callable[[Floats], Loading]
+) -> Iterator[Column]:
+    """Columns of the numbers of an array, of one scale or one each, which `put` puts into the question."""
+    scales = np.broadcast_to(scale, value.size).tolist()
+    units = np.eye(value.size).reshape(-1, *value.shape)
+    for name, own, unit in zip(names, scales, units, strict=True):
+        yield Column(name, own, lambda h, unit=unit: put(value + h * unit))
 
 
 def _of_loads(question: Loading) -> Iterator[Column]:
-    names = [f"loads[{i}]" for i in range(len(question.loads))]
-    return _of_each(question, names, question.loads, lambda loads: question._replace(loads=loads))
+    return _of_each(question, "loads", question.loads, lambda loads: question._replace(loads=loads))
 
 
 def _of_payload(question: Loading) -> Iterator[Column]:
-    carried = question.robot.payload
-    names = [f"payload[{i}]" for i in range(len(carried))]
-    return _of_each(
-        question, names, carried, lambda loads: question._replace(robot=question.robot.changed(payload=loads))
-    )
+    robot = question.robot
+    put = lambda loads: question._replace(robot=robot.changed(payload=loads))  # noqa: E731
+    return _of_each(question, "payload", robot.payload, put)
 
 
 def _of_each(
-    question: Loading, names: Sequence[str], loads: Sequence[Load], put: Callable[[tuple[Any, ...]], Loading]
+    question: Loading, name: str, loads: Sequence[Load], put: Callable[[tuple[Any, ...]], Loading]
 ) -> Iterator[Column]:
     robot, moment = question.robot, softest(question.robot)
     force = moment / robot.mean_length
@@ -161,7 +159,7 @@ def _of_each(
         scales = {"force": force, "moment": moment, "mass": force / gravity, "position": robot.mean_length}
         for key in ("force", "moment", "position") if isinstance(load, Force) else ("mass", "position"):
             value = np.atleast_1d(getattr(load, key))
-            own = [f"{names[i]}.{key}{axis}" for axis in (("_x", "_y", "_z") if value.size == 3 else ("",))]
+            own = [f"{name}[{i}].{key}{axis}" for axis in (("_x", "_y", "_z") if value.size == 3 else ("",))]
 
             def changed(other: Floats, i: int = i, load: Load = load, key: str = key) -> Loading:
                 one = load.changed(**{key: other if other.size == 3 else float(other[0])})
@@ -218,19 +216,14 @@ def motions_of_base(robot: "Robot", put: Callable[["Robot"], Any]) -> Iterator[C
 
 
 def _of_drive(question: Loading) -> Iterator[Column]:
-    robot, values = question.robot, question.values
-    if question.drive == "q":
-        for k, segment in enumerate(robot.segment_names):
-            for i, key in enumerate(("bend_x", "bend_y", "length")):
-                unit = np.zeros(values.shape)
-                unit[k, i] = 1.0
-                scale = robot.mean_length if key == "length" else 1.0
-                yield Column(f"{segment}.{key}", scale, lambda h, u=unit: question._replace(values=values + h * u))
-        return
+    robot, drive = question.robot, question.drive
     names, arm = [each.name for each in robot.actuators], 0.05 * robot.mean_length
-    gains = 1.0 if question.drive == "tensions" else float(np.abs(robot.drive.motors.gain).max(initial=1.0))
-    scale = softest(robot) / arm if question.drive == "tensions" else arm * gains
-    yield from _entries(names, values, scale, lambda other: question._replace(values=other))
+    scale: float | Floats = softest(robot) / arm
+    if drive == "q":
+        names, scale = coordinate_names(robot.segment_names), np.tile([1.0, 1.0, robot.mean_length], len(robot))
+    elif drive == "actuators":
+        scale = arm * float(np.abs(robot.drive.motors.gain).max(initial=1.0))
+    return _entries(names, question.values, scale, lambda other: question._replace(values=other))
 
 
 DRIVES = "q", "actuators", "tensions"

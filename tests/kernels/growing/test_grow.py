@@ -12,7 +12,7 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.obstacles import Box
+from sinuous.scene.obstacles import Box, Cylinder
 from sinuous.scene.scene import Scene
 from sinuous.solving.polylines import respaced
 from tests.helpers import Floats, kernel_groups
@@ -157,6 +157,16 @@ def test_a_chain_goes_from_target_to_target() -> None:
     ends = ROBOT.backbone(best, 1)
     assert np.linalg.norm(ends[3] - elbow) < 0.5
     assert np.linalg.norm(ends[6] - tip) < 0.5
+
+
+def test_narrow_beams_follow_a_route_that_is_not_seen_as_far_as_a_segment_is_long() -> None:
+    """Close around a cylinder: what an arc promises counts from where it ends, not from what its beginning saw."""
+    around, turns = 1.12, np.linspace(0.0, 6.0 / 1.12, 200)
+    route = np.stack([around - around * np.cos(turns), np.zeros(200), around * np.sin(turns)], axis=1)
+    scene = Scene([Cylinder((around, -2.0, 0.0), (around, 2.0, 0.0), 1.0)])
+    (q,) = grown(ROBOT, scene, [Target(route[-1])], [route], count=1)
+    assert np.linalg.norm(ROBOT.tip(q)[:3, 3] - route[-1]) < RADIUS
+    assert overlap(ROBOT, scene, q) < KEPT
 
 
 def test_stages_tools_and_mounts_count() -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sinuous.checks import Floats
 from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import coordinate_names
 from sinuous.solution.solutions import Solutions
 from sinuous.solution.status import Status, places_of
 
@@ -67,8 +68,7 @@ class Layout:
     @property
     def names(self) -> list[str]:
         """Names of the columns of a table."""
-        shape = [f"{name}.{key}" for name in self.segments for key in ("bend_x", "bend_y", "length")]
-        return ["row", "status", *shape, *self.actuators, *ERRORS, *EFFORTS]
+        return ["row", "status", *coordinate_names(self.segments), *self.actuators, *ERRORS, *EFFORTS]
 
     def flat(self, block: Block) -> Iterator[NDArray[Any]]:
         """Yield the columns of a table, in the order of `names`; statuses are words."""

@@ -70,14 +70,15 @@ def aimed(start: Start, target: Vec, length: float) -> tuple[float, float]:
     return bend * p[0] / aside, bend * p[1] / aside
 
 
+def ahead_of(guide: Guide, start: Start, seen: int, segments: float, length: float) -> int:
+    """Point of the guide that is so many segments of a length ahead of a place that sees point `seen`."""
+    beside = seen - max(1, int(norm(sub(get_vec(guide.points, seen, 0), start[1])) / guide.spacing))
+    return min(guide.points.shape[0] - 1, max(0, beside) + int(segments * length / guide.spacing))
+
+
 def _aim(guide: Guide, start: Start, number: int, seen: int, length: float) -> Vec:
     """Place of the guide that arcs are aimed at: the point `seen`, or what is one or one and a half segments ahead."""
-    last = guide.points.shape[0] - 1
-    if number == 0:
-        return get_vec(guide.points, seen, 0)
-    beside = seen - max(1, int(norm(sub(get_vec(guide.points, seen, 0), start[1])) / guide.spacing))
-    ahead = max(0, beside) + int(0.5 * (1.0 + number) * length / guide.spacing)
-    return get_vec(guide.points, min(ahead, last), 0)
+    return get_vec(guide.points, seen if number == 0 else ahead_of(guide, start, seen, 0.5 * (1.0 + number), length), 0)
 
 
 def _lengths_of(problem: Problem, k: int) -> int:

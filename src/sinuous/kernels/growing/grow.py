@@ -13,7 +13,7 @@ from sinuous.kernels.clock import allow, begin, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, price
 from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.growing.arcs import ARCS, Start, count_of, end_of, start_of, thickness, tried
+from sinuous.kernels.growing.arcs import ARCS, Start, ahead_of, count_of, end_of, start_of, thickness, tried
 from sinuous.kernels.growing.beam import (
     BEFORE,
     COST,
@@ -95,7 +95,8 @@ def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
 def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     """Put the arcs that continue the `count` chains of `k` segments into the heap, by the scores that they promise.
 
-    Obstacles are left out, and what the new end sees is taken to be what the old one did. Returns how many there are.
+    Obstacles are left out, and the new end is taken to see what the old one did, or what is half a segment beyond it.
+    Returns how many there are.
     """
     level, size = beam.levels[k], 0
     low, high = _lengths(problem, k, leg.last)
@@ -103,10 +104,11 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
         start, seen = frame(level, i), int(level[i, SEEN])
         need = needed(leg.guide, start[1], _tangent(start), seen) - leg.around
         share = min(1.0, max(0.0, (need - low) / (high - low))) if high > low else 0.0
+        ahead = max(seen, ahead_of(leg.guide, start, seen, 1.5, problem.limits[k, MAX_LENGTH]))
         spend(beam.clock, ARCS)
         for number in range(count_of(problem, k)):
             q = tried(problem, leg.guide, start, (k, number), seen, share)
-            score = level[i, COST] + _score(problem, leg, k, end_of(start, q), seen)
+            score = level[i, COST] + _score(problem, leg, k, end_of(start, q), ahead)
             put_vec(beam.arcs, i * ARCS + number, 0, q)
             size = heap.push(beam.heap, beam.items, size, score, i * ARCS + number)
     return size

@@ -12,12 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.motion.configurations import lever_metric, movable, within_limits
+from sinuous.motion.configurations import lever_metric, within_limits
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect, shortened
 from sinuous.motion.planning.tree import Chain
+from sinuous.packing import scales_of
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.solving.polylines import lengths_along, points_at
@@ -183,7 +184,7 @@ def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Float
     that leaves free changes by `wished` (n, 3).
     """
     n, unit = len(robot), robot.mean_length
-    scale = np.tile([1.0, 1.0, unit / n], n) * movable(robot.segments)
+    scale = np.tile([1.0, 1.0, unit / n], n) * (scales_of(robot.limits).ravel() > 0.0)
     ends = robot.forward(q)[-n:]
     jacobian = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n) * (scale / unit)
     asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()

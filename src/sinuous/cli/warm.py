@@ -5,12 +5,13 @@ import signal
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import contextmanager
 from typing import Any
 
 import typer
 
+from sinuous import checks
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
@@ -21,6 +22,7 @@ from sinuous.kernels.compiling.store import CACHE, clear, size_of
 from sinuous.kernels.compiling.targets import shipped
 from sinuous.kernels.compiling.tiers import TOOK, code_first
 from sinuous.methods.registry import METHODS
+from sinuous.processes import pool_of
 from sinuous.progress import rich_progress
 
 
@@ -43,8 +45,7 @@ def warm_up(asked: Warm) -> int:
         return SOLVED
     methods = tuple(asked.method or METHODS)
     for name in methods:
-        if name not in METHODS:
-            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+        checks.choice("--method", name, tuple(METHODS))
     return _profile(steps(methods)) if asked.profile else _compile(methods)
 
 
@@ -102,9 +103,8 @@ def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
 
 def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
     """Take the steps in so many processes, which share what they compile through the disk."""
-    context = multiprocessing.get_context("spawn")
-    said: Any = context.SimpleQueue()
-    pool = ProcessPoolExecutor(count, context, _begin, (said,))
+    said: Any = multiprocessing.get_context("spawn").SimpleQueue()
+    pool = pool_of(count, _begin, said)
     try:
         listed = steps(methods)
         due = {pool.submit(_use, methods, i): step for i, step in enumerate(listed)}

@@ -1,9 +1,10 @@
-"""`python -m benchmarks.rooms`: files and lines of the source by room, also beside those of an earlier commit."""
+"""`python -m benchmarks.rooms`: files and lines of the source by room, of benchmarks and of tests; before, too."""
 
 import ast
 import io
 import subprocess
 import sys
+import tarfile
 import tokenize
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -19,6 +20,9 @@ PACKAGE = "src/sinuous"
 
 SPLIT = ("kernels", "solving", "motion")
 """Rooms of which each inner room is counted by itself."""
+
+BESIDE = ("benchmarks", "tests")
+"""Folders beside the package, which are counted, too."""
 
 NO_CODE = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
@@ -42,24 +46,38 @@ def code_lines(source: str) -> int:
     return len(code - texts)
 
 
+def room_of(path: str) -> str:
+    """Name the room of a module, by its path in the repository; benchmarks and tests are one room each."""
+    own = path.removeprefix(PACKAGE + "/")
+    parts = own.split("/")
+    if own == path:
+        return parts[0]
+    return "/".join(parts[:2]) if parts[0] in SPLIT and len(parts) > 2 else parts[0] if len(parts) > 1 else "."
+
+
 def sizes(sources: Iterable[tuple[str, str]]) -> dict[str, Size]:
-    """Add up the sizes of rooms, from paths within the package and sources of modules; `all` is the sum."""
+    """Add up the sizes of rooms, from paths in the repository and sources of modules; `all` is the sum of the package.
+
+    What stands beside the package comes last.
+    """
     found: dict[str, Size] = {}
     for path, source in sources:
-        parts = path.split("/")
-        room = "/".join(parts[:2]) if parts[0] in SPLIT and len(parts) > 2 else parts[0] if len(parts) > 1 else "."
-        lines, code = len(source.splitlines()), code_lines(source)
-        for name in (room, "all"):
+        room, lines, code = room_of(path), len(source.splitlines()), code_lines(source)
+        for name in (room, "all") if room not in BESIDE else (room,):
             before = found.get(name, Size())
             found[name] = Size(before.files + 1, before.lines + lines, before.code + code)
-    return dict(sorted(found.items(), key=lambda item: (item[0] == "all", item[0])))
+    return {name: found[name] for name in sorted(found, key=_order)}
+
+
+def _order(room: str) -> tuple[int, str]:
+    return 2 if room in BESIDE else int(room == "all"), room
 
 
 def here() -> Iterator[tuple[str, str]]:
     """Yield path and source of every module as it is now."""
-    package = ROOT / PACKAGE
-    for file in sorted(package.rglob("*.py")):
-        yield file.relative_to(package).as_posix(), file.read_text(encoding="utf-8")
+    for folder in (PACKAGE, *BESIDE):
+        for file in sorted((ROOT / folder).rglob("*.py")):
+            yield file.relative_to(ROOT).as_posix(), file.read_text(encoding="utf-8")
 
 
 def at(commit: str) -> Iterator[tuple[str, str]]:
@@ -70,24 +88,22 @@ def at(commit: str) -> Iterator[tuple[str, str]]:
     InputError
         When there is no such commit.
     """
-
-    def git(*arguments: str) -> str:
-        done = subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise InputError("--against", "", commit, "a commit of this repository")
-        return done.stdout
-
-    for path in git("ls-tree", "-r", "--name-only", f"{commit}:{PACKAGE}").splitlines():
-        if path.endswith(".py"):
-            yield path, git("show", f"{commit}:{PACKAGE}/{path}")
+    command = ["git", "-C", str(ROOT), "archive", commit, PACKAGE, *BESIDE]
+    done = subprocess.run(command, capture_output=True, check=False)
+    if done.returncode != 0:
+        raise InputError("--against", "", commit, "a commit of this repository")
+    with tarfile.open(fileobj=io.BytesIO(done.stdout)) as archive:
+        for member in archive:
+            file = archive.extractfile(member) if member.name.endswith(".py") else None
+            if file is not None:
+                yield member.name, file.read().decode()
 
 
 def table(now: dict[str, Size], before: dict[str, Size]) -> Iterator[str]:
     """Yield the lines of a Markdown table: a room a line."""
     yield "| room | files | lines | of code |" + (" files before | lines before | of code before |" if before else "")
     yield "|---|" + "---:|" * (6 if before else 3)
-    names = {*before, *now}
-    for room in sorted(names, key=lambda name: (name == "all", name)):
+    for room in sorted({*before, *now}, key=_order):
         row = [*now.get(room, Size()), *(before.get(room, Size()) if before else ())]
         yield f"| {room} | " + " | ".join(f"{number:,}" for number in row) + " |"
 
@@ -95,7 +111,7 @@ def table(now: dict[str, Size], before: dict[str, Size]) -> Iterator[str]:
 def run(
     against: Annotated[str | None, typer.Option(metavar="COMMIT", help="Show this commit beside it.")] = None,
 ) -> None:
-    """Count files, lines and lines of code (without comments, docstrings and blanks) of the source, by room."""
+    """Count files, lines and lines of code (no comments, docstrings, blanks) by room, then benchmarks and tests."""
     before = {} if against is None else sizes(at(against))
     typer.echo("\n".join(table(sizes(here()), before)))
 

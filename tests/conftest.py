@@ -1,6 +1,7 @@
 """Settings that all tests share."""
 
 import gc
+import multiprocessing
 import os
 import signal
 import sys
@@ -40,6 +41,13 @@ settings.register_profile(
 settings.load_profile("sinuous")
 
 HERE = Path(__file__).parent
+
+# Processes of a pool are forked from one that has loaded what they need: to begin each anew takes a second. Where there
+# is no such server (Windows), and in what tests start as a program, they are begun as they are for users.
+if "forkserver" in multiprocessing.get_all_start_methods():
+    multiprocessing.set_forkserver_preload(["tests.loaded"])
+    _context = multiprocessing.get_context
+    multiprocessing.get_context = lambda method=None: _context("forkserver" if method == "spawn" else method)  # type: ignore[assignment]
 
 
 @pytest.hookimpl(tryfirst=True)

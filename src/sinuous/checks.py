@@ -63,9 +63,8 @@ def number(
     low: float = -math.inf,
     above: float = -math.inf,
     high: float = math.inf,
-    infinite: bool = False,
 ) -> float:
-    """Check a number: at least `low`, greater than `above`, at most `high`; never NaN, infinite only where allowed."""
+    """Check a finite number: at least `low`, greater than `above`, at most `high`."""
     expected = "a finite number"
     if above > -math.inf:
         expected = f"a number greater than {above:g}"
@@ -79,9 +78,7 @@ def number(
         result = float(value)
     except OverflowError:
         raise InputError(key, "too large", value, expected) from None
-    if math.isnan(result) or (math.isinf(result) and not infinite):
-        raise InputError(key, "", value, expected)
-    if result < low or result <= above or result > high:
+    if not math.isfinite(result) or result < low or result <= above or result > high:
         raise InputError(key, "", value, expected)
     return result
 
@@ -301,5 +298,6 @@ def choice(key: str, value: Any, words: Sequence[Word]) -> Word:
     """Check that a value is one of some words."""
     found = next((word for word in words if isinstance(value, str) and word == value), None)
     if found is None:
-        raise InputError(key, "", value, " or ".join(words))
+        expected = " or ".join(words) if len(words) < 3 else "one of " + ", ".join(words)
+        raise InputError(key, "", value, expected)
     return found

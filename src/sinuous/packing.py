@@ -172,7 +172,6 @@ def settings_group(
     start_weight: float = 0.0,
     bends_weight: float = 0.0,
     clearance_wish: float = 0.0,
-    room: float = 0.0,
     options: Sequence[float] | Floats = (),
 ) -> Floats:
     """Return the settings of a solve, with the options of its method at their end; `unit` is the mean length."""
@@ -188,7 +187,7 @@ def settings_group(
         t.INITIAL_WEIGHT: start_weight,
         t.BENDS_WEIGHT: bends_weight,
         t.WISHED_CLEARANCE: clearance_wish,
-        t.ROOM: room,
+        t.ROOM: 0.0,
     }
     own = np.array([values[i] for i in range(t.METHOD_OPTIONS)], np.float64)
     return np.concatenate([own, np.asarray(options, np.float64)])

@@ -59,7 +59,7 @@ def test_of_preferences_the_start_of_each_row_is_known_also_where_it_is_a_near_a
         (part,) = batch.derivatives("base")
         assert part.regular.mean() > 0.8
         if not warm:
-            own = sn.Solver(robot, prefer=prefer, max_starts=100, time=0.1)
+            own = sn.Solver(robot, prefer=prefer, max_starts=100, time=60.0)
             one = own.solve(sn.Target(targets[3]), start).derivative("base")
             np.testing.assert_allclose(part.q["base"][3], one.q["base"], atol=1e-9)
 

@@ -47,7 +47,7 @@ def test_rows_that_are_no_targets_are_reported_by_number_and_the_others_solved()
     assert batch.counts["invalid"] == len(BAD)
     assert sum(batch.counts.values()) == batch.rows == batch.total == COUNT
     assert not batch.solved
-    assert "no targets rows 4, 42" in str(batch)
+    assert "invalid    rows 4, 42" in str(batch)
 
 
 @pytest.mark.parametrize("ending", ["csv", "npz", "parquet"])

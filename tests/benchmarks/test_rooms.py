@@ -31,15 +31,18 @@ def test_code_is_what_is_neither_comment_nor_docstring_nor_blank() -> None:
 
 
 def test_rooms_add_up() -> None:
-    found = sizes([("robot/robot.py", SOURCE), ("kernels/step/newton.py", "x = 1\n"), ("errors.py", "x = 1\ny = 2\n")])
+    package = [("robot/robot.py", SOURCE), ("kernels/step/newton.py", "x = 1\n"), ("errors.py", "x = 1\ny = 2\n")]
+    found = sizes([("tests/robot/test_robot.py", "x = 1\n"), *((f"src/sinuous/{path}", own) for path, own in package)])
     assert found["kernels/step"] == Size(1, 1, 1)
     assert found["."] == Size(1, 2, 2)
-    assert list(found)[-1] == "all"
+    assert list(found)[-2:] == ["all", "tests"]
+    assert found["tests"] == Size(1, 1, 1)
     assert found["all"] == Size(3, 3 + len(SOURCE.splitlines()), 9)
 
 
 def test_a_table_is_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rooms, "PACKAGE", "src/sinuous/robot")
+    monkeypatch.setattr(rooms, "BESIDE", ())
     assert main([]) == 0
     rows = capsys.readouterr().out.splitlines()
     assert rows[0].startswith("| room |")

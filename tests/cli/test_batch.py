@@ -32,7 +32,7 @@ def test_all_solved(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_rows_that_are_no_targets_make_it_exit_with_1(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["batch", "arm.yaml", "--targets", "in.csv", "--out", "out.npz", *FAST]) == 1
-    assert "no targets rows 4" in capsys.readouterr().out
+    assert "invalid    rows 4" in capsys.readouterr().out
 
 
 def test_a_robot_alone_and_a_problem_without_targets_will_do() -> None:

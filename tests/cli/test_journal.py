@@ -185,7 +185,7 @@ def test_a_real_end(
             assert time.monotonic() < until
             time.sleep(0.02)
         process.send_signal(end)
-        err = process.communicate(timeout=60)[1]
+        err = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == (130 if end is signal.SIGINT else -signal.SIGKILL)
     assert ("the same command goes on" in err) == (end is signal.SIGINT)
     kept = entries(out)

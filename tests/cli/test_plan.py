@@ -81,7 +81,7 @@ def test_shortcuts_and_time_are_options(capsys: pytest.CaptureFixture[str], aske
         (
             "plan",
             START + "path: [{position: [1, 0, 2]}]\n",
-            "path: expected target or targets, got 1 (is for the command track)",
+            "path: expected target or targets, got 1 (is for track)",
         ),
         ("solve", START + GOAL, "goal: expected target or targets, got [[-0.5, "),
         ("track", START + GOAL, "goal: expected target or targets, got [[-0.5, "),

@@ -113,7 +113,7 @@ def test_a_real_interrupt(problem: Write, tmp_path: Path) -> None:
         first = process.stdout.readline()
         assert [process.stderr.readline() for _ in range(2)] == ["reached\n"] * 2  # one of each file
         process.send_signal(signal.SIGINT)
-        rest, err = process.communicate(timeout=60)
+        rest, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert strict(first)["status"] == "solved"
     assert strict(rest)["remaining"] > 0

@@ -121,7 +121,8 @@ def test_a_handler_that_raises_nothing_ends_nothing(handler: Callable[[Callable[
     heard: list[int] = []
     handler(lambda: heard.append(1))
     signal_soon()
-    work(make_clock(), 0.2, 10**15)
+    while not heard:  # on a busy machine, soon may be late
+        assert work(make_clock(), 0.2, 10**15) > STRIDE
     assert heard == [1]
 
 
@@ -156,12 +157,17 @@ def test_other_threads_go_on(handler: Callable[[Callable[[], None]], None]) -> N
     heard: list[int] = []
     handler(lambda: heard.append(1))
     done: list[int] = []
-    thread = threading.Thread(target=lambda: done.append(work(make_clock(), 0.2, 10**15)))
+
+    def go_on() -> None:
+        while not heard:  # on a busy machine, soon may be late
+            done.append(work(make_clock(), 0.2, 10**15))
+
+    thread = threading.Thread(target=go_on)
     thread.start()
     signal_soon()
     thread.join()
     assert heard == [1]
-    assert done[0] > STRIDE
+    assert min(done) > STRIDE
 
 
 def test_a_deadline_from_before_holds_again() -> None:

@@ -1,5 +1,6 @@
 """Plans: from a start to a target or a configuration, clear all the way, or an honest status."""
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -138,10 +139,12 @@ def test_what_was_not_found_is_not_called_impossible() -> None:
     robot = sn.Robot.uniform(2, 1.0, 2.0, radius=0.05)
     plate = [sn.Box((0.0, 0.0, 1.45), (0.02, 8.0, 2.0))]
     right, left = [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0]], [[-1.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
+    began = time.process_time()  # other work on the machine does not count
     motion = sn.plan(robot, right, left, plate, time=0.1)
+    assert time.process_time() - began < 1.0
     assert motion.status is sn.Status.TIME_LIMIT
     assert "not solved within the time budget" in str(motion)
-    assert 0.05 < motion.seconds < 1.0
+    assert motion.seconds > 0.05
     assert sn.plan(robot, right, left, plate, time=0.0).status is sn.Status.TIME_LIMIT
 
 

@@ -82,4 +82,4 @@ def test_an_interrupt_is_heard_within_a_call(count: int) -> None:
     solver = sn.Solver(ROBOT, [GRAZED], routes=False)
     threading.Timer(0.05, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
-        solver.solve_many([AHEAD] * count, initial=[STRAIGHT] * count, time=1.0)
+        solver.solve_many([AHEAD] * count, initial=[STRAIGHT] * count, time=60.0)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.solving.crew import Crew, cores
+from sinuous.kernels.compiling.helpers import cores
+from sinuous.solving.crew import Crew
 from tests.kernels.test_clock import work
 
 
@@ -22,7 +23,7 @@ def test_every_job_is_done_once(workers: int, alone: float) -> None:
 def test_there_are_as_many_threads_as_asked_for() -> None:
     """All of them at once: each waits for the others."""
     everybody = threading.Barrier(3)
-    Crew[int](lambda _: everybody.wait(10.0), 3).share(range(3), alone=0.0)
+    Crew[int](lambda _: everybody.wait(60.0), 3).share(range(3), alone=0.0)
 
 
 def test_the_caller_is_alone_with_what_is_soon_done() -> None:
@@ -42,8 +43,8 @@ def test_what_a_job_raises_is_raised(bad: int) -> None:
         time.sleep(1e-3)
 
     with pytest.raises(ValueError, match=f"job {bad}"):
-        Crew(job, 2).share(range(1000), alone=0.0)
-    assert len(begun) < 100
+        Crew(job, 2).share(range(10_000), alone=0.0)
+    assert len(begun) < 5_000
 
 
 def test_helpers_stop_in_compiled_code() -> None:
@@ -53,7 +54,7 @@ def test_helpers_stop_in_compiled_code() -> None:
     own = threading.get_ident()
 
     def job(_: int) -> None:
-        begun.wait(10.0)
+        begun.wait(60.0)
         if threading.get_ident() == own:
             raise KeyboardInterrupt
         work(np.zeros(CLOCK_SIZE, np.int64), 1e4, 10**15)

@@ -201,12 +201,11 @@ def test_the_time_budget_is_kept() -> None:
     solver = sn.Solver(robot, scene, time=0.2, max_starts=10**9)
     solver.solve(target)
     for given in (None, 0.05):
-        began = time.perf_counter()
+        began = time.process_time()  # other work on the machine does not count
         solution = solver.solve(target, time=given)
         assert solution.status is sn.Status.TIME_LIMIT
         assert solution.seconds >= (given or 0.2)
-        # Generous: other work on the machine is counted in.
-        assert time.perf_counter() - began < 1.0
+        assert time.process_time() - began < 1.0
 
 
 def test_out_of_reach_is_proved_at_once() -> None:

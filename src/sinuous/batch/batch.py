@@ -244,7 +244,7 @@ class Batch(ShortRepr):
         if self.counts.get(INVALID):
             numbers = ", ".join(map(str, self.invalid[:SHOWN]))
             more = ", ..." if self.counts[INVALID] > SHOWN else ""
-            parts.append(f"  no targets rows {numbers}{more}")
+            parts.append(f"  invalid    rows {numbers}{more}")
         parts += [f"  skipped    rows {each.first} to {each.last}: {each.why}" for each in self.failed]
         if self.rows > self.before:
             parts.append(f"  effort     {self.seconds:.3g} s, {self.rate:,.0f} rows a second")

@@ -21,6 +21,7 @@ from sinuous.solution.explanation import Explanation
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
+from sinuous.words import counted
 from sinuous.writing.documents import written
 
 MOST_DRAWN = 8
@@ -61,7 +62,7 @@ class Alternatives:
     def __str__(self) -> str:
         if not self.solutions:
             return str(self.best)
-        count = f"{len(self.solutions)} distinct solution{'s' if len(self.solutions) > 1 else ''}, best first"
+        count = f"{counted(len(self.solutions), 'distinct solution')}, best first"
         classes = {each.route_class.number: each.route_class for each in self.solutions if each.route_class is not None}
         rows = [["", *(["class"] if classes else []), "bend", "length", "clearance", "position", "angle", "start"]]
         rows += [[str(i), *_class(each, classes), *_cells(each)] for i, each in enumerate(self.solutions, 1)]

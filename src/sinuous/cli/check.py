@@ -76,9 +76,8 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
 
 def _description(problem: ProblemFile, start: Verification | None) -> str:
     contents = _contents(problem, start)
-    low, high = contents["length"]
     counts = [counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
-    line = f"{problem.file}: {counts[0]}, length {low:g} to {high:g}; {counts[1]}; {counts[2]}"
+    line = f"{problem.file}: {counts[0]}, length {span(contents['length'])}; {counts[1]}; {counts[2]}"
     radii = contents["radius"]
     sizes = [f"robot: radius {span(radii)}", *map(_size_in_words, contents["sizes"][:MOST])]
     if len(contents["sizes"]) > MOST:

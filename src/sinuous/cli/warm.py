@@ -1,27 +1,29 @@
 """The command warm: compile everything now, so that nobody waits for it later."""
 
+import multiprocessing
 import signal
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
 from typing import Any
 
 import typer
 
+from sinuous import checks
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
 from sinuous.errors import InputError
+from sinuous.kernels.compiling.helpers import cores
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
 from sinuous.kernels.compiling.targets import shipped
 from sinuous.kernels.compiling.tiers import TOOK, code_first
 from sinuous.methods.registry import METHODS
+from sinuous.processes import pool_of
 from sinuous.progress import rich_progress
-from sinuous.solving.crew import cores
 
 
 def warm_up(asked: Warm) -> int:
@@ -32,8 +34,10 @@ def warm_up(asked: Warm) -> int:
     InputError
         When there is no such method, or options contradict each other.
     """
-    if asked.where + asked.clear + asked.profile > 1 or (asked.method and (asked.where or asked.clear)):
-        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    typed = [name for name in ("where", "clear", "profile") if getattr(asked, name)]
+    if len(typed) > 1 or (asked.method and typed not in ([], ["profile"])):
+        named = [f"--{name}" for name in [*typed, *(["method"] if asked.method else [])]]
+        raise InputError(named[0], f"cannot be combined with {named[1]}", True, f"one of {named[0]}, {named[1]}")
     if asked.where:
         return _show_store()
     if asked.clear:
@@ -41,8 +45,7 @@ def warm_up(asked: Warm) -> int:
         return SOLVED
     methods = tuple(asked.method or METHODS)
     for name in methods:
-        if name not in METHODS:
-            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+        checks.choice("--method", name, tuple(METHODS))
     return _profile(steps(methods)) if asked.profile else _compile(methods)
 
 
@@ -100,9 +103,8 @@ def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
 
 def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
     """Take the steps in so many processes, which share what they compile through the disk."""
-    context = get_context("spawn")
-    said: Any = context.SimpleQueue()
-    pool = ProcessPoolExecutor(count, context, _begin, (said,))
+    said: Any = multiprocessing.get_context("spawn").SimpleQueue()
+    pool = pool_of(count, _begin, said)
     try:
         listed = steps(methods)
         due = {pool.submit(_use, methods, i): step for i, step in enumerate(listed)}
@@ -117,7 +119,7 @@ def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> 
             if done and due:
                 shown.begin(next(iter(due.values())))
     except BaseException:
-        for child in active_children():
+        for child in multiprocessing.active_children():
             child.terminate()
         raise
     finally:

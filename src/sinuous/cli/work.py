@@ -57,7 +57,8 @@ def solve_files(asked: Solve) -> int:
             raise InputError("--all", "cannot be combined with --why", count, "one of --all, --why")
     read = read_all(asked.files, asked.solving.demands)
     for one in read:
-        _refuse(one.problem, "path", "goal", "moving")
+        one.problem._refuse("path", "goal")
+        _refuse_moving(one.problem)
     made = Solver.once if len(read) == 1 and count is None else Solver
 
     def prepare(problem: ProblemFile, **options: Any) -> Solver:
@@ -83,7 +84,7 @@ def track_files(asked: Track) -> int:
         checks.number("--deviation", deviation, above=0.0)
     read = read_all(asked.files, asked.solving.demands)
     for one in read:
-        _refuse(one.problem, "goal")
+        one.problem._refuse("goal")
         _check_timed(one.problem, timed)
         if timed.duration is not None and one.problem.times is not None:
             raise InputError(
@@ -109,10 +110,8 @@ def plan_files(asked: Plan) -> int:
     checks.number("--begin", asked.begin)
     read = read_all(asked.files, asked.solving.demands)
     for problem in (one.problem for one in read):
-        _refuse(problem, "path")
+        problem._refuse("path", "no start")
         _check_timed(problem, timed)
-        if problem.start is None:
-            raise InputError("start", "missing", None, "where the motion begins", problem.file)
         if problem.goal is not None:
             with checks.in_file(problem.file):
                 check_limits(problem.robot, "goal", problem.goal)
@@ -149,17 +148,12 @@ def _say_nominal(read: list[ReadProblem], output: MotionOutput) -> None:
             say_notes({problem.file: ("no rates: the times of --csv are nominal, not those that motors need",)})
 
 
-def _refuse(problem: ProblemFile, *kinds: str) -> None:
-    """Refuse a file that asks what is for another command."""
-    if "path" in kinds and problem.is_path:
-        what = "is for the command track"
-        raise InputError("path", what, len(problem.waypoints), "target or targets", problem.file)
-    if "moving" in kinds and problem.scene.snapshot().moves:
-        which = next(iter(problem.scene.snapshot().courses))
-        name = problem.scene.name(which)
+def _refuse_moving(problem: ProblemFile) -> None:
+    """Refuse obstacles that move, past which a robot has to move, too."""
+    scene = problem.scene.snapshot()
+    if scene.moves:
+        name = problem.scene.name(next(iter(scene.courses)))
         raise InputError("scene", f"{name} moves", name, "obstacles that stand still, or track or plan", problem.file)
-    if "goal" in kinds and problem.goal is not None:
-        raise InputError("goal", "is for the command plan", problem.goal.tolist(), "target or targets", problem.file)
 
 
 def _answer_all(

@@ -44,15 +44,12 @@ class ColouredPart(NamedTuple):
         The segment that it belongs to, 0 = first; None for what is no body.
     rings : slice
         Its rings.
-    middle : slice
-        The frames along the backbone that it surrounds; empty for what is no body.
     faces : ndarray (f, 4)
         They count its own vertices.
     """
 
     segment: int | None
     rings: slice
-    middle: slice
     faces: Faces
 
 
@@ -125,35 +122,31 @@ class BodySurface:
             rings = [Ring(0, radius * math.cos(a), -radius * math.sin(a)) for a in reversed(angles)] + rings
         if last == self._last:
             rings += [Ring(last, radius * math.cos(a), radius * math.sin(a)) for a in angles]
-        self._add(segment, slice(first, last + 1), rings)
+        self._add(segment, rings)
 
     def _add_fittings(self, first: float, last: float) -> None:
         """Add the flange behind the half ball of the base, the sleeve and the tool; two equal rings make an edge."""
         behind, before = Ring(0, FLANGE * first, -(1.0 + PLATE) * first), Ring(0, FLANGE * first, -first)
         ends = behind._replace(radius=0.0), before._replace(radius=0.0)
-        self._add(None, slice(0), [ends[0], behind, behind, before, before, ends[1]])
+        self._add(None, [ends[0], behind, behind, before, before, ends[1]])
         frame = self._last + 1
         if self._mounted:
             sleeve = [Ring(frame + i, SLEEVE * first, 0.0) for i in range(self._mounted * self.per_segment + 1)]
-            self._add(None, slice(0), [*sleeve, sleeve[-1], sleeve[-1]._replace(radius=0.0)])
+            self._add(None, [*sleeve, sleeve[-1], sleeve[-1]._replace(radius=0.0)])
             frame += len(sleeve)
         if self._reach > 0.0:
             outline = ((1.0, 0.0), (0.8, 0.7), (0.0, 1.0))
-            self._add(None, slice(0), [Ring(frame, TOOL * last * size, self._reach * share) for size, share in outline])
+            self._add(None, [Ring(frame, TOOL * last * size, self._reach * share) for size, share in outline])
 
-    def _add(self, segment: int | None, middle: slice, rings: list[Ring]) -> None:
+    def _add(self, segment: int | None, rings: list[Ring]) -> None:
         band = np.array([ring != following for ring, following in pairwise(rings)])
         faces = ring_faces(len(rings), self._around).reshape(len(band), -1, 4)[band].reshape(-1, 4)
-        self.parts.append(ColouredPart(segment, slice(len(self._rings), len(self._rings) + len(rings)), middle, faces))
+        self.parts.append(ColouredPart(segment, slice(len(self._rings), len(self._rings) + len(rings)), faces))
         self._rings += rings
 
-    def frames(self, q: Floats) -> Floats:
-        """Frames (T, m, 12) along the backbone in configurations (T, n, 3): nine numbers of a rotation, and a place."""
-        return _frames(self.robot, np.repeat(np.asarray(q, np.float64) / self.per_segment, self.per_segment, axis=1))
-
-    def vertices(self, q: Floats, frames: Floats | None = None) -> list[Floats]:
-        """Vertices (T, v, 3) of every part in configurations (T, n, 3), of which the `frames` may be known."""
-        known = [self.frames(q) if frames is None else frames]
+    def vertices(self, q: Floats) -> list[Floats]:
+        """Vertices (T, v, 3) of every part in configurations (T, n, 3)."""
+        known = [_frames(self.robot, np.repeat(np.asarray(q, np.float64) / self.per_segment, self.per_segment, axis=1))]
         if self._mounted:
             known.append(self._mount_frames(q))
         if self._reach > 0.0:

@@ -6,7 +6,7 @@ import numpy as np
 
 from sinuous.motion.motion import Motion, reached_in_words
 from sinuous.solution.solution import Solution
-from sinuous.words import duration
+from sinuous.words import counted, duration
 
 STARTS = {
     "given": "the initial configuration",
@@ -78,8 +78,8 @@ def number(value: float | None, behind: str = "", before: str = "") -> str:
 
 
 def _of_solution(solution: Solution) -> dict[str, str]:
-    tolerance, starts = solution.problem.tolerance, solution.starts
-    effort = f"{solution.iterations} iterations, {starts} start{'' if starts == 1 else 's'}"
+    tolerance = solution.problem.tolerance
+    effort = f"{counted(solution.iterations, 'iteration')}, {counted(solution.starts, 'start')}"
     return {
         "because": "" if solution.solved else solution.sentence,
         "worst": "" if solution.worst is None else str(solution.worst),

@@ -17,6 +17,7 @@ from sinuous.display.style import tones
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.motion import Motion
+from sinuous.motion.tables import interpolate
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -118,12 +119,9 @@ class MovingArm(NamedTuple):
         return forces_of(self.begin.owner, self._between(self.drives, share))
 
     def _between(self, values: Floats, share: float) -> Floats:
-        """Values (T, ...) after this share of the time."""
+        """Values (T, m, 3) after this share of the time."""
         begin, end = self.times[0], self.times[-1]
-        now = begin + share * (end - begin)
-        i = int(np.clip(np.searchsorted(self.times, now, side="right") - 1, 0, len(self.times) - 2))
-        part = (now - self.times[i]) / (self.times[i + 1] - self.times[i])
-        return (1.0 - part) * values[i] + part * values[i + 1]
+        return interpolate(self.times, values, begin + share * (end - begin))
 
 
 class ShownBody(NamedTuple):

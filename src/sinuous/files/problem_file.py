@@ -174,6 +174,16 @@ class ProblemFile(Frozen):
         """Return the question that one waypoint asks."""
         return Problem(self.robot, self.waypoints[waypoint], self.scene, self.tolerance)
 
+    def _refuse(self, *kinds: str) -> None:
+        """Refuse what this asks, where it is one of these kinds of questions: those of `track` or `plan`."""
+        file = self.file or None
+        if "path" in kinds and self.is_path:
+            raise InputError("path", "is for track", len(self.waypoints), "target or targets", file)
+        if "goal" in kinds and self.goal is not None:
+            raise InputError("goal", "is for plan", self.goal.tolist(), "target or targets", file)
+        if "no start" in kinds and self.start is None:
+            raise InputError("start", "missing", None, "where the motion begins", file)
+
     def to_dict(self, folder: str | Path = ".") -> dict[str, Any]:
         """Return what a problem file in `folder` says; what has its default is left out.
 

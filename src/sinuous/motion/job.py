@@ -66,9 +66,8 @@ class Job(ProblemFile):
         InputError
             When it speaks of a path or has no start, or an option is not what it should be.
         """
-        self._refuse("path")
-        if self.start is None:
-            raise InputError("start", "missing", None, "where the motion begins", self.file or None)
+        self._refuse("path", "no start")
+        assert self.start is not None
         asked: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, "rates": self.rates or None}
         given: PlanArguments = {**asked, **options}
         return plan(self.robot, self.start, self.ends, self.scene, **given)
@@ -92,13 +91,6 @@ class Job(ProblemFile):
                 if self.goal is not None or "waypoints" in values:
                     return motion_of(self, values)
                 return Solution.from_dict(values, self.problem())
-
-    def _refuse(self, *kinds: str) -> None:
-        """Refuse what this file asks, if it is one of these kinds of questions."""
-        if "path" in kinds and self.is_path:
-            raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
-        if "goal" in kinds and self.goal is not None:
-            raise InputError("goal", "is for plan", self.goal.tolist(), "target or targets", self.file or None)
 
     def _own(self, results: list[tuple[int, dict[str, Any]]]) -> tuple[int, dict[str, Any]]:
         if len(results) == 1:

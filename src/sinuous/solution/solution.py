@@ -32,7 +32,7 @@ from sinuous.solution.status import Status, status_of
 from sinuous.solution.trials import Case
 from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
-from sinuous.words import duration, listed
+from sinuous.words import counted, duration, listed
 from sinuous.work_time import work_time
 from sinuous.writing.plain import plain
 
@@ -555,7 +555,7 @@ class Solution(NotebookMixin):
                 parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
             parts.append(f"  route          {self.route_class}")
-        effort = f"{self.iterations} iterations from {self.starts} starts"
+        effort = f"{counted(self.iterations, 'iteration')} from {counted(self.starts, 'start')}"
         parts.append(f"  effort         {effort}, {duration(self.seconds)}")
         parts.append("  q              " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 17))
         values = self.problem.robot.drive.in_words(self.actuators or {})

@@ -41,13 +41,13 @@ def quiet() -> Iterator[None]:
         console.quiet = before
 
 
-def open_server(host: str = "127.0.0.1", port: int = 0, label: str = "Sinuous") -> ViserServer:
+def open_server(host: str = "127.0.0.1", port: int = 0) -> ViserServer:
     """Start a server with an empty scene and none of viser's own signs.
 
     `port` 0: any that is free.
     """
     with quiet():
-        server = ViserServer(host=host, port=port, label=label, verbose=False)
+        server = ViserServer(host=host, port=port, label="Sinuous", verbose=False)
     server.gui.configure_theme(show_logo=False, show_share_button=False)
     server.scene.world_axes.visible = False
     light(server)

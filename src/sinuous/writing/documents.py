@@ -6,6 +6,7 @@ import os
 import platform
 import re
 import threading
+import zipfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -195,12 +196,16 @@ def read_archive(file: str | Path, key: str, versions: tuple[int, ...], what: st
     InputError
         When it is not `what` is expected.
     """
-    try:
-        with Path(file).open("rb") as stream, np.load(stream) as data:  # NumPy leaves a file open that is no archive
-            if int(data[key]) not in versions:
-                raise InputError(key, "of another version", int(data[key]), str(versions[-1]), str(file))
-            yield data
-    except OSError as error:
-        raise InputError(key, f"cannot be read: {error}", str(file), what) from None
-    except Exception as error:  # a damaged archive raises errors of zipfile, zlib, numpy, json
-        raise InputError(key, f"damaged: {error}", str(file), what) from None
+    with readable(file, key), Path(file).open("rb") as stream:
+        if not zipfile.is_zipfile(stream) or f"{key}.npy" not in zipfile.ZipFile(stream).namelist():
+            raise InputError(key, "damaged, or another kind of file", str(file), what)
+        try:
+            stream.seek(0)
+            with np.load(stream) as data:
+                version = int(data[key])
+                if version in versions:
+                    yield data
+                    return
+        except Exception as error:  # a damaged archive raises errors of zipfile, zlib, numpy, json
+            raise InputError(key, f"damaged: {error}", str(file), what) from None
+    raise InputError(key, "of another version", version, str(versions[-1]), str(file))

@@ -43,14 +43,14 @@ def test_a_solve_is_repeated_when_the_processor_was_away(monkeypatch: pytest.Mon
         nonlocal calls
         calls += 1
         if calls in (2, 3):  # the first warms up
-            time.sleep(0.02)
+            time.sleep(0.2)
         return honest(self, *arguments)
 
-    monkeypatch.setattr(contest, "STOLEN", 0.01)
+    monkeypatch.setattr(contest, "STOLEN", 0.1)
     monkeypatch.setattr(Solver, "solve", interrupted)
     (record,) = solve_in_turns(OURS, paper_pose("A", 1), seconds=1.0, seed=0)["newton"]
     assert calls >= 4
-    assert record["seconds"] < 0.02
+    assert record["seconds"] < 0.2
     assert record["right"]
 
 

@@ -4,8 +4,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from sinuous.kernels.compiling import helpers, pieces, store, tiers
 from sinuous.kernels.maths.vectors import Array
 from sinuous.work_time import TooLongError, counting_looks, looked, no_work, work_time
 from tests.kernels.compiling import parts
+from tests.processes import alive, until
 
 HERE = Path(__file__).parents[3]
 
@@ -144,19 +144,21 @@ def test_a_call_that_takes_too_long_begins_again_with_its_code(orders: Orders, m
     assert entry(values, 1.0) == 1
 
 
-def test_interpreted_time_is_what_looks_are_worth() -> None:
+def test_interpreted_time_is_what_looks_are_worth(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = [100.0]
+    monkeypatch.setattr("sinuous.work_time.perf_counter", lambda: wall[0])
     began = work_time()
     with counting_looks():
-        time.sleep(0.05)
+        wall[0] += 7.0
         looked(1000)
-        assert work_time() - began < 0.01
-    assert 5e-6 <= work_time() - began < 0.01
+        assert work_time() - began == pytest.approx(5e-6)
+    assert work_time() - began == pytest.approx(5e-6)
     with no_work():
-        time.sleep(0.05)
-    assert work_time() - began < 0.01
+        wall[0] += 7.0
+    assert work_time() - began == pytest.approx(5e-6)
     with pytest.raises(TooLongError), counting_looks(-1.0):
         work_time()
-    assert work_time() - began < 0.01
+    assert work_time() - began == pytest.approx(5e-6)
 
 
 @pytest.fixture
@@ -172,13 +174,6 @@ def order(folder: Path, name: str = "twice_the_norm", signature: Any = None) -> 
 
     signature = signature or (types.float64, types.float64)
     return helpers.CompileOrder(parts.__name__, name, signature, folder / f"{name}.code")
-
-
-def until(true: Callable[[], bool], seconds: float = 60.0) -> bool:
-    end = time.monotonic() + seconds
-    while not true() and time.monotonic() < end:
-        time.sleep(0.05)
-    return true()
 
 
 @pytest.fixture
@@ -226,6 +221,7 @@ from pathlib import Path
 from numba import types
 from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from tests.kernels.compiling import parts
+from tests.processes import alive, until
 signature = types.float64, types.float64
 foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
 while not foreman._processes: time.sleep(0.01)
@@ -249,14 +245,4 @@ def test_helpers_end_with_their_program(end: int, at_home: Path) -> None:
         helper = int(program.stdout.readline())
         program.send_signal(end)
         program.wait()
-    assert until(lambda: not alive(helper), 10.0)
-
-
-def alive(number: int) -> bool:
-    """Whether there is such a process; one that has ended, and that nobody asked for, does not count."""
-    try:
-        os.kill(number, 0)
-        state = Path(f"/proc/{number}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
-    except (OSError, IndexError):
-        return False
-    return state != "Z"
+    assert until(lambda: not alive(helper))

@@ -14,7 +14,7 @@ from tests.scene import shapes
 
 
 def test_different_obstacles_are_prepared_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    both = threading.Barrier(2, timeout=10.0)
+    both = threading.Barrier(2, timeout=60.0)
     made: list[str] = []
 
     def slow(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:

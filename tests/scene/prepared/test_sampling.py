@@ -95,7 +95,7 @@ def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPa
 
     def slab(*arguments: Any) -> None:
         computed.append(arguments[-3])
-        threading.Event().wait(0.01)
+        threading.Event().wait(0.1)
 
     def interrupted(_name: str, _share: float) -> None:
         raise KeyboardInterrupt

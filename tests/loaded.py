@@ -1,0 +1,11 @@
+"""What processes that tests begin in pools have loaded already: they are forked from one that imported this."""
+
+import sinuous as sn
+import sinuous.cli.warm_steps
+import tests.batch.poison
+import tests.benchmarks.solvers.test_parallel
+from tests.batch.questions import BALL, OPTIONS, ROBOT
+
+__all__ = ["sinuous", "tests"]
+
+sn.Solver(ROBOT, [BALL], **OPTIONS).solve((0, 0, 150))

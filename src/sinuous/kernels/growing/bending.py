@@ -197,7 +197,9 @@ def _relieve(
     return two, fits, deepest, pressure
 
 
-def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, nearby: Nearby) -> tuple[Two, float, float]:
+def come_out(
+    problem: Problem, before: New, new: New, two: Two, joint: bool, nearby: Nearby
+) -> tuple[Two, float, float]:
     """Bend an arc off the obstacles, if need be with the one before it, and cut it to the part that fits.
 
     Parameters

@@ -138,7 +138,7 @@ class Explore:
 @command("places", "reach_file")
 @dataclass(frozen=True, kw_only=True)
 class Reach:
-    """Map what the robot reaches, and why not more. Obstacles are there, and taken away."""
+    """Map what the robot reaches, and why not more. Both among its obstacles and without them."""
 
     file: str = argument(PLACE)
     solving: MapSolving

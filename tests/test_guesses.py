@@ -173,7 +173,7 @@ def test_a_segment_may_be_named_wherever_one_is_asked_for() -> None:
 
 def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:
     solver, wrong = sn.Solver(NAMED), ELBOW.changed(segment="elbw")
-    words = "expected perhaps elbow (or one of shoulder, wrist), got 'elbw' (no segment has this name)"
+    words = "expected elbow (or one of shoulder, wrist), got 'elbw' (no segment has this name)"
     refused("target.segment", lambda: solver.solve(wrong), words)
     refused("targets[1].segment", lambda: solver.solve_many([ELBOW, wrong]), words)
     refused("segment", lambda: NAMED.jacobian(Q, "elbw"), words)

@@ -305,11 +305,17 @@ def execute(commands: Any, name: str, arguments: Sequence[str] | None) -> int:
         _say(str(error))
         return BAD_INPUT
     except _UsageError as error:
-        _say(f"{name}: {error.format_message()}")
+        _say(f"{name}: {error.format_message()}{_got(error)}")
         return BAD_INPUT
     except (OSError, UnfinishedError) as error:
         _say(f"{name}: {error}")
         return UNSOLVED
+
+
+def _got(error: Exception) -> str:
+    """What was typed, where only the cause of the message knows it."""
+    causes = getattr(error.__cause__, "errors", list)()
+    return "".join(f", got {cause['input']!r}" for cause in causes[:1])
 
 
 def _say(message: str) -> None:

@@ -298,5 +298,6 @@ def choice(key: str, value: Any, words: Sequence[Word]) -> Word:
     """Check that a value is one of some words."""
     found = next((word for word in words if isinstance(value, str) and word == value), None)
     if found is None:
-        raise InputError(key, "", value, " or ".join(words))
+        expected = " or ".join(words) if len(words) < 3 else "one of " + ", ".join(words)
+        raise InputError(key, "", value, expected)
     return found

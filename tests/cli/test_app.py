@@ -134,6 +134,6 @@ def test_a_disk_that_fills_up_is_no_traceback(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("sinuous.cli.answers.Answers.write", full)
+    monkeypatch.setattr("sinuous.cli.answers.AnswerWriter.write", full)
     assert main(["solve", problem("easy.yaml")]) == 1
     assert capsys.readouterr().err.splitlines()[-1] == "sinuous: [Errno 28] No space left on device"

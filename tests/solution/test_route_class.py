@@ -37,7 +37,7 @@ GOOD = {"number": 1, "passes": [{"obstacle": "wall", "side": None, "at": [0, 0, 
         (GOOD | {"number": 0}, "number: expected a whole number from 1"),
         (GOOD | {"passes": 1}, "passes: expected a list, got 1"),
         (GOOD | {"passes": [1]}, r"passes\[0\]: expected a mapping with obstacle, side, at, got 1"),
-        (GOOD | {"passes": [GOOD["passes"][0] | {"side": "left"}]}, r"passes\[0\].side: expected -x or \+x or"),  # type: ignore[index]
+        (GOOD | {"passes": [GOOD["passes"][0] | {"side": "left"}]}, r"passes\[0\].side: expected one of -x, \+x"),  # type: ignore[index]
         (GOOD | {"passes": [GOOD["passes"][0] | {"at": [0, 1]}]}, r"passes\[0\].at: expected"),  # type: ignore[index]
         (GOOD | {"passes": [GOOD["passes"][0] | {"obstacle": 3}]}, r"passes\[0\].obstacle: expected"),  # type: ignore[index]
     ],

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.solving.crew import Crew, cores
+from sinuous.kernels.compiling.helpers import cores
+from sinuous.solving.crew import Crew
 from tests.kernels.test_clock import work
 
 

@@ -86,7 +86,7 @@ def test_a_new_obstacle_is_of_its_kind_and_its_sizes_can_be_set(kind: str) -> No
 
 
 def test_what_cannot_be_meant_is_refused_in_one_line() -> None:
-    with pytest.raises(InputError, match="kind: expected sphere or box"):
+    with pytest.raises(InputError, match="kind: expected one of sphere, box"):
         made("cow", np.zeros(3), 1.0)
     with pytest.raises(InputError, match="radius"):
         resized(SOLIDS[0], radius=-1.0)

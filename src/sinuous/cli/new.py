@@ -5,6 +5,7 @@ from importlib.resources import files
 
 import typer
 
+from sinuous import checks
 from sinuous.cli.app import KINDS, New
 from sinuous.cli.options import SOLVED, check_writable
 from sinuous.errors import InputError
@@ -18,9 +19,7 @@ def write_new(asked: New) -> int:
     InputError
         When there is no such kind, or the file cannot be written, or is there already and `force` is not said.
     """
-    kind, file = asked.kind, asked.file
-    if kind not in KINDS:
-        raise InputError("KIND", "", kind, "one of " + ", ".join(KINDS))
+    kind, file = checks.choice("KIND", asked.kind, tuple(KINDS)), asked.file
     if file.suffix.lower() == ".json":
         raise InputError("FILE", "has comments, which JSON has not", str(file), "a name that ends in .yaml")
     if file.exists() and not (asked.force and file.is_file()):

@@ -24,7 +24,7 @@ def batch_file(asked: Batch) -> int:
     with (
         interruptible("the chunks that were done are kept, the same command goes on"),
         setting_of(asked.file) as setting,
-        as_typed("targets", "out", "memory", *run, *solving.demands),
+        as_typed("targets", "out", *vars(solving), *run, *solving.demands),
     ):
         given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
         if solving.memory is not None:

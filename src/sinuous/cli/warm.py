@@ -11,17 +11,18 @@ from typing import Any
 
 import typer
 
+from sinuous import checks
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
 from sinuous.errors import InputError
+from sinuous.kernels.compiling.helpers import cores
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
 from sinuous.kernels.compiling.targets import shipped
 from sinuous.kernels.compiling.tiers import TOOK, code_first
 from sinuous.methods.registry import METHODS
 from sinuous.progress import rich_progress
-from sinuous.solving.crew import cores
 
 
 def warm_up(asked: Warm) -> int:
@@ -43,8 +44,7 @@ def warm_up(asked: Warm) -> int:
         return SOLVED
     methods = tuple(asked.method or METHODS)
     for name in methods:
-        if name not in METHODS:
-            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+        checks.choice("--method", name, tuple(METHODS))
     return _profile(steps(methods)) if asked.profile else _compile(methods)
 
 

@@ -18,7 +18,6 @@ from sinuous.motion.configurations import lever_metric, random_configuration, vi
 from sinuous.motion.plan import Workspace, Workspaces
 from sinuous.motion.planning.find import find_path
 from sinuous.motion.planning.query import Deadline, Query
-from sinuous.motion.planning.walk import is_clear
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -92,7 +91,7 @@ class Explorer:
         """Do the tasks of a chunk, or prove the motions between pairs of shapes."""
         with self._workspaces.lent(self.scene.snapshot()) as work:
             if "pairs" in chunk.raw:
-                return {"clear": np.array([is_clear(work.prover, *pair) for pair in chunk.raw["pairs"]], np.bool_)}
+                return {"clear": np.array([work.prover.is_clear(*pair) for pair in chunk.raw["pairs"]], np.bool_)}
             found = _Found(len(self.robot))
             for i in range(len(chunk.raw["kind"])):
                 task = {name: values[i] for name, values in chunk.raw.items()}
@@ -132,7 +131,7 @@ class Explorer:
         share = np.exp(rng.uniform(np.log(SHORTEST), 0.0))
         for _ in range(SHORTER):
             q: Floats = begin + share * away
-            if violated_by(self.robot, q) is None and is_clear(work.prover, begin, q):
+            if violated_by(self.robot, q) is None and work.prover.is_clear(begin, q):
                 return q
             share *= 0.5
         return None
@@ -142,7 +141,7 @@ class Explorer:
         own = found.add(q[None])
         count = 0
         for number, other in zip(task.numbers[:TRIES].tolist(), task.near, strict=False):
-            if task.deadline.left() > 0.0 and is_clear(work.prover, q, other):
+            if task.deadline.left() > 0.0 and work.prover.is_clear(q, other):
                 found.edges.append((own, number))
                 count += 1
                 if count == LINKS:

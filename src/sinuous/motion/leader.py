@@ -22,8 +22,7 @@ from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
-from sinuous.solving.between.loaded import unproved
-from sinuous.solving.between.steps import Prover, Steps
+from sinuous.solving.between.steps import Prover, Steps, unproved
 from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
 from sinuous.statics.between import bounded

@@ -20,7 +20,6 @@ from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import lines_between, warn_of_corners
-from sinuous.motion.times import even_times
 from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
@@ -29,8 +28,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
-from sinuous.solving.between.loaded import SAMPLES
-from sinuous.solving.between.steps import Steps, prove_steps
+from sinuous.solving.between.steps import SAMPLES, Steps, prove_steps
 from sinuous.statics.rest import bodies_at
 from sinuous.words import duration
 from sinuous.writing.documents import write_document
@@ -134,7 +132,7 @@ class Motion(NotebookMixin, Frozen):
         for i, knot in enumerate(knots):
             check_limits(robot, f"q[{i}]", knot)
         place = as_snapshot(scene)
-        when = even_times(len(knots)) if times is None else checks.increasing("times", times, len(knots))
+        when = np.arange(float(len(knots))) if times is None else checks.increasing("times", times, len(knots))
         steps = prove_steps(robot, place, knots, times=when)
         self._put_together(robot, place, knots, when, steps, Report())
 

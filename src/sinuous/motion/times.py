@@ -10,11 +10,6 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
 
-def even_times(count: int) -> Floats:
-    """Return 0, 1, 2, ... (count,)."""
-    return np.arange(float(count))
-
-
 def with_start(times: Floats) -> Floats:
     """Put the time of the start in front of those of waypoints: as long before the first as the second is after it.
 
@@ -68,7 +63,7 @@ class Timetable:
     """
 
     def __init__(self, scene: Snapshot, times: Floats | None, waypoints: int, started: bool) -> None:
-        given = even_times(waypoints + started)[started:] if times is None else times
+        given = np.arange(float(waypoints + started))[started:] if times is None else times
         self._times = with_start(given) if started else given
         self._started = started
         self.scene, self.live = scene, Scene.of(scene.at(float(self._times[0])))

@@ -23,8 +23,7 @@ from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
-from sinuous.solving.between.loaded import passes
-from sinuous.solving.between.steps import Prover, Steps, load_motions
+from sinuous.solving.between.steps import Prover, Steps, load_motions, passes
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.solver import Initial, Solver
 from sinuous.work_time import work_time

@@ -76,14 +76,11 @@ def equilibrium(springs: Springs, pulled: Floats) -> Floats:
     The energy must be strictly convex: coordinates resist, or two-sided lines hold them.
     """
     count, c = len(pulled), len(springs.rest)
-    out = np.empty((count, c))
+    out, resistance = np.empty((count, c)), np.broadcast_to(springs.resistance, (count, c))
     part = max(1, TOGETHER // max(1, c * c + len(springs.arms) ** 2))
     for first in range(0, count, part):
         rows = slice(first, first + part)
-        own = springs
-        if springs.resistance.ndim == 2:
-            own = springs._replace(resistance=springs.resistance[rows])
-        out[rows] = _equilibrium(own, pulled[rows])
+        out[rows] = _equilibrium(springs._replace(resistance=resistance[rows]), pulled[rows])
     return out
 
 
@@ -102,9 +99,7 @@ def _equilibrium(springs: Springs, pulled: Floats) -> Floats:
         x[left] = now + share[:, None] * step
         if done.all():
             break
-        left, goal = left[~done], goal[~done]
-        if own.resistance.ndim == 2:
-            own = own._replace(resistance=own.resistance[~done])
+        left, goal, own = left[~done], goal[~done], own._replace(resistance=own.resistance[~done])
     return x
 
 

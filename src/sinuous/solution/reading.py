@@ -100,10 +100,7 @@ class Entries:
 
     def choice(self, key: str, among: tuple[str, ...]) -> str:
         """Return one of some words."""
-        value = self.value(key)
-        if value not in among:
-            raise InputError(key, "", value, "one of " + ", ".join(among))
-        return str(value)
+        return str(checks.choice(key, self.value(key), among))
 
     def items(self, key: str) -> list[Any]:
         """Return a list."""

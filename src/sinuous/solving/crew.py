@@ -1,7 +1,6 @@
 """Jobs that threads share: compiled code runs without the interpreter's lock, so each has a core to itself."""
 
 import ctypes
-import os
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -13,13 +12,6 @@ Job = TypeVar("Job")
 
 SOON = 2e-4
 """Seconds for which the caller works alone: beginning a thread takes half as long."""
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 class DismissedError(BaseException):

@@ -25,8 +25,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.least_distance import least_distance
 from sinuous.solution.observed import vector_of
-from sinuous.solving.between.loaded import SAMPLED
-from sinuous.solving.between.steps import Prover
+from sinuous.solving.between.steps import SAMPLED, Prover
 from sinuous.solving.under_load import errors_of
 from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest

@@ -8,6 +8,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels.compiling.helpers import cores
 from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, STARTS, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
@@ -16,7 +17,7 @@ from sinuous.robot.robot import Robot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Beyond, Solutions
-from sinuous.solving.crew import Crew, cores
+from sinuous.solving.crew import Crew
 from sinuous.solving.search import UNDECIDED
 from sinuous.solving.strategy import Strategy
 

@@ -13,7 +13,7 @@ from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.route_class import RouteClass
-from sinuous.solving.between.loaded import Ways
+from sinuous.solving.between.steps import Ways
 from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.naming import name_classes, sort_out
 from sinuous.solving.classes.passages import Passages

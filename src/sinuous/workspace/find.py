@@ -21,7 +21,7 @@ from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.loaded import Ways
+from sinuous.solving.between.steps import Ways
 from sinuous.solving.many import read_workers
 from sinuous.solving.memory import only_reading
 from sinuous.solving.options import SolveArguments, refuse_unknown

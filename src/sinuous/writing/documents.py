@@ -197,7 +197,7 @@ def read_archive(file: str | Path, key: str, versions: tuple[int, ...], what: st
         When it is not `what` is expected.
     """
     with readable(file, key), Path(file).open("rb") as stream:
-        if not zipfile.is_zipfile(stream):
+        if not zipfile.is_zipfile(stream) or f"{key}.npy" not in zipfile.ZipFile(stream).namelist():
             raise InputError(key, "damaged, or another kind of file", str(file), what)
         try:
             stream.seek(0)

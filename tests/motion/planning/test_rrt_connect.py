@@ -9,8 +9,7 @@ from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.solving.between.loaded import unproved
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
 
 ROBOT = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1)
 SCENE = sn.Scene([sn.Sphere((2.0, 0.0, 2.0), 0.3)])

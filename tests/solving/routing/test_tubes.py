@@ -7,7 +7,7 @@ import sinuous as sn
 from benchmarks.places.parts.surfaces import hollow, open_tube, solid
 from sinuous import Box, Robot, Scene, Segment, Target, Tolerance
 from sinuous.kernels.tables import QUERY_RADIUS
-from sinuous.kernels.tubes.axis import MOUTH
+from sinuous.kernels.tubes import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
 from sinuous.solving.routing.searches import Searches

@@ -77,6 +77,18 @@ class _Library(JITCodeLibrary):
             module.name = self._final_module.name
             self._final_module, self._filled = module, True
 
+    def own_module(self) -> Any:
+        """Return this alone."""
+        raise NotImplementedError
+
+    def _get_module_for_linking(self) -> Any:
+        """Return this with all that it calls: for code of others, which Numba compiles by itself."""
+        return _linked(self)
+
+    def serialize_using_object_code(self) -> Any:
+        """Return what is kept on disk: this alone."""
+        return self.name, "object", (self._get_compiled_object(), self.own_module().as_bitcode())
+
 
 class LoweredKernel(_Library):
     """A kernel as Numba lowers it, neither optimised nor machine code."""
@@ -109,18 +121,10 @@ class LoweredKernel(_Library):
         self._final_module.name = whole.name
         self._finalize_final_module()
 
-    def _get_module_for_linking(self) -> Any:
-        """Return this part and all that it calls: for code of others, which Numba compiles by itself."""
-        return _linked(self)
-
     def own_module(self) -> Any:
-        """Return this part alone."""
+        """Return this kernel alone."""
         self._ensure_finalized()
         return self._shared_module
-
-    def serialize_using_object_code(self) -> Any:
-        """Return what is kept on disk: this part alone."""
-        return self.name, "object", (self._get_compiled_object(), self.own_module().as_bitcode())
 
     def _lighten(self, module: Any) -> None:
         """Take out what was lowered in vain: addresses of this process among it, which cannot be kept on disk."""
@@ -149,17 +153,9 @@ class Whole(_Library):
         self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, LoweredKernel | Whole)]
         super().finalize()
 
-    def _get_module_for_linking(self) -> Any:
-        """Return this with all shared kernels that it calls: for code of others, which Numba compiles by itself."""
-        return _linked(self)
-
     def own_module(self) -> Any:
-        """Return this alone."""
-        return super()._get_module_for_linking()
-
-    def serialize_using_object_code(self) -> Any:
-        """Return what is kept on disk: this alone."""
-        return self.name, "object", (self._get_compiled_object(), self.own_module().as_bitcode())
+        """Return this entry, or shared kernel, alone."""
+        return JITCodeLibrary._get_module_for_linking(self)
 
     def _optimize_final_module(self) -> None:
         """Optimise once; what was linked belongs to this entry alone.
@@ -203,7 +199,7 @@ def reached(libraries: list[Any]) -> list[LoweredKernel | Whole]:
     return list(found)
 
 
-def _linked(library: LoweredKernel | Whole) -> Any:
+def _linked(library: _Library) -> Any:
     """Return the module of a library, linked with those of all that it calls."""
     module, found, due = library.own_module().clone(), {library}, [*library.parts]
     while due:

@@ -10,8 +10,6 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import VERDICT
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.query import Query
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.problem import Preferences
@@ -81,17 +79,13 @@ class LocalPlanner:
             return [q]
         for room in END_ROOMS:
             roomy = self.retract(q, room)
-            if roomy is not None and self._proves(self._close_prover, q, roomy):
+            if roomy is not None and self._close_prover.is_clear(q, roomy, self.deadline.left()):
                 return [q] if np.array_equal(roomy, q) else [q, roomy]
         return [q]
 
     def is_clear(self, p: Floats, q: Floats) -> bool:
         """Whether the motion from `p` to `q` (n, 3) is proved clear."""
-        return self._proves(self._prover, p, q)
-
-    def _proves(self, prover: Prover, p: Floats, q: Floats) -> bool:
-        answers = prover.prove(np.stack([p, q]), slack=1.0, seconds=self.deadline.left())
-        return bool(answers[0, VERDICT] == CLEAR)
+        return self._prover.is_clear(p, q, self.deadline.left())
 
     def _solve(self, target: Target, begin: Floats, room: float, loose: float) -> Floats | None:
         if (room, loose) not in self._solvers:

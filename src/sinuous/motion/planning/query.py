@@ -16,8 +16,7 @@ from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solving.between.loaded import passes
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, passes
 from sinuous.solving.solver import Solver
 from sinuous.work_time import work_time
 

@@ -19,8 +19,7 @@ from sinuous.motion.planning.query import Deadline, ProvedPath, Query
 from sinuous.motion.planning.tree import Chain
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.loaded import unproved
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
 
 MOST_NODES = 20_000
 """Nodes of one tree."""

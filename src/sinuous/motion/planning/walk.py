@@ -20,7 +20,7 @@ from sinuous.motion.planning.tree import Chain
 from sinuous.problem.target import target_table
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
+from sinuous.solving.between.steps import Prover
 from sinuous.solving.memory import Memory
 from sinuous.solving.shapes import POSE_SIZE, Graph, Whole
 
@@ -116,7 +116,7 @@ class Walks:
 
     def joins(self, one: Floats, other: Floats) -> bool:
         """Whether the motion from one configuration (n, 3) to another is proved clear."""
-        return is_clear(self._prover, one, other)
+        return self._prover.is_clear(one, other)
 
     def _within(self, nodes: Whole, parts: Whole | None) -> Whole:
         return nodes if parts is None else nodes[np.isin(self.graph.parts[nodes], parts)]
@@ -182,15 +182,6 @@ def remember(memory: Memory | None, robot: Robot, path: ProvedPath | None) -> No
     """Let a memory learn a path that trees have found."""
     if memory is not None and path is not None and not robot.hangs:
         memory._learn_way(path.q)
-
-
-def is_clear(prover: Prover, one: Floats, other: Floats) -> bool:
-    """Whether the motion from one configuration (n, 3) to another is proved clear, however narrow it is.
-
-    Nothing is looked at before: where most motions are clear, a proof costs no more than that.
-    """
-    answer = prover.prove(np.stack([one, other]), slack=1.0, seconds=LOOSE_SECONDS)[0]
-    return bool(answer[VERDICT] == CLEAR)
 
 
 def load_walk(robot: Robot, scene: Snapshot) -> None:

@@ -7,7 +7,7 @@ from sinuous.kernels.between.tip import leave_line
 from sinuous.kernels.statics.layout import TWIST
 from sinuous.packing import pose_row
 from sinuous.robot.robot import Robot, robot_group
-from sinuous.solving.between.loaded import Ways
+from sinuous.solving.between.steps import Ways
 from sinuous.statics.between import Leave, leave
 from sinuous.statics.body import rolled
 from sinuous.statics.equilibrium import longest_body

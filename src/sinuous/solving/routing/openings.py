@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tubes.mouths import find_tubes
+from sinuous.kernels.tubes import find_tubes
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.growth import arriving, departing
 

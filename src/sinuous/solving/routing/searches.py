@@ -16,7 +16,7 @@ from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import POSE_WIDTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
-from sinuous.kernels.tubes.axis import MOUTH
+from sinuous.kernels.tubes import MOUTH
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot, robot_group

@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
+from sinuous.kernels.tubes import BRANCH, END, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
 from sinuous.solving.routing.parts import backbone_of, beyond, first, fitted, searched, segments_in
 from sinuous.solving.routing.turned import Groups
@@ -52,7 +52,7 @@ class Tube(NamedTuple):
     axis : ndarray (K, 3)
         Points, evenly spaced but for the first step, from the base on.
     ended : int
-        Where it ends: MOUTH, END or BRANCH of `sinuous.kernels.tubes.axis`.
+        Where it ends: MOUTH, END or BRANCH of `sinuous.kernels.tubes`.
     """
 
     axis: Floats

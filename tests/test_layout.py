@@ -43,6 +43,7 @@ FLOORS = {
     "caches": 0,
     "work_time": 0,
     "words": 0,
+    "processes": 0,
     "arguments": 0,
     "reprs": 0,
     "groups": 0,

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from benchmarks.harness.experiment import InTurn, Piece
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.quiet import ignore_suspicions
+from sinuous.processes import pool_of
 from sinuous.scene.prepared import sampling
 
 Item = TypeVar("Item")
@@ -63,12 +64,11 @@ class Abreast(InTurn):
 @cache
 def _pool() -> ProcessPoolExecutor:
     """Return the processes, which stay until the end: each loads the kernels once."""
-    spawn = multiprocessing.get_context("spawn")
     cores = _cores()
-    waiting = spawn.SimpleQueue()
+    waiting = multiprocessing.get_context("spawn").SimpleQueue()
     for core in cores:
         waiting.put(core)
-    return ProcessPoolExecutor(len(cores), spawn, _begin, (waiting,))
+    return pool_of(len(cores), _begin, waiting)
 
 
 def _stop() -> None:

@@ -141,7 +141,7 @@ class Dispatcher:
 
 
 def begin(engine: Any, work: Any, workers: int) -> Engine:
-    """Make the engine that is meant ready; `work` need not be `Work`, but has to be like it.
+    """Make the engine that is meant ready; `work` need not be a `ChunkSolver`, but has to be like it.
 
     Raises
     ------

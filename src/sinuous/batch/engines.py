@@ -1,7 +1,6 @@
 """Engines: what solves chunks. Threads, processes, or any executor; Dask has a module of its own."""
 
 import hashlib
-import multiprocessing
 import os
 import pickle
 import tempfile
@@ -16,6 +15,7 @@ from typing import Any, Self
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Chunk, ChunkSolver
 from sinuous.errors import InputError
+from sinuous.processes import pool_of
 from sinuous.scene.grids import Field
 from sinuous.solving.crew import dismiss
 
@@ -118,8 +118,7 @@ class Processes(Engine):
         self._pool = self._new_pool()
 
     def _new_pool(self) -> ProcessPoolExecutor:
-        spawn = multiprocessing.get_context("spawn")  # threads, as compiled code may have, are not safe to fork
-        pool = ProcessPoolExecutor(self._workers, spawn, initializer=_take_work, initargs=(self._data,))
+        pool = pool_of(self._workers, _take_work, self._data)
         try:
             pool.submit(os.getpid).result()
         except BrokenExecutor:

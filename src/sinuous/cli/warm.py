@@ -5,7 +5,7 @@ import signal
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import contextmanager
 from typing import Any
 
@@ -22,6 +22,7 @@ from sinuous.kernels.compiling.store import CACHE, clear, size_of
 from sinuous.kernels.compiling.targets import shipped
 from sinuous.kernels.compiling.tiers import TOOK, code_first
 from sinuous.methods.registry import METHODS
+from sinuous.processes import pool_of
 from sinuous.progress import rich_progress
 
 
@@ -102,9 +103,8 @@ def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
 
 def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
     """Take the steps in so many processes, which share what they compile through the disk."""
-    context = multiprocessing.get_context("spawn")
-    said: Any = context.SimpleQueue()
-    pool = ProcessPoolExecutor(count, context, _begin, (said,))
+    said: Any = multiprocessing.get_context("spawn").SimpleQueue()
+    pool = pool_of(count, _begin, said)
     try:
         listed = steps(methods)
         due = {pool.submit(_use, methods, i): step for i, step in enumerate(listed)}

@@ -107,7 +107,7 @@ def descend(judge: Judge, combination: tuple[Any, ...], shares: Floats, begin: F
 
 
 class Judging:
-    """Judges chunks of robots, and leads some of them down; may be pickled and sent to workers, as a `Work`.
+    """Judges chunks of robots, and leads some of them down; may be pickled and sent to workers, as a `ChunkSolver`.
 
     Parameters
     ----------

@@ -43,7 +43,8 @@ def paced(motion: Motion, rates: Rates | None, duration: float | None = None, *,
     """
     if not rates or len(motion.q) < 2:
         return motion
-    least, given = least_durations(motion.robot, motion.q, rates), np.diff(motion.times)
+    least = 1.0 / largest(motion.robot, rates.spread(motion.robot), np.diff(motion.q, axis=0))
+    given = np.diff(motion.times)
     fixed = asked or duration is not None or motion.scene.moves
     durations = given if asked or motion.scene.moves else np.where(least > 0.0, least, given)
     if duration is not None and not motion.scene.moves:
@@ -56,11 +57,6 @@ def paced(motion: Motion, rates: Rates | None, duration: float | None = None, *,
         times = np.concatenate([times[:1], times[0] + np.cumsum(factor * durations)])
     solved = motion.status in (Status.SOLVED, Status.UNPROVED)
     return motion.with_times(times, Status.RATE_BOUND if late and solved else None)
-
-
-def least_durations(robot: Robot, q: Floats, rates: Rates) -> Floats:
-    """How long each step between knots (T, n, 3) takes at least (T - 1,); 0 where no speed is limited."""
-    return 1.0 / largest(robot, rates.spread(robot), np.diff(q, axis=0))
 
 
 def _slower(robot: Robot, q: Floats, durations: Floats, rates: Rates) -> float:

@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from inspect import cleandoc
-from itertools import islice
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,7 +24,7 @@ from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vect
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen, Noun
-from sinuous.robot.names import listed_names, optional_name
+from sinuous.robot.names import listed, listed_names, optional_name
 
 Each = Number | Vector
 """One number for all motors, or one for each."""
@@ -103,19 +102,17 @@ def checked_unit(value: Any, count: int) -> str | tuple[str | None, ...] | None:
     """Check a unit for all motors, or one for each, or none."""
     if value is None or isinstance(value, str):
         return None if value is None else checks.text("unit", value)
-    units = list(islice(value, count + 1)) if np.iterable(value) and not isinstance(value, (bytes, dict)) else []
-    if len(units) != count:
-        raise InputError("unit", "", value, f"a text, or a list of {count} texts")
+    units = listed("unit", value, count, f"a text, or a list of {count} texts")
     return tuple(None if unit is None else checks.text(f"unit[{i}]", unit) for i, unit in enumerate(units))
 
 
-def checked_each(key: str, value: Any, count: int, low: float = -math.inf) -> float | Floats:
-    """Check a number of at least `low` for all motors, or one for each."""
+def checked_each(key: str, value: Any, count: int, low: float = -math.inf, above: float = -math.inf) -> float | Floats:
+    """Check a number of at least `low`, and greater than `above`, for all motors, or one for each."""
     if not isinstance(value, (list, tuple, np.ndarray)) or np.ndim(value) == 0:
-        return checks.number(key, value, low=low)
+        return checks.number(key, value, low=low, above=above)
     numbers = checks.array(key, value, (count,), f"one number, or {count}")
     for i, number in enumerate(numbers.tolist()):
-        checks.number(f"{key}[{i}]", number, low=low)
+        checks.number(f"{key}[{i}]", number, low=low, above=above)
     return numbers
 
 
@@ -210,7 +207,7 @@ class Lines(Noun):
         self._set(names=listed_names(names, m))
         self._set(gain=checked_gain(gain, m), offset=checked_each("offset", offset, m), unit=checked_unit(unit, m))
         self._set(limits=UNLIMITED if limits is None else checks.interval("limits", limits))
-        self._set(stiffness=None if stiffness is None else _positive("stiffness", stiffness, m))
+        self._set(stiffness=None if stiffness is None else checked_each("stiffness", stiffness, m, above=0.0))
         self._set(tension=_tension(tension, stiffness, self.one_sided))
 
     @property
@@ -383,14 +380,6 @@ class Stage(Noun):
     def motors(self) -> Motors:
         """The motor."""
         return Motors.of(1, self.gain, self.offset, self.unit)
-
-
-def _positive(key: str, value: Each, count: int) -> float | Floats:
-    """Check a number greater than 0 for all lines, or one for each."""
-    numbers = checked_each(key, value, count)
-    for i, each in enumerate(np.atleast_1d(numbers).tolist()):
-        checks.number(key if isinstance(numbers, float) else f"{key}[{i}]", each, above=0.0)
-    return numbers
 
 
 def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: bool) -> tuple[float, float] | None:

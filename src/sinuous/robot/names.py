@@ -44,13 +44,19 @@ def optional_name(value: Any) -> str | None:
     return None if value is None else checks.text("name", value)
 
 
+def listed(key: str, value: Any, count: int, expected: str) -> list[Any]:
+    """Check that there are `count` of something, and list them."""
+    found = list(islice(value, count + 1)) if np.iterable(value) and not isinstance(value, (str, bytes, dict)) else []
+    if len(found) != count:
+        raise InputError(key, "", value, expected)
+    return found
+
+
 def listed_names(value: Any, count: int) -> tuple[str, ...] | None:
     """Check `count` names, or none at all."""
     if value is None:
         return None
-    names = list(islice(value, count + 1)) if np.iterable(value) and not isinstance(value, (str, bytes, dict)) else []
-    if len(names) != count:
-        raise InputError("names", "", value, f"a list of {count} names")
+    names = listed("names", value, count, f"a list of {count} names")
     return tuple(checks.text(f"names[{i}]", name) for i, name in enumerate(names))
 
 

@@ -407,7 +407,7 @@ class Robot(NotebookMixin, Frozen):
 
     def forward(self, q: Batch) -> Floats:
         """Poses (..., n, 4, 4) of the ends of all segments in the world; the tool is not applied."""
-        frames, lead = self._frames(q)
+        _, frames, lead = self._frames(q)
         poses = np.zeros((*frames.shape[:2], 4, 4))
         poses[..., :3, :3] = frames[..., :9].reshape(*frames.shape[:2], 3, 3)
         poses[..., :3, 3] = frames[..., 9:]
@@ -423,8 +423,7 @@ class Robot(NotebookMixin, Frozen):
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         count = checks.integer("samples", samples, 1, 100_000)
-        frames, lead = self._frames(q)
-        flat = np.array(q, np.float64, order="C").reshape(-1, len(self), 3)
+        flat, frames, lead = self._frames(q)
         points = np.empty((len(flat), len(self) * count + 1, 3))
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
@@ -439,13 +438,13 @@ class Robot(NotebookMixin, Frozen):
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         end = len(self) if segment is None else segment_number("segment", segment, self.segment_names)
-        frames, lead = self._frames(q)
-        flat = np.array(q, np.float64, order="C").reshape(-1, len(self), 3)
+        flat, frames, lead = self._frames(q)
         out = np.zeros((len(flat), 6, 3 * len(self)))
         batch.jacobians_of(flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
         return out.reshape(*lead, 6, 3 * len(self))
 
-    def _frames(self, q: Batch) -> tuple[Floats, tuple[int, ...]]:
+    def _frames(self, q: Batch) -> tuple[Floats, Floats, tuple[int, ...]]:
+        """Configurations (m, n, 3), the frames (m, n + 1, 12) of base and ends of segments, and axes in front."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         checked = self.configuration("q", q)
@@ -453,7 +452,7 @@ class Robot(NotebookMixin, Frozen):
         flat = np.array(checked.reshape(-1, len(self), 3))
         frames = np.empty((len(flat), len(self) + 1, 12))
         batch.frames_of(flat, packing.pose_row(self.base), frames)
-        return frames, lead
+        return flat, frames, lead
 
     def shape(self, q: Batch, load: Loads = ()) -> "Equilibrium":
         """Shape of the body under gravity, its payload and other loads, whose configuration without any would be `q`.

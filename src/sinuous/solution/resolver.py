@@ -23,58 +23,46 @@ class FoundSolution(Protocol):
         ...
 
 
-class ReSolver(Protocol):
-    """Solves problems with the options of an earlier solve; small, and can be pickled."""
-
-    @property
-    def method(self) -> str:
-        """Name of the method."""
-        ...
-
-    @property
-    def seed(self) -> int:
-        """Of the scattered starts."""
-        ...
-
-    @property
-    def seconds(self) -> float:
-        """Budget of a solve."""
-        ...
-
-    @property
-    def max_starts(self) -> int | None:
-        """Most starts of a solve; `None`: as many as the time allows."""
-        ...
-
-    @property
-    def preferences(self) -> Preferences:
-        """What answers are chosen by; none: they are the nearest."""
-        ...
-
-    def chooses(self, robot: Robot, clearance: float) -> bool:
-        """Whether answers with this proved clearance are not merely the nearest.
-
-        They are chosen by preferences, or moved out of contact.
-        """
-        ...
-
-    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
-        """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
-
-        Among them may be `within`: the changes from there that are allowed.
-        """
-        ...
-
-
 @dataclass(frozen=True)
-class LoadedResult:
-    """Stands in where a solution was read from a file, which does not say with which options it was found."""
+class ReSolver:
+    """Solves problems with the options of an earlier solve; small, and can be pickled.
+
+    Attributes
+    ----------
+    method : str
+    seed : int
+        Of the scattered starts.
+    seconds : float
+        Budget of a solve.
+    max_starts : int or None
+        Most starts of a solve; `None`: as many as the time allows.
+    preferences : Preferences
+        What answers are chosen by; none: they are the nearest.
+    """
 
     method: str
     seed: int
     seconds: float = 0.0
     max_starts: int | None = 0
     preferences: Preferences = field(default_factory=Preferences)
+
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """Whether answers with this proved clearance are not merely the nearest.
+
+        They are chosen by preferences, or moved out of contact.
+        """
+        raise NotImplementedError
+
+    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
+        """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
+
+        Among them may be `within`: the changes from there that are allowed.
+        """
+        raise NotImplementedError
+
+
+class LoadedResult(ReSolver):
+    """Stands in where a solution was read from a file, which does not say with which options it was found."""
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """It is not known how; see the class."""

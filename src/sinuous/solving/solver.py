@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, Unpack
 
@@ -18,7 +18,7 @@ from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
-from sinuous.problem.problem import Preferences, Problem, check_sizes
+from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
@@ -31,6 +31,7 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.at_rest import at_rest
 from sinuous.solution.observed import GAIN
+from sinuous.solution.resolver import ReSolver
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
@@ -236,9 +237,12 @@ class Solver:
         problem = self._prepared_problem(target)
         if within is not None:
             return self._solve_within(problem, given, within, seconds)
-        starts = self._starts_under_load(problem, given, seconds)
-        outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
+        outcome = self._loaded_outcome(load, problem, given, seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _loaded_outcome(self, load: UnderLoad, problem: Problem, given: Floats, seconds: float) -> Outcome:
+        starts = self._starts_under_load(problem, given, seconds)
+        return solve_under_load(load, problem, starts, seconds, self.options.most_starts)
 
     def _starts_under_load(self, problem: Problem, given: Floats, seconds: float) -> Iterator[Outcome]:
         """Yield what is given, then solutions of the robot without load, from one start of its own after the other."""
@@ -258,9 +262,8 @@ class Solver:
         answers = np.empty((len(questions.target_sets), answer_size(len(self.robot))))
 
         def one(i: int) -> None:
-            problem, given = questions.problem(i), np.array(questions.initial[i], order="C")
-            starts = self._starts_under_load(problem, given, seconds)
-            solve_under_load(load, problem, starts, seconds, self.options.most_starts).write(answers[i])
+            given = np.array(questions.initial[i], order="C")
+            self._loaded_outcome(load, questions.problem(i), given, seconds).write(answers[i])
             bar.advance(1)
 
         Crew(one, workers).share(range(len(answers)))
@@ -270,9 +273,8 @@ class Solver:
         """Several solutions of the loaded body: every start is corrected to its own."""
         dislike = disliking(self.robot, given[0] if len(given) else None)
         several = Several(problem, wanted, dislike)
-        for outcome in corrections(
-            load, problem, self._starts_under_load(problem, given, wanted.seconds), wanted.seconds
-        ):
+        starts = self._starts_under_load(problem, given, wanted.seconds)
+        for outcome in corrections(load, problem, starts, wanted.seconds):
             several.search.take(outcome)
             if not several.search.open:
                 break
@@ -630,48 +632,28 @@ def solve_all(
     return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart, by=by)
 
 
-@dataclass(frozen=True)
-class SolvesAgain:
-    """The options of a solver, kept by its solutions, so that they can solve again; see `sinuous.solution.resolver`.
+@dataclass(frozen=True, init=False)
+class SolvesAgain(ReSolver):
+    """The options of a solver, kept by its solutions, so that they can solve again.
 
     Attributes
     ----------
     options : SolveOptions
     """
 
-    options: SolveOptions
+    options: SolveOptions = field(init=False)
 
-    @property
-    def method(self) -> str:
-        """Name of the method."""
-        return registry.name_of(self.options.method)
-
-    @property
-    def seed(self) -> int:
-        """Of the scattered starts."""
-        return self.options.seed
-
-    @property
-    def seconds(self) -> float:
-        """Budget of a solve."""
-        return self.options.time
-
-    @property
-    def max_starts(self) -> int | None:
-        """Most starts of a solve; `None`: as many as the time allows."""
-        return self.options.max_starts
-
-    @property
-    def preferences(self) -> Preferences:
-        """What answers are chosen by."""
-        return self.options.prefer
+    def __init__(self, options: SolveOptions) -> None:
+        method = registry.name_of(options.method)
+        super().__init__(method, options.seed, options.time, options.max_starts, options.prefer)
+        object.__setattr__(self, "options", options)
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""
         if robot.hangs:  # targets are met by the loaded body, of which derivatives know nothing
             return True
-        if self.options.prefer:
-            return not self.options.prefer.satisfied(clearance)
+        if self.preferences:
+            return not self.preferences.satisfied(clearance)
         return clearance < math.inf and self.method == "newton" and clearance < NEARLY_GRAZING * thinnest(robot)
 
     def solve(

@@ -4,8 +4,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from sinuous.kernels.compiling import helpers, pieces, store, tiers
 from sinuous.kernels.maths.vectors import Array
 from sinuous.work_time import TooLongError, counting_looks, looked, no_work, work_time
 from tests.kernels.compiling import parts
+from tests.processes import alive, until
 
 HERE = Path(__file__).parents[3]
 
@@ -176,13 +176,6 @@ def order(folder: Path, name: str = "twice_the_norm", signature: Any = None) -> 
     return helpers.CompileOrder(parts.__name__, name, signature, folder / f"{name}.code")
 
 
-def until(true: Callable[[], bool], seconds: float = 300.0) -> bool:
-    end = time.monotonic() + seconds
-    while not true() and time.monotonic() < end:
-        time.sleep(0.05)
-    return true()
-
-
 @pytest.fixture
 def at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Let helpers have a store of their own, and find the tests."""
@@ -228,6 +221,7 @@ from pathlib import Path
 from numba import types
 from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from tests.kernels.compiling import parts
+from tests.processes import alive, until
 signature = types.float64, types.float64
 foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
 while not foreman._processes: time.sleep(0.01)
@@ -252,13 +246,3 @@ def test_helpers_end_with_their_program(end: int, at_home: Path) -> None:
         program.send_signal(end)
         program.wait()
     assert until(lambda: not alive(helper))
-
-
-def alive(number: int) -> bool:
-    """Whether there is such a process; one that has ended, and that nobody asked for, does not count."""
-    try:
-        os.kill(number, 0)
-        state = Path(f"/proc/{number}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
-    except (OSError, IndexError):
-        return False
-    return state != "Z"

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.bending import CLEARANCE, KEPT, come_out
+from sinuous.kernels.growing.bending import CLEARANCE, KEPT, Nearby, come_out
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
@@ -18,12 +18,17 @@ from tests.helpers import Floats, kernel_problem, mat, vec
 RADIUS = 0.1
 
 
+def nearby(scene: Scene) -> Nearby:
+    """Scratch for what is near an arc; nothing of what was there before may matter."""
+    return Nearby(np.zeros(max(1, len(scene)), np.int64), np.full(max(1, len(scene)), np.nan))
+
+
 def out(scene: Scene, q: tuple[float, float, float], segment: Segment, mount: float = 0.0) -> tuple[Floats, float]:
     """An arc that comes out of the origin along z, and its overlap in radii."""
     problem = kernel_problem(Robot([segment], mount=mount), [Target((0.0, 0.0, 1.0))], scene)
     start = mat(np.eye(3)), vec(np.zeros(3))
     new = start, 0, 0.0
-    (_, arc), overlap, _ = come_out(problem, new, new, (q, q), False, np.zeros(max(1, len(scene)), np.int64))
+    (_, arc), overlap, _ = come_out(problem, new, new, (q, q), False, nearby(scene))
     return np.array(arc), float(overlap)
 
 
@@ -137,12 +142,12 @@ def test_an_arc_that_does_not_fit_as_the_one_before_it_ends_is_bent_with_that(of
     ]
     scene, robot = Scene(walls), Robot([Segment(1.5, 2.0, radius=RADIUS)] * 2)
     problem = kernel_problem(robot, [Target((0.0, 0.0, 1.0))], scene)
-    first, straight, among = (off, 0.0, 1.5), (0.0, 0.0, 1.5), np.zeros(4, np.int64)
+    first, straight, scratch = (off, 0.0, 1.5), (0.0, 0.0, 1.5), nearby(scene)
     begin = mat(np.eye(3)), vec(np.zeros(3))
     end = robot.forward(np.array([first, straight]))[0]
     before, new = (begin, 0, 0.0), ((mat(end[:3, :3]), vec(end[:3, 3])), 1, 1.5)
-    _, alone, _ = come_out(problem, before, new, (first, straight), False, among)
-    two, overlap, _ = come_out(problem, before, new, (first, straight), True, among)
+    _, alone, _ = come_out(problem, before, new, (first, straight), False, scratch)
+    two, overlap, _ = come_out(problem, before, new, (first, straight), True, scratch)
     assert alone > 0.05
     assert overlap <= 1e-3
     line = robot.backbone(np.array(two), 200)

@@ -1,10 +1,17 @@
-"""The chain laid along a route: segment after segment, the body is drawn to it by Newton steps, then off the walls."""
+"""The chain laid along a route: segment after segment, the body is drawn to it by Newton steps, then off the walls.
+
+A descent keeps no more clearance than it has to, and to prove a hair's breadth takes hundreds of times as long as to
+prove a tenth of the radius. The route has more: it lies in the middle of where it leads through.
+"""
+
+import math
 
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
 from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fitting.clearing import clear
+from sinuous.kernels.fields.distances import closest, obstacle, price
+from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
@@ -12,7 +19,7 @@ from sinuous.kernels.step import actuation
 from sinuous.kernels.step.newton import add_targets, close, move, project_to_limits, rest, step
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, RADIUS
 
 SAMPLES = 4
 """Places on every segment that are drawn to the route."""
@@ -24,10 +31,22 @@ TURNS = 8
 """How often a chain of many segments grows, at most: by several of them at once."""
 
 WINDOW = 0.1
-"""How far from where it belongs a place may slide along the route, of the length of the route."""
+"""How far from where it belongs a place may slide along the route, and the place beside it be, of its length."""
 
 MU = 1e-5
 """Damping of the steps."""
+
+PLACES = 12
+"""Places of every segment that are kept off the walls, in the end."""
+
+OFF_WALLS = 10
+"""Most Newton steps that move the chain off the walls."""
+
+SHARE, ROOM = 0.5, 0.5
+"""Of the clearance that the route has beside a place, how much the place should have; no more than so many radii."""
+
+BEST = 2
+"""The state that keeps the best configuration."""
 
 
 Stretch = tuple[float, float, float]
@@ -95,14 +114,79 @@ def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: b
     close(state, at)
 
 
-def _pull(problem: Problem, states: State, at: int, work: Work, curve: Curve, grown: int, sliding: bool) -> int:
-    """Take one step from state `at`; returns the state that holds the result."""
-    state, other = pick(states, at), pick(states, 1 - at)
-    attract(problem, state, curve, grown, sliding)
+def _go(problem: Problem, states: State, at: int, work: Work) -> int:
+    """Take one step from state `at`, which is linearised; returns the state that holds the result."""
     rest(work)
-    step(problem, state, work, MU)
-    move(problem, state, work, other)
+    step(problem, pick(states, at), work, MU)
+    move(problem, pick(states, at), work, pick(states, 1 - at))
     return 1 - at
+
+
+def _wished(problem: Problem, curve: Curve, k: int, share: float, p: Vec) -> float:
+    """Distance from the obstacles that the place `p` of segment `k` should have."""
+    radius = problem.limits[k, RADIUS]
+    foot, _ = closest_on(curve, p, share * length_of(curve), WINDOW * length_of(curve))
+    d, _ = closest(problem.scene, foot, (1.0 + ROOM / SHARE) * radius, STEP)
+    return radius + min(ROOM * radius, max(problem.margin, SHARE * (d - radius)))
+
+
+def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
+    """Linearise: rows that push places off the walls, and the targets.
+
+    Returns the least clearance of all places, and how many are pushed.
+    """
+    q, rows = state.q, state.rows
+    forward_with_columns(q, state.frames, state.columns)
+    least = math.inf
+    at = actuator = pushed = 0
+    total = begin = 0.0
+    for k in range(q.shape[0]):
+        total += q[k, 2]
+    for k in range(q.shape[0]):
+        rows.start[k] = at
+        actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
+        radius = problem.limits[k, RADIUS]
+        for j in range(PLACES):
+            s = (j + 1.0) / PLACES
+            along = begin + s * q[k, 2]
+            if along < problem.mount:
+                continue
+            p = body_point(q, state.frames, k, s)
+            d, which = closest(problem.scene, p, (1.0 + ROOM) * radius + problem.margin, STEP)
+            least = min(least, d - radius)
+            if d >= radius + ROOM * radius:
+                continue
+            wished = _wished(problem, curve, k, along / total, p)
+            if d < wished:
+                d, gradient = obstacle(problem.scene, which, p, d)
+                force = scale(1.0 / problem.unit, gradient)
+                at = put_body_row(rows, at, q, state.frames, (k, s, p), force, INNER, (wished - d) / problem.unit)
+                pushed += 1
+        begin += q[k, 2]
+        at, _, _ = add_targets(problem, state, k, at)
+    close(state, at)
+    return least, pushed
+
+
+def clear(problem: Problem, states: State, at: int, work: Work, curve: Curve) -> int:
+    """Move the chain of state `at` off the walls, as far as the time allows; returns the state that holds the result.
+
+    States 0 and 1 take turns; state 2 keeps the clearest configuration.
+    """
+    if problem.scene.table.shape[0] == 0:
+        return at
+    best, most = pick(states, BEST), -math.inf
+    looks = best.q.shape[0] * (SEGMENT_LOOKS + PLACES * price(problem.scene))
+    for _ in range(OFF_WALLS):
+        state = pick(states, at)
+        least, rows = push_off(problem, state, curve)
+        if least > most:
+            most = least
+            copy(state.q, best.q)
+        if rows == 0 or spend(work.clock, looks):
+            break
+        at = _go(problem, states, at, work)
+    return BEST
 
 
 def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
@@ -126,11 +210,13 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
         for _ in range(ROUNDS):
             if spend(work.clock, SEGMENT_LOOKS * n):
                 return at
-            at = _pull(problem, states, at, work, curve, grown, False)
+            attract(problem, pick(states, at), curve, grown, False)
+            at = _go(problem, states, at, work)
     for _ in range(LAST_ROUNDS):
         if spend(work.clock, SEGMENT_LOOKS * n):
             return at
-        at = _pull(problem, states, at, work, curve, n, True)
+        attract(problem, pick(states, at), curve, n, True)
+        at = _go(problem, states, at, work)
     return clear(problem, states, at, work, curve)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.growing.arcs import ARCS
+from sinuous.kernels.growing.bending import Nearby
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Mat, Vec
@@ -36,15 +37,15 @@ tangent."""
 NEARLY, FINE = 0.1, 8.0
 """The same for the chains that are made at all."""
 
-Beam = namedtuple("Beam", ["levels", "made", "arcs", "heap", "items", "buckets", "clock", "among"])
+Beam = namedtuple("Beam", ["levels", "made", "arcs", "heap", "items", "buckets", "clock", "nearby"])
 """All that a search works in: the chains of every number of segments; those (m, CHAIN_WIDTH) that are made for the next
 one; the arcs (c, 3) that are to be tried; a heap of either, priorities and numbers (int64); the buckets (b,) int64 that
-tell which chains end alike; the clock; and the numbers (m,) int64 of obstacles."""
+tell which chains end alike; the clock; and what an arc is near to, see `bending.Nearby`."""
 
 
 def beam_size(obstacles: int, width: int) -> int:
     """Numbers (float64) that a search works in beside its table, that keeps `width` chains, a power of two."""
-    return LAZY * width * CHAIN_WIDTH + 5 * width * ARCS + 4 * width + CLOCK_SIZE + obstacles
+    return LAZY * width * CHAIN_WIDTH + 5 * width * ARCS + 4 * width + CLOCK_SIZE + 2 * obstacles
 
 
 def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
@@ -52,7 +53,7 @@ def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
     width = levels.shape[1]
     arcs, made = width * ARCS, LAZY * width
     rest = buffer[made * CHAIN_WIDTH :]
-    numbers = rest[4 * arcs :].view(np.int64)
+    numbers, last = rest[4 * arcs :].view(np.int64), rest[5 * arcs + 4 * width + CLOCK_SIZE :]
     return Beam(
         levels,
         shaped(buffer[: made * CHAIN_WIDTH], (made, CHAIN_WIDTH)),
@@ -61,7 +62,7 @@ def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
         numbers[:arcs],
         numbers[arcs : arcs + 4 * width],
         numbers[arcs + 4 * width :][:CLOCK_SIZE],
-        numbers[arcs + 4 * width + CLOCK_SIZE :][:obstacles],
+        Nearby(last[:obstacles].view(np.int64), last[obstacles:][:obstacles]),
     )
 
 

@@ -11,22 +11,26 @@ is bent off a wall comes out farther at each step, and meets the next one.
 """
 
 import math
+from collections import namedtuple
 
-from sinuous.kernels.body.pieces import closest, near
+from sinuous.kernels.body.pieces import near
 from sinuous.kernels.chain.arc import point, pose_and_columns
-from sinuous.kernels.fields.distances import obstacle
+from sinuous.kernels.fields.distances import Scene, look, obstacle
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.growing.arcs import Start, end_of, thickness
-from sinuous.kernels.maths.vectors import Array, Vec, add, cross, dot, mat_vec, sub, vec_mat
+from sinuous.kernels.maths.vectors import Vec, add, cross, dot, mat_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import project_segment
-from sinuous.kernels.tables import MAX_BEND, MIN_LENGTH
+from sinuous.kernels.tables import MAX_BEND, MIN_LENGTH, ROUNDOFF
 
 New = tuple[Start, int, float]
 """Where a segment begins, which one it is, and the length of the chain before it."""
 
 Two = tuple[Vec, Vec]
 """Coordinates of the arc before the new one, and those of the new one."""
+
+Nearby = namedtuple("Nearby", ["numbers", "until"])
+"""Numbers (m,) int64 of obstacles near an arc, and up to where on it (m,) none of them is looked at again (length)."""
 
 ROUNDS = 16
 """Most Gauss-Newton steps of an arc."""
@@ -94,15 +98,32 @@ def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec
     return w0 - u0 * x - v0 * y, w1 - u1 * x - v1 * y, x, y
 
 
+def _closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach: float) -> tuple[float, int]:
+    """Least distance, less than `reach`, of a place to what is `nearby`, and the obstacle; infinite, -1: there is none.
+
+    The place is so far along an arc. An obstacle does not come nearer than by what the arc goes on.
+    """
+    least, which = math.inf, -1
+    for j in range(count):
+        if at >= nearby.until[j]:
+            i = nearby.numbers[j]
+            roundoff = scene.table[i, ROUNDOFF]
+            d = look(scene, i, p, min(reach, least) + roundoff, STEP)[0] - roundoff
+            nearby.until[j] = at + d - reach
+            if d < min(reach, least):
+                least, which = d, i
+    return least, which
+
+
 def _press(
-    problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
+    problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int
 ) -> tuple[float, float, float, tuple[float, float, float, float]]:
     """Share of an arc that comes out; its deepest overlap, in radii; its pressure; and the change that relieves it.
 
     The change is that of the bends of the arc before it, where `both` are to change, and of its own. The pressure is
     the integral along what changes of the square of what is missing of the clearance, in radii; where the axis gets
     into an obstacle, all that is beyond counts as missing as much as there: deeper in it, the way out that is nearest
-    may lead to the other side. `among` lists the `count` obstacles that concern it.
+    may lead to the other side. `nearby` lists the `count` obstacles that concern it.
     """
     scene, radius, most = problem.scene, thickness(problem, new[1]), 1.0 + CLEARANCE
     axx = ayy = DAMPING * two[0][2] * two[0][2] + (0.0 if both else 1.0)
@@ -113,11 +134,13 @@ def _press(
         (start, _, along), q = (before, two[0]) if part == 0 else (new, two[1])
         at, step = max(0.0, problem.mount - along), FINEST * radius
         last = q[2] + (AHEAD * radius if part == 1 else 0.0)
+        for j in range(count):
+            nearby.until[j] = 0.0
         while at < last:
             out, at = at, min(q[2] if at < q[2] else last, at + step)
             s = at / q[2]
             p = add(start[1], mat_vec(start[0], point(s * q[0], s * q[1], at)))
-            d, _, which = closest(scene, among, count, p, REACH * radius, STEP)
+            d, which = _closest(scene, nearby, count, p, at, REACH * radius)
             step = max(FINEST * radius, min(d, REACH * radius) - radius)
             if at <= q[2] and fits == 1.0:
                 if 1.0 - d / radius > KEPT:
@@ -147,11 +170,11 @@ def _press(
 
 
 def _relieve(
-    problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
+    problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int
 ) -> tuple[Two, float, float, float]:
     """Bend an arc until it is pressed as little as can be; the share that comes out, its overlap and its pressure."""
     k, begin = new[1], new
-    fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, among, count)
+    fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, nearby, count)
     share = 1.0
     for _ in range(ROUNDS):
         size = max(math.hypot(x, y), math.hypot(u, v))
@@ -163,7 +186,7 @@ def _relieve(
             first = project_segment(problem.limits, k - 1, first[0] + step * u, first[1] + step * v, first[2])
             begin = end_of(before[0], first), k, new[2]
         other = project_segment(problem.limits, k, two[1][0] + step * x, two[1][1] + step * y, two[1][2])
-        out, deeper, left, change = _press(problem, before, begin, (first, other), both, among, count)
+        out, deeper, left, change = _press(problem, before, begin, (first, other), both, nearby, count)
         if left >= pressure:
             share *= SHORTER
             continue
@@ -174,7 +197,9 @@ def _relieve(
     return two, fits, deepest, pressure
 
 
-def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, among: Array) -> tuple[Two, float, float]:
+def come_out(
+    problem: Problem, before: New, new: New, two: Two, joint: bool, nearby: Nearby
+) -> tuple[Two, float, float]:
     """Bend an arc off the obstacles, if need be with the one before it, and cut it to the part that fits.
 
     Parameters
@@ -186,7 +211,7 @@ def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, amo
         Their coordinates.
     joint : bool
         Whether the arc before it may change: there is one, and its end is not asked to be anywhere.
-    among : ndarray (m,) int64
+    nearby : Nearby
         Scratch.
 
     Returns
@@ -200,19 +225,19 @@ def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, amo
     (rotation, position), k, _ = new
     q, radius = two[1], thickness(problem, k)
     middle = add(position, mat_vec(rotation, point(0.5 * q[0], 0.5 * q[1], 0.5 * q[2])))
-    count, _ = near(problem.scene, middle, ASIDE * q[2] + (REACH + AHEAD) * radius, among)
+    count, _ = near(problem.scene, middle, ASIDE * q[2] + (REACH + AHEAD) * radius, nearby.numbers)
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
-    fits, overlap, pressure, _ = _press(problem, before, new, two, False, among, count)
+    fits, overlap, pressure, _ = _press(problem, before, new, two, False, nearby, count)
     if pressure == 0.0:
         return two, 0.0, 0.0
     bent = two
     if problem.limits[k, MAX_BEND] > 0.0:
-        bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, among, count)
+        bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
         if joint and (fits < 1.0 or overlap > SHALLOW):
             reach = ASIDE * (two[0][2] + q[2]) + (REACH + AHEAD) * radius
-            count, _ = near(problem.scene, position, reach, among)
-            both, more, deepest, left = _relieve(problem, before, new, two, True, among, count)
+            count, _ = near(problem.scene, position, reach, nearby.numbers)
+            both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count)
             if more > fits or (more == fits and deepest < overlap):
                 bent, fits, overlap, pressure = both, more, deepest, left
     length = fits * q[2]

@@ -121,7 +121,7 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     own, aim = get_vec(level, i, LAST), get_vec(beam.arcs, item, 0)
     joint = k > leg.first and problem.limits[k - 1, MAX_BEND] > 0.0
     before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
-    (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.among)
+    (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby)
     start = end_of(before[0], own) if joint else start
     if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, start, q)):
         return False

@@ -7,6 +7,7 @@ from sinuous.kernels.chain.single_arc import arc_length
 from sinuous.kernels.fields.distances import Scene, look
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, norm, scale, sub
+from sinuous.kernels.tables import CENTER, EXTENT, KIND, TREE
 
 SIGHT, FINEST = 0.3, 0.3
 """A line of sight keeps so far from the obstacles, and is looked at no more closely; in radii of the body."""
@@ -28,6 +29,16 @@ Guide = namedtuple("Guide", ["points", "spacing", "back", "radius", "turn"])
 at its end (zero: from anywhere); the radius of the body and of its tightest turn."""
 
 
+def _passes(scene: Scene, j: int, p: Vec, line: Vec, clear: float) -> bool:
+    """Whether a line from `p` keeps `clear` of the ball about obstacle `j`: most primitives are far away."""
+    if scene.table[j, KIND] >= TREE:
+        return False
+    away, square, far = sub(get_vec(scene.table, j, CENTER), p), dot(line, line), clear + scene.table[j, EXTENT]
+    share = min(1.0, max(0.0, dot(away, line) / square)) if square > 0.0 else 0.0
+    off = add_scaled(away, -share, line)
+    return bool(dot(off, off) >= far * far)
+
+
 def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     """Whether the line from `p` to point `i` of the guide is free.
 
@@ -36,6 +47,8 @@ def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     line = sub(get_vec(guide.points, i, 0), p)
     length, clear = norm(line), SIGHT * guide.radius
     for j in range(scene.table.shape[0]):
+        if _passes(scene, j, p, line, clear):
+            continue
         gone, reach = 0.0, FIRST * guide.radius
         for _ in range(LOOKS):
             if gone >= length:

@@ -1,6 +1,5 @@
 """Where figures come from: a figure without its machine says nothing."""
 
-import os
 import platform
 import subprocess
 from datetime import datetime
@@ -8,6 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import sinuous
+from sinuous.kernels.compiling.helpers import cores
 
 PACKAGES = ("numpy", "scipy", "numba", "casadi", "python-fcl", "libigl", "ompl")
 
@@ -17,16 +17,12 @@ def describe() -> dict[str, str]:
     return {
         "date": datetime.now().astimezone().isoformat(timespec="seconds"),
         "processor": _processor(),
-        "cores": str(_cores()),
+        "cores": str(cores()),
         "system": platform.platform(),
         "python": platform.python_version(),
         "sinuous": sinuous.__version__ + _commit(),
         **{name: _version(name) for name in PACKAGES},
     }
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _processor() -> str:

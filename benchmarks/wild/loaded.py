@@ -15,7 +15,7 @@ from benchmarks.judges.bodies import measured_body, needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import ROUNDING, target_errors, within_limits
 from benchmarks.wild import audit
-from benchmarks.wild.motions import Judged, between
+from benchmarks.wild.motions import Judged, between, overlapping
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import shapes_of
 from benchmarks.wild.trials import GRACE, IMPOSSIBLE
@@ -208,14 +208,9 @@ def _along(motion: Motion) -> Floats:
 
 def _refuted(robot: Robot, scene: Scene, q: Floats) -> str:
     """Say what is wrong with drives (m, n, 3) or with the loaded body there; or nothing."""
-    slack = GRACE * robot.mean_length
     if not within_limits(robot, q).all():
         return "limits"
     if len(_standing(robot, q)) < len(q):
         return "no equilibrium"
     body, arcs = bodies_at(robot, q)
-    if len(scene) and Clearances(needed_body(body), scene).least(arcs, 0.0).min() < -slack:
-        return "overlap"
-    if robot.self_collision == "avoid" and self_collision.look(self_body(body), arcs, 0.0).least.min() < -slack:
-        return "overlap with itself"
-    return ""
+    return overlapping(body, scene, arcs, GRACE * robot.mean_length)

@@ -230,11 +230,15 @@ def _too_fast(most: Floats, change: Floats) -> str:
 
 def _refuted(robot: Robot, scene: Scene, q: Floats) -> str:
     """Say what is wrong with configurations (m, n, 3): a limit, an obstacle, the body itself; or nothing."""
-    slack = GRACE * robot.mean_length
     if not within_limits(robot, q).all():
         return "limits"
-    if len(scene) and Clearances(needed_body(robot), scene).least(q, 0.0).min() < -slack:
+    return overlapping(robot, scene, q, GRACE * robot.mean_length)
+
+
+def overlapping(body: Robot, scene: Scene, q: Floats, slack: float) -> str:
+    """Say whether a body in configurations (m, n, 3) overlaps an obstacle or itself by more than `slack`."""
+    if len(scene) and Clearances(needed_body(body), scene).least(q, 0.0).min() < -slack:
         return "overlap"
-    if robot.self_collision == "avoid" and self_collision.look(self_body(robot), q, 0.0).least.min() < -slack:
+    if body.self_collision == "avoid" and self_collision.look(self_body(body), q, 0.0).least.min() < -slack:
         return "overlap with itself"
     return ""

@@ -6,7 +6,6 @@ import pytest
 
 from benchmarks.problems import clutter, random_configurations
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
-from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
 from sinuous.methods import search as common
 from sinuous.packing import pose_row
@@ -16,29 +15,8 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.verification import verify
-from tests.helpers import Floats, kernel_scene
+from tests.helpers import Floats, kernel_problem
 from tests.kernels.workspace import make_clock
-
-
-def kernel_problem(problem: Problem) -> KernelProblem:
-    """The tables as kernels take them; put together here, because no kernel can return an array."""
-    robot = problem.robot
-    return KernelProblem(
-        robot.limits.copy(),
-        robot.actuation.copy(),
-        pose_row(robot.base),
-        pose_row(robot.tool),
-        robot.avoids_itself,
-        kernel_scene(problem.scene),
-        problem.rows.copy(),
-        robot.mount,
-        robot.mean_length,
-        0.0,
-        problem.tolerance.position,
-        problem.tolerance.angle,
-        0,
-        0,
-    )
 
 
 def checker(problem: Problem) -> tuple[Any, Any]:
@@ -46,7 +24,8 @@ def checker(problem: Problem) -> tuple[Any, Any]:
     frames[0] = pose_row(problem.robot.base)
     obstacles = np.zeros(len(problem.scene), np.int64)
     spans = np.zeros((len(problem.robot) + 1, SPAN_WIDTH))
-    return kernel_problem(problem), common.Check(frames, obstacles, make_clock(), spans)
+    own = kernel_problem(problem.robot, problem.targets, problem.scene, problem.tolerance)
+    return own, common.Check(frames, obstacles, make_clock(), spans)
 
 
 def judged(problem: Problem, q: Floats) -> tuple[int, float, float, float, float, bool, float]:

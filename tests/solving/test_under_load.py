@@ -135,12 +135,14 @@ def test_without_loads_nothing_changes() -> None:
     assert found[0].shape is None
 
 
-def test_tensions_under_load_are_within_their_limits() -> None:
-    def pulled(most: float) -> sn.Robot:
-        tendons = sn.Tendons(3, 0.004, stiffness=400.0, tension=(0.0, most))
-        segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons)
-        return sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+def pulled(most: float) -> sn.Robot:
+    """A robot whose tendons may be pulled by so much."""
+    tendons = sn.Tendons(3, 0.004, stiffness=400.0, tension=(0.0, most))
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons)
+    return sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
 
+
+def test_tensions_under_load_are_within_their_limits() -> None:
     free = pulled(1e3)
     target = sn.Target(free.shape(Q).tip[:3, 3])
     found = sn.solve(free, target, initial=Q)
@@ -161,12 +163,6 @@ def test_tensions_under_load_are_within_their_limits() -> None:
 
 def test_tensions_under_load_are_rows_of_each_correction() -> None:
     """Of two shapes that meet a target one may need less tension: limits lead to it, from where they are violated."""
-
-    def pulled(most: float) -> sn.Robot:
-        tendons = sn.Tendons(3, 0.004, stiffness=400.0, tension=(0.0, most))
-        segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons)
-        return sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
-
     free = pulled(1e3)
     target = sn.Target(free.shape(Q).tip[:3, 3])
     found = sn.solve(free, target, initial=Q)

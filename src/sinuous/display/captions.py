@@ -67,11 +67,6 @@ def rows_of(answer: Solution | Motion) -> dict[str, str]:
     return {label: value for label, value in rows.items() if value}
 
 
-def start_in_words(start: str) -> str:
-    """What a solution was found from: `a single arc`."""
-    return STARTS[start]
-
-
 def number(value: float | None, behind: str = "", before: str = "") -> str:
     """A number with three digits between two texts; nothing where there is none, or it is infinite."""
     return "" if value is None or value == float("inf") else f"{before}{value:.3g}{behind}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.display.captions import number, rows_of, start_in_words, words_of
+from sinuous.display.captions import STARTS, number, rows_of, words_of
 from sinuous.display.curves import lengths_along, radii_along
 from sinuous.errors import InputError
 from sinuous.measures.body import segment_ends
@@ -158,7 +158,7 @@ def _of_search(solution: Solution) -> dict[str, str]:
     rows = {
         "proof": "" if solution.reason is None else str(solution.reason),
         "held by": "; ".join(binding),
-        "found from": start_in_words(solution.start),
+        "found from": STARTS[solution.start],
     }
     return {label: value for label, value in rows.items() if value}
 

@@ -13,33 +13,9 @@ from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import couple
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
-from sinuous.kernels.step.sweeps import HARD_SHARE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, expm_chain, frames_of, random_pose
 from tests.kernels.body.test_self_proof import curled, sampled, table_of
-from tests.kernels.step.test_sweeps import SIZES, jacobian, random_rows
-
-
-def dense_step(columns: Floats, root: Floats, mean: Floats, rows: Any, pairs: Floats, mu: float) -> Floats:
-    """All rows at once; HARD and SOFT rows with the variance that the sweeps give them."""
-    n = len(columns)
-    L = np.zeros((3 * n, 3 * n))
-    for k in range(n):
-        L[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = root[k].reshape(3, 3)
-    variance = np.full(len(rows.kind), mu)
-    for k in range(n):
-        for i in range(rows.start[k], rows.start[k + 1]):
-            if rows.kind[i] == SOFT:
-                variance[i] = SOFT_VARIANCE
-            if rows.kind[i] == HARD:
-                b = root[k].reshape(3, 3).T @ rows.inner[i]
-                variance[i] = HARD_SHARE * (b @ b + rows.total[i] @ rows.total[i])
-    used = rows.kind != IDLE
-    J = np.concatenate([jacobian(columns, rows)[used], pairs[:, WEIGHTS:]])
-    value = np.concatenate([rows.value[used], pairs[:, VALUE]])
-    weight = 1.0 / np.sqrt(np.concatenate([variance[used], np.full(len(pairs), mu)]))
-    system = np.concatenate([weight[:, None] * (J @ L), np.eye(3 * n)])
-    z = np.linalg.lstsq(system, np.concatenate([weight * (value - J @ mean.ravel()), np.zeros(3 * n)]))[0]
-    return np.asarray((mean.ravel() + L @ z).reshape(n, 3))
+from tests.kernels.step.test_sweeps import SIZES, dense_step, random_rows
 
 
 def coupled_step(
@@ -76,7 +52,7 @@ def test_self_contacts_give_the_dense_step(n: int, mu: float, hard: bool) -> Non
         bound = rng.random(n) < 0.4
         root[bound, :, rng.integers(3)] = 0.0
         pairs = rng.normal(size=(rng.integers(1, MOST_PAIRS + 1), 1 + 3 * n))
-        expected = dense_step(columns, root.reshape(n, 9), mean, rows, pairs, mu)
+        expected = dense_step(columns, root.reshape(n, 9), mean, rows, mu, pairs)
         step = coupled_step(columns, root.reshape(n, 9).copy(), mean, rows, pairs, mu, hard)
         # A HARD row weighs some 1e10 in the dense system, which loses digits by it.
         exact = 3e-8 if hard else 1e-9

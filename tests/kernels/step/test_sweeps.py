@@ -7,6 +7,7 @@ import pytest
 
 from sinuous.kernels.body.contacts import SOFTNESS
 from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT, Rows
+from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.sweeps import HARD_SHARE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, make_rows
@@ -46,25 +47,32 @@ def jacobian(columns: Floats, rows: Rows) -> Floats:
     return np.asarray(J.reshape(-1, 3 * n))
 
 
-def dense_step(columns: Floats, root: Floats, mean: Floats, rows: Rows, mu: float) -> Floats:
+def dense_step(
+    columns: Floats, root: Floats, mean: Floats, rows: Rows, mu: float, pairs: Floats | None = None
+) -> Floats:
+    """All rows, and self-contacts, at once; HARD and SOFT rows with the variance that the sweeps give them."""
     table: Any = rows
     n = len(columns)
     used = table.kind != IDLE
-    J = jacobian(columns, rows)[used]
+    J, value = jacobian(columns, rows)[used], table.value[used]
     L = np.zeros((3 * n, 3 * n))
     for k in range(n):
         L[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = root[k].reshape(3, 3)
     # Weights of HARD rows as the sweeps define them: relative to what the row sees in scaled coordinates.
-    variance = []
+    variance = np.full(len(table.kind), mu)
+    variance[table.kind == SOFT] = SOFT_VARIANCE
     for k in range(n):
         for i in range(table.start[k], table.start[k + 1]):
-            b = root[k].reshape(3, 3).T @ table.inner[i]
-            hard = HARD_SHARE * (b @ b + table.total[i] @ table.total[i])
-            variance.append({HARD: hard, SOFT: SOFT_VARIANCE}.get(table.kind[i], mu))
-    weight = 1.0 / np.sqrt(np.array(variance).reshape(-1)[used])
-    rest = table.value[used] - J @ mean.ravel()
+            if table.kind[i] == HARD:
+                b = root[k].reshape(3, 3).T @ table.inner[i]
+                variance[i] = HARD_SHARE * (b @ b + table.total[i] @ table.total[i])
+    variance = variance[used]
+    if pairs is not None:
+        J, value = np.concatenate([J, pairs[:, WEIGHTS:]]), np.concatenate([value, pairs[:, VALUE]])
+        variance = np.concatenate([variance, np.full(len(pairs), mu)])
+    weight = 1.0 / np.sqrt(variance)
     system = np.concatenate([weight[:, None] * (J @ L), np.eye(3 * n)])
-    z = np.linalg.lstsq(system, np.concatenate([weight * rest, np.zeros(3 * n)]))[0]
+    z = np.linalg.lstsq(system, np.concatenate([weight * (value - J @ mean.ravel()), np.zeros(3 * n)]))[0]
     return np.asarray((mean.ravel() + L @ z).reshape(n, 3))
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.problem.suspicions import suspicions
+from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), max_bend=1.6, radius=4)
@@ -36,7 +37,7 @@ def test_a_quaternion_has_an_order() -> None:
         guess(PLACE, colour="red")
 
 
-@pytest.mark.parametrize("place", [PLACE, PLACE.tolist(), tuple(PLACE), TURNED, TURNED.tolist()])
+@with_each("place", [PLACE, PLACE.tolist(), tuple(PLACE), TURNED, TURNED.tolist()])
 def test_a_place_is_a_target_wherever_one_is_asked_for(place: Any) -> None:
     target, solver = sn.Target(place), sn.Solver(ROBOT, seed=1)
     wanted = solver.solve(target)

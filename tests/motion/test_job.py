@@ -11,6 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
+from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
 ARM = "segments: {count: 3, length: [0.8, 1.2], max_bend: 2}\nradius: 0.05\n"
@@ -99,7 +100,7 @@ def test_a_solution_comes_back_from_its_result(tmp_path: Path, name: str, time: 
     assert found.to_dict() == solution.to_dict()
 
 
-@pytest.mark.parametrize("status", [status for status in sn.Status if status is not sn.Status.START_BLOCKED])
+@with_each("status", [status for status in sn.Status if status is not sn.Status.START_BLOCKED])
 def test_every_status_comes_back(status: sn.Status) -> None:
     solution = sn.solve(ROBOT, TARGET, [LAMP])
     reason = {"bound": "route", "needed": 0.1, "available": 0.2, "obstacle": "lamp"}

@@ -9,6 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.files.problem_file import problem_of
 from sinuous.robot.rates import Changes
+from tests.cases import with_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
 
@@ -50,7 +51,7 @@ def test_they_are_equal_when_they_say_the_same() -> None:
     assert not sn.Rates()
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("make", "words"),
     [
         (lambda: sn.Rates(bend=0), "bend: expected a number greater than 0, got 0"),

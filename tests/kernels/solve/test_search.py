@@ -29,6 +29,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.solution.verification import verify
+from tests.cases import with_each
 from tests.helpers import Floats, random_pose
 
 ROBOT = Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.05)
@@ -130,7 +131,7 @@ def test_of_several_that_are_given_the_one_nearby_is_taken() -> None:
     assert taken > 5
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_what_is_given_comes_first_and_a_solution_is_its_own_answer(seed: int) -> None:
     problem = Problem(ROBOT, target_at(shape(seed), 0))
     first = solved(problem)

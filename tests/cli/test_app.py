@@ -1,6 +1,7 @@
 """What the shell is told: exit codes, one line on standard error, and quickly."""
 
 import contextlib
+import re
 import subprocess
 import sys
 import tomllib

@@ -169,5 +169,5 @@ def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str) -> None:
 
 def test_the_reference_workload_takes_its_time() -> None:
     seconds, busy = reference.look()
-    assert 1e-5 < seconds < 1.0
+    assert 1e-5 < seconds < 60.0
     assert 0.0 <= busy < 1.0

@@ -314,7 +314,7 @@ def execute(commands: Any, name: str, arguments: Sequence[str] | None) -> int:
 
 def _got(error: Exception) -> str:
     """What was typed, where only the cause of the message knows it."""
-    causes = getattr(error.__cause__, "errors", list)()
+    causes: list[dict[str, Any]] = getattr(error.__cause__, "errors", list)()
     return "".join(f", got {cause['input']!r}" for cause in causes[:1])
 
 

@@ -46,7 +46,7 @@ def _largest(obstacle: Primitive) -> float:
 
 
 def _signs(obstacles: Sequence[Primitive]) -> Floats:
-    return np.array([-1.0 if getattr(obstacle, "inside", False) else 1.0 for obstacle in obstacles])
+    return np.array([-1.0 if obstacle.inside else 1.0 for obstacle in obstacles])
 
 
 def _least(outside: Distance, signs: Floats) -> Distance:

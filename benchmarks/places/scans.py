@@ -61,7 +61,7 @@ def triangles(obstacle: Obstacle) -> Floats:
 
 def _of_revolution(obstacle: Sphere | Capsule | Cylinder) -> Floats:
     """Facets (f, 4, 3) of what is round. The places are what they are to the last bit, also where a circle closes."""
-    center, rotation, half = obstacle.frame
+    center, rotation, half, _ = obstacle.frame
     shift, quarter = np.array([0.0, half[2]]), 0.5 * math.pi
     if isinstance(obstacle, Sphere):
         profile = arc(obstacle.radius, -quarter, quarter, 13)
@@ -76,7 +76,7 @@ def _of_revolution(obstacle: Sphere | Capsule | Cylinder) -> Floats:
     rings = np.stack(np.broadcast_arrays(radius * np.cos(turn), radius * np.sin(turn), height), axis=-1)
     corners = np.stack([rings[:-1, :-1], rings[:-1, 1:], rings[1:, 1:], rings[1:, :-1]], axis=2).reshape(-1, 4, 3)
     surface: Floats = center + corners @ rotation.T
-    return surface[:, ::-1] if getattr(obstacle, "inside", False) else surface
+    return surface[:, ::-1] if obstacle.inside else surface
 
 
 def _on(corners: Floats, spacing: float) -> Floats:

@@ -12,7 +12,7 @@ from sinuous.display.contents import Contents
 from sinuous.display.obstacles import Dotted, dots
 from sinuous.display.style import ARROW, Viewpoint, arrows_of
 from sinuous.scene.extents import box_of
-from sinuous.scene.obstacles import Capsule, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.obstacles import HalfSpace, Obstacle, Primitive, Sphere
 
 HIDDEN = 0.03
 """Share of a body from which on an obstacle hides it."""
@@ -25,7 +25,7 @@ def hidden(obstacles: Sequence[Obstacle], points: Floats, eyes: Floats) -> NDArr
     """
     found = np.zeros((len(obstacles), len(eyes), len(points)), np.bool_)
     for own, obstacle in zip(found, obstacles, strict=True):
-        if not getattr(obstacle, "inside", False):
+        if not obstacle.inside:
             own[...] = _between(obstacle, points, eyes)
     return found
 
@@ -58,11 +58,8 @@ def _between(obstacle: Obstacle, points: Floats, eyes: Floats) -> NDArray[np.boo
 def _turned_box(obstacle: Obstacle) -> tuple[Floats, Floats, Floats]:
     """Center, axes and half extents of the box around an obstacle."""
     if isinstance(obstacle, Primitive):
-        center, rotation, half = obstacle.frame
-        if isinstance(obstacle, Sphere):
-            half = np.full(3, obstacle.radius)
-        if isinstance(obstacle, Capsule):
-            half = np.array([obstacle.radius, obstacle.radius, half[2] + obstacle.radius])
+        center, rotation, half, rounding = obstacle.frame
+        half = half + rounding
     else:
         ends = box_of(obstacle)
         if ends is None:  # an empty grid

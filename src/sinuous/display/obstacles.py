@@ -178,7 +178,7 @@ def obstacle_surface(
         return square(0.5 * span, pieces).moved(obstacle.frame.rotation, near)
     if not isinstance(obstacle, Primitive):
         raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
-    center, rotation, half = obstacle.frame
+    center, rotation, half, _ = obstacle.frame
     match obstacle:
         case Sphere(radius=radius):
             local = sphere(radius, around)
@@ -191,7 +191,7 @@ def obstacle_surface(
         case _:
             raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
     surface = local.moved(rotation, center)
-    return surface.turned() if getattr(obstacle, "inside", False) else surface
+    return surface.turned() if obstacle.inside else surface
 
 
 def dots(obstacle: Dotted) -> Floats:

@@ -36,7 +36,7 @@ def measure(obstacle: Obstacle, points: Floats) -> Floats:
         distance = to_field(obstacle, points)
     else:
         raise NotImplementedError(f"no independent distance for {type(obstacle).__name__}")
-    return np.asarray(-distance if getattr(obstacle, "inside", False) else distance)
+    return np.asarray(-distance if obstacle.inside else distance)
 
 
 def _steps(grid: Grid, points: Floats) -> Floats:

@@ -198,7 +198,7 @@ def walls_of(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
             is_mesh = isinstance(obstacle, Mesh)
             facets = of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
             if (facets < bounds.low).any() or (facets > bounds.high).any():
-                solid = isinstance(obstacle, SOLIDS) and not getattr(obstacle, "inside", False)
+                solid = isinstance(obstacle, SOLIDS) and not obstacle.inside
                 facets = cut(within(facets, bounds.low, bounds.high, solid), CUT * bounds.span)
             walls.append(Walls(facets, is_mesh))
     return walls

@@ -6,7 +6,7 @@ from sinuous.checks import Floats
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Moving
-from sinuous.scene.obstacles import Capsule, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.obstacles import HalfSpace, Obstacle, Primitive
 from sinuous.scene.point_cloud import PointCloud
 
 
@@ -18,7 +18,9 @@ def box_of(obstacle: Obstacle) -> Floats | None:
     if isinstance(obstacle, Moving):
         return _on_the_way(obstacle)
     if isinstance(obstacle, Primitive):
-        return None if isinstance(obstacle, HalfSpace) else _of_primitive(obstacle)
+        center, rotation, half, rounding = obstacle.frame
+        reach = np.abs(rotation) @ half + rounding
+        return None if isinstance(obstacle, HalfSpace) else np.array([center - reach, center + reach])
     if isinstance(obstacle, Mesh):
         return _around(obstacle.vertices[np.unique(obstacle.faces)], 0.5 * obstacle.thickness)
     if isinstance(obstacle, PointCloud):
@@ -32,14 +34,6 @@ def _on_the_way(moving: Moving) -> Floats | None:
     """Box around an obstacle at all of its times, and so all the way, but where it turns far from where it is."""
     boxes = [box_of(moving.at(t)) for t in moving.times.tolist()]
     return None if boxes[0] is None else _around(np.concatenate([box for box in boxes if box is not None]), 0.0)
-
-
-def _of_primitive(obstacle: Primitive) -> Floats:
-    if isinstance(obstacle, Sphere):
-        return np.array([obstacle.center - obstacle.radius, obstacle.center + obstacle.radius])
-    center, rotation, half = obstacle.frame
-    reach = np.abs(rotation) @ half + (obstacle.radius if isinstance(obstacle, Capsule) else 0.0)
-    return np.array([center - reach, center + reach])
 
 
 def _of_samples(obstacle: Grid | Field) -> Floats | None:

@@ -264,10 +264,6 @@ def evaluate(function: Callable[[Floats], Vector], points: Floats) -> Floats:
     return result.astype(np.float64)
 
 
-KNOWN = ("exact", "truncated")
-"""Arguments that say what is known of values."""
-
-
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Grid(Sampled):
     """Values at the points `origin + spacing * (i, j, k)`.
@@ -355,11 +351,11 @@ class Grid(Sampled):
         """
         arrays = read_arrays(Path(file))
         try:
-            known = checked_exactness(exact, truncated)
+            known: dict[str, Any] = {"exact": exact, "truncated": truncated}
             grid = cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name, **known)
         except InputError as error:
-            raise error if error.key in ("name", *KNOWN) else error.in_file(file) from None
-        grid._set(_source=Origin.of(file, **known))
+            raise error if error.key in ("name", "exact", "truncated") else error.in_file(file) from None
+        grid._set(_source=Origin.of(file, exact=grid.exact, truncated=grid.truncated))
         return grid
 
 

@@ -14,7 +14,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import any_rotations
 from sinuous.reprs import text
-from sinuous.scene.grids import Field, Sampled
+from sinuous.scene.grids import Field
 from sinuous.scene.obstacles import Obstacle, Primitive
 
 
@@ -64,22 +64,19 @@ class Course(Frozen):
 
 def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
     """Return an obstacle of the same name, each place x of which lies at `pose` (4, 4) times x."""
-    turn = pose[:3, :3]
-    if isinstance(obstacle, Primitive):
-        own, places, axes = vars(obstacle), ("center", "start", "end", "point"), ("rotation", "normal")
-        there: dict[str, Any] = {key: _there(pose, own[key]) for key in places if key in own}
-        return obstacle._changed(there | {key: turn @ own[key] for key in axes if key in own})
-    if isinstance(obstacle, Sampled):
-        own = {key: value for key, value in vars(obstacle).items() if key in ("origin", "low", "high")}
-        changed: dict[str, Any] = {key: _there(pose, value) for key, value in own.items()}
-        if isinstance(obstacle, Field):
-            changed["function"] = Elsewhere(obstacle.function, pose)
-        return obstacle.placed(pose, axes=turn @ obstacle.axes, **changed)
-    return obstacle.placed(pose)
+    own, turn = vars(obstacle), pose[:3, :3]
+    there: dict[str, Any] = {key: checks.closed(turn @ own[key] + pose[:3, 3]) for key in PLACES if key in own}
+    there |= {key: turn @ own[key] for key in AXES if key in own}
+    if isinstance(obstacle, Field):
+        there["function"] = Elsewhere(obstacle.function, pose)
+    return obstacle._changed(there) if isinstance(obstacle, Primitive) else obstacle.placed(pose, **there)
 
 
-def _there(pose: Floats, point: Floats) -> Floats:
-    return checks.closed(pose[:3, :3] @ point + pose[:3, 3])
+PLACES = ("center", "start", "end", "point", "origin", "low", "high")
+"""Attributes of obstacles that are places in the world."""
+
+AXES = ("rotation", "normal", "axes")
+"""Attributes of obstacles that are directions in the world, as rows or columns."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,9 @@ class Obstacle(Frozen, ABC):
 
     name: str | None
 
+    inside = False
+    """Whether the body must stay within it."""
+
     is_function: ClassVar[bool] = False
     """Whether code says where it is, so that no file can."""
 
@@ -52,7 +55,7 @@ class Obstacle(Frozen, ABC):
         return vars(self).get("_place")
 
     def placed(self, pose: Floats, **changes: Any) -> Self:
-        """Return the same obstacle, moved by a pose (4, 4), with these attributes changed; see `courses.moved`."""
+        """Return the same obstacle, moved by a pose (4, 4), with these attributes changed; see `moving.moved`."""
         root, before = self.place or (self, np.eye(4))
         twin = object.__new__(type(self))
         twin._set(**vars(self))
@@ -86,27 +89,33 @@ class Frame(NamedTuple):
     rotation : ndarray (3, 3)
         Its columns are the axes in the world.
     half : ndarray (3,)
-        Half extents along the axes.
+        Half extents along the axes, without what is rounded.
+    rounding : float
+        By how much it extends beyond them in every direction.
     """
 
     center: Floats
     rotation: Floats
     half: Floats
+    rounding: float = 0.0
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Primitive(Obstacle):
     """An obstacle that a few numbers say exactly."""
 
-    @property
-    @abstractmethod
-    def frame(self) -> "Frame":
-        """Where it is, how it is turned, and how far it extends along its own axes, without what is rounded."""
+    _code: ClassVar[int]
+    """Its kind in the tables of the kernels."""
 
     @property
     @abstractmethod
+    def frame(self) -> Frame:
+        """Where it is, how it is turned, and how far it extends along its own axes."""
+
+    @property
     def row(self) -> Floats:
         """One row of the table that the kernels read; layout of `sinuous.kernels.tables`."""
+        return primitive_row(self._code, self.inside, *self.frame)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -121,6 +130,8 @@ class Sphere(Primitive):
         The body must stay within it.
     name : str, optional
     """
+
+    _code = SPHERE
 
     center: Floats
     radius: float
@@ -137,12 +148,7 @@ class Sphere(Primitive):
     @property
     def frame(self) -> Frame:
         """See `Primitive.frame`."""
-        return Frame(self.center, IDENTITY, np.zeros(3))
-
-    @property
-    def row(self) -> Floats:
-        """See `Primitive.row`."""
-        return primitive_row(SPHERE, self.inside, *self.frame, self.radius)
+        return Frame(self.center, IDENTITY, np.zeros(3), self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -162,6 +168,8 @@ class Box(Primitive):
     xyzw : array_like (4,), optional
         A quaternion in the order of SciPy and ROS, instead of `rotation`.
     """
+
+    _code = BOX
 
     center: Floats
     size: Floats
@@ -194,18 +202,13 @@ class Box(Primitive):
         """See `Primitive.frame`."""
         return Frame(self.center, self.rotation, 0.5 * self.size)
 
-    @property
-    def row(self) -> Floats:
-        """See `Primitive.row`."""
-        return primitive_row(BOX, self.inside, *self.frame)
 
-
-def _along(start: Floats, end: Floats, radius: float) -> Frame:
-    """Frame of what lies about a line: z along it, `radius` the half extent across."""
+def _along(start: Floats, end: Floats, across: float, rounding: float = 0.0) -> Frame:
+    """Frame of what lies about a line: z along it, `across` the half extent at right angles to it."""
     span = end - start
     length = math.hypot(*span.tolist())
     rotation = IDENTITY if length == 0.0 else least_rotation(checks.direction("end", span))
-    return Frame(0.5 * (start + end), rotation, np.array([radius, radius, 0.5 * length]))
+    return Frame(0.5 * (start + end), rotation, np.array([across, across, 0.5 * length]), rounding)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -218,6 +221,8 @@ class Capsule(Primitive):
     radius : float
     name : str, optional
     """
+
+    _code = BOX
 
     start: Floats
     end: Floats
@@ -234,12 +239,7 @@ class Capsule(Primitive):
     @property
     def frame(self) -> Frame:
         """See `Primitive.frame`."""
-        return _along(self.start, self.end, 0.0)
-
-    @property
-    def row(self) -> Floats:
-        """See `Primitive.row`."""
-        return primitive_row(BOX, False, *self.frame, self.radius)
+        return _along(self.start, self.end, 0.0, self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -255,6 +255,8 @@ class Cylinder(Primitive):
         The body must stay within it.
     name : str, optional
     """
+
+    _code = CYLINDER
 
     start: Floats
     end: Floats
@@ -280,11 +282,6 @@ class Cylinder(Primitive):
         """See `Primitive.frame`."""
         return _along(self.start, self.end, self.radius)
 
-    @property
-    def row(self) -> Floats:
-        """See `Primitive.row`."""
-        return primitive_row(CYLINDER, self.inside, *self.frame)
-
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class HalfSpace(Primitive):
@@ -299,6 +296,8 @@ class HalfSpace(Primitive):
     name : str, optional
     """
 
+    _code = HALF_SPACE
+
     point: Floats
     normal: Floats
 
@@ -309,8 +308,3 @@ class HalfSpace(Primitive):
     def frame(self) -> Frame:
         """See `Primitive.frame`."""
         return Frame(self.point, least_rotation(self.normal), np.zeros(3))
-
-    @property
-    def row(self) -> Floats:
-        """See `Primitive.row`."""
-        return primitive_row(HALF_SPACE, False, *self.frame)

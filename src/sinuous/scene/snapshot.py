@@ -18,7 +18,7 @@ from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.prepared.parts import NOTHING, Part, join, prepare, unsampled
+from sinuous.scene.prepared.parts import NOTHING, Part, prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -128,12 +128,16 @@ class Snapshot(Surroundings, Frozen):
 
     def prepare(self, progress: Callable[[str, float], object] | None = None) -> None:
         """Compute what the kernels read, if that is not done yet; see `Scene.prepare`."""
+        self._prepared(progress)
+
+    def _prepared(self, progress: Callable[[str, float], object] | None = None) -> Sequence[Part]:
+        """What the kernels read of each obstacle; after that, what they read of all is there, too, unless some move."""
         with self._lock:
-            if self._parts is None:
-                self._set(_parts=[self._part(i, progress) for i in range(len(self))])
+            parts = self._parts or [self._part(i, progress) for i in range(len(self))]
+            self._set(_parts=parts)
             if self._group is None and not self.moves:
-                assert self._parts is not None
-                self._set(_group=join(self._parts))
+                self._set(_group=packing.scene_group([part.row for part in parts], [part.store for part in parts]))
+        return parts
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""
@@ -173,10 +177,8 @@ class Snapshot(Surroundings, Frozen):
         when = checks.number("t", t)
         if not self.moves:
             return self
-        self.prepare()
-        assert self._parts is not None
         there = tuple(standing_at(self._obstacles, when))
-        each = zip(there, self._obstacles, self._parts, strict=True)
+        each = zip(there, self._obstacles, self._prepared(), strict=True)
         parts = [part if own is old else prepare(own, "") for own, old, part in each]
         return Snapshot(there, parts)
 
@@ -197,7 +199,7 @@ class Snapshot(Surroundings, Frozen):
 
     def with_row(self, index: int, obstacle: Obstacle, part: Part, group: Floats) -> "Snapshot":
         """Return a snapshot with this in the place of an obstacle; `group` is what kernels read of the whole scene."""
-        parts = list(self._parts or ())
+        parts = list(self._prepared())
         parts[index] = part
         snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]))
         snapshot._set(_parts=parts, _group=group)
@@ -210,16 +212,14 @@ class Snapshot(Surroundings, Frozen):
         """
         if not meshes:
             return self
-        self.prepare()
-        return Snapshot((*self._obstacles, *meshes), [*(self._parts or ()), *map(unsampled, meshes)])
+        return Snapshot((*self._obstacles, *meshes), [*self._prepared(), *map(unsampled, meshes)])
 
     def without(self, names: Collection[str]) -> "Snapshot":
         """Return a snapshot without the obstacles of these names; nothing is sampled again."""
-        self.prepare()
-        assert self._parts is not None
+        parts = self._prepared()
         kept = [i for i in range(len(self)) if self.name(i) not in names]
         named = tuple(self._obstacles[i].named(self.name(i)) for i in kept)
-        return Snapshot(named, [self._parts[i] for i in kept])
+        return Snapshot(named, [parts[i] for i in kept])
 
     def _content(self) -> dict[str, Any]:
         return {"obstacles": self._obstacles}

@@ -81,9 +81,8 @@ def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> lis
             place = int(places.segments[m]), float(places.along[m]), places.points[m]
             gradient = _gradient(robot, q, place, slopes[m])
             own = place[0] + 1, scene.name(i), float(clearances[m]), gradient
-            inside = getattr(scene.obstacles[i], "inside", False)
             demanded = robot.needed_radii[place[0]] - robot.radii[place[0]]
-            found.append(Contact(*own, inside=inside, demanded=demanded))
+            found.append(Contact(*own, inside=scene.obstacles[i].inside, demanded=demanded))
     return sorted(found, key=lambda contact: contact.clearance)
 
 

@@ -134,5 +134,4 @@ def _thinnest(problem: Problem, last: int | None = None) -> tuple[float, float]:
 
 def _is_inside(problem: Problem, name: str | None) -> bool:
     """Whether the obstacle of this name is one that the body has to stay inside."""
-    named = {problem.scene.name(i): each for i, each in enumerate(problem.scene.obstacles)}
-    return bool(getattr(named.get(name or ""), "inside", False))
+    return any(each.inside and problem.scene.name(i) == name for i, each in enumerate(problem.scene.obstacles))

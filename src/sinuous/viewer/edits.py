@@ -97,7 +97,7 @@ def resized(obstacle: Obstacle, **sizes: float) -> Obstacle:
     if isinstance(obstacle, Sphere):
         return obstacle._changed({"radius": own["radius"]})
     if isinstance(obstacle, Capsule | Cylinder):
-        center, rotation, _ = obstacle.frame
+        center, rotation, *_ = obstacle.frame
         half = 0.5 * own["length"] * rotation[:, 2]
         return obstacle._changed({"start": center - half, "end": center + half, "radius": own["radius"]})
     raise InputError("obstacle", "has no size of its own", obstacle, "a sphere, box, capsule or cylinder")

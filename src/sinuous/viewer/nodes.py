@@ -222,7 +222,7 @@ class Obstacles:
         singles = [i for i, obstacle in enumerate(obstacles) if type(obstacle) not in UNITS]
         for i, obstacle in enumerate(obstacles):
             if type(obstacle) in UNITS:
-                members.setdefault((type(obstacle), _is_inside(obstacle)), []).append(i)
+                members.setdefault((type(obstacle), obstacle.inside), []).append(i)
         self._members = members
         for key in [key for key in self._groups if key not in members]:
             self._groups.pop(key)[0].remove()
@@ -292,7 +292,7 @@ class Obstacles:
                 precision="float32",
             )
             return
-        both = isinstance(obstacle, Mesh | HalfSpace) and not _is_inside(obstacle)
+        both = isinstance(obstacle, Mesh | HalfSpace) and not obstacle.inside
         vertices, faces = self._surface(obstacle)
         arguments: dict[str, Any] = {
             "color": colour,
@@ -307,11 +307,6 @@ class Obstacles:
     def _surface(self, obstacle: Obstacle) -> tuple[Floats, Triangles]:
         surface = obstacle_surface(obstacle, self._bounds.middle, 2.0 * self._bounds.span, AROUND, pieces=1)
         return surface.vertices, surface.triangles
-
-
-def _is_inside(obstacle: Obstacle) -> bool:
-    """Whether the body must stay inside."""
-    return bool(getattr(obstacle, "inside", False))
 
 
 def _move_nodes(known: _Single, obstacle: Obstacle) -> bool:
@@ -337,8 +332,8 @@ def _linear(colour: Rgb) -> NDArray[np.uint8]:
 
 def _scaled(obstacle: Any) -> tuple[Floats, Floats, Floats]:
     """Place, quaternion and scale of the unit solid that an obstacle is."""
-    center, rotation, half = obstacle.frame
-    return center, wxyz(rotation), np.full(3, obstacle.radius) if isinstance(obstacle, Sphere) else half
+    center, rotation, half, rounding = obstacle.frame
+    return center, wxyz(rotation), half + rounding
 
 
 def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span: float) -> None:

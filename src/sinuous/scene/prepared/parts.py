@@ -1,7 +1,6 @@
 """What the kernels read of a scene: a table with one row an obstacle, and one store of numbers for all."""
 
 import threading
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -111,11 +110,6 @@ def unsampled(obstacle: PointCloud | Mesh, before: PointCloud | None = None) -> 
         return entry.part
 
 
-def join(parts: Sequence[Part]) -> Floats:
-    """Put the obstacles of a scene together: the group that the kernels read."""
-    return packing.scene_group([part.row for part in parts], [part.store for part in parts])
-
-
 def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
     if isinstance(obstacle, Field) or (isinstance(obstacle, Grid) and not obstacle.occupancy):
         return _of_samples(obstacle.values, obstacle.origin, obstacle.spacing, obstacle.exact_below)
@@ -198,13 +192,9 @@ def _check_sides(mesh: Mesh, part: Part, name: str) -> None:
 
     The former are found exactly, the latter by distances that jump between samples.
     """
-    if bodies_overlap(mesh.vertices, mesh.faces):
-        raise InputError(name, "cuts through itself", "bodies that overlap", "its bodies one by one: mesh.bodies()")
-    at, spacing = int(part.row[t.FIRST_SAMPLE]), float(part.row[t.SPACING])
-    shape = part.row[t.SHAPE : t.SHAPE + 3].astype(int)
-    values = part.store[at:].reshape(shape)
-    for axis in range(3):
-        jump = np.abs(np.diff(values, axis=axis)).max()
-        if jump > spacing * (1.0 + 1e-6):
-            expected = "its bodies one by one: mesh.bodies()"
-            raise InputError(name, "cuts through itself", f"a distance that jumps by {jump:.3g}", expected)
+    values = part.store[int(part.row[t.FIRST_SAMPLE]) :].reshape(part.row[t.SHAPE : t.SHAPE + 3].astype(int))
+    jump = max(float(np.abs(np.diff(values, axis=axis)).max()) for axis in range(3))
+    wrong = f"a distance that jumps by {jump:.3g}" if jump > part.row[t.SPACING] * (1.0 + 1e-6) else ""
+    wrong = "bodies that overlap" if bodies_overlap(mesh.vertices, mesh.faces) else wrong
+    if wrong:
+        raise InputError(name, "cuts through itself", wrong, "its bodies one by one: mesh.bodies()")

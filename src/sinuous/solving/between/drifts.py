@@ -30,7 +30,7 @@ class Drifts:
             assert isinstance(obstacle, Moving)
             self._row[e, OF] = i
             if isinstance(obstacle.obstacle, Primitive):
-                center, axes, _ = obstacle.obstacle.frame
+                center, axes, *_ = obstacle.obstacle.frame
                 self._row[e, OWN_CENTER : OWN_CENTER + 3] = center
                 self._row[e, OWN_AXES : OWN_AXES + 9] = np.ravel(axes)
         self._poses = _poses(list(self._courses.values()))

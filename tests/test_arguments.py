@@ -9,8 +9,6 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, get_args, get_type_hints
 
-import pytest
-
 import sinuous as sn
 from sinuous import arguments
 from sinuous.kernels.tables import SOURCES
@@ -22,6 +20,7 @@ from sinuous.robot.robot import RobotArguments
 from sinuous.robot.segment import SegmentArguments
 from sinuous.signatures import Shown
 from sinuous.solving.options import SolveArguments, SolveOptions
+from tests.cases import with_each
 
 ROOT = Path(__file__).parent.parent
 CODE = ROOT / "tests" / "user_code"
@@ -104,7 +103,7 @@ def test_words_are_those_that_the_code_has() -> None:
     assert get_args(arguments.StartKind) == SOURCES
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("constructor", "keywords"),
     [
         (sn.Robot, RobotArguments),

@@ -10,6 +10,7 @@ import pytest
 
 from sinuous import checks
 from sinuous.errors import InputError
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
 
 
@@ -20,7 +21,7 @@ def test_numbers_of_all_kinds_become_floats() -> None:
         assert result == 2.0
 
 
-@pytest.mark.parametrize("value", NOT_NUMBERS)
+@with_each("value", NOT_NUMBERS)
 def test_what_is_no_number_is_refused(value: Any) -> None:
     error = refused("key", lambda: checks.number("key", value), "finite number")
     assert error.value is value
@@ -36,7 +37,7 @@ def test_above_excludes_and_low_includes() -> None:
     refused("key", lambda: checks.number("key", 0.0, above=0.0), "greater than 0")
 
 
-@pytest.mark.parametrize("value", [0, 4, 2.0, True, "2", None, math.nan, 10**9, np.float64(2.0)])
+@with_each("value", [0, 4, 2.0, True, "2", None, math.nan, 10**9, np.float64(2.0)])
 def test_what_is_no_count_is_refused(value: Any) -> None:
     refused("key", lambda: checks.integer("key", value, 1, 3), "1 to 3")
 
@@ -50,7 +51,7 @@ def test_counts_become_ints() -> None:
     assert type(checks.integer("key", np.int32(3), 1, 3)) is int
 
 
-@pytest.mark.parametrize("value", NOT_VECTORS)
+@with_each("value", NOT_VECTORS)
 def test_what_is_no_vector_is_refused(value: Any) -> None:
     refused("key", lambda: checks.vector("key", value), "expected 3 finite numbers, got ")
 
@@ -76,7 +77,7 @@ def test_stacks_have_any_axes_in_front(lead: tuple[int, ...]) -> None:
     assert checks.stack("key", np.ones((*lead, 5, 3)), (5, 3)).shape == (*lead, 5, 3)
 
 
-@pytest.mark.parametrize(
+@with_each(
     "value",
     [
         3.0,
@@ -114,7 +115,7 @@ def test_intervals() -> None:
     assert checks.interval("key", (2.0, 2.0)) == (2.0, 2.0)
 
 
-@pytest.mark.parametrize(
+@with_each(
     "value",
     [
         "12",

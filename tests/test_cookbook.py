@@ -12,6 +12,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.batch.cluster import NO_PAGE
+from tests.cases import with_each
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "cookbook.md").read_text(encoding="utf-8")
@@ -33,7 +34,7 @@ def test_every_heading_is_a_job() -> None:
     assert len(JOBS) == PAGE.count("\n## ") == PAGE.count("```python") >= 10
 
 
-@pytest.mark.parametrize("job", JOBS)
+@with_each("job", JOBS)
 def test_it_takes_few_lines(job: str) -> None:
     assert 0 < len(lines(JOBS[job])) <= MOST
     assert max(map(len, JOBS[job].splitlines())) <= 120

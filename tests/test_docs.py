@@ -14,6 +14,7 @@ from benchmarks.paper.entrants import FAITHFUL
 from sinuous.cli.app import main
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.registry import METHODS, capabilities
+from tests.cases import with_each
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -23,7 +24,7 @@ LESS = {r"\btime=\d+\.0": "time=0.5", r"\bseconds=\d+": "seconds=0.2", r"\brobot
 LESSONS = [DOCS / "first-steps.md", *sorted((DOCS / "guides").glob("*.md"))]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.name))
+@with_each("page", PAGES)
 def test_links_and_pictures_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
         assert link.startswith("https://") or (page.parent / link).exists(), link

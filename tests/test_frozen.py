@@ -15,6 +15,7 @@ from sinuous.export.chain import JointChain
 from sinuous.frozen import Frozen
 from sinuous.scene.prepared.parts import Part
 from sinuous.scene.reading import Placement
+from tests.cases import with_each
 from tests.scene.shapes import cube
 
 ROBOT = sn.Robot(
@@ -119,7 +120,7 @@ def assert_equal(a: Any, b: Any) -> None:
         assert a == b or (math.isnan(a) and math.isnan(b))
 
 
-@pytest.mark.parametrize("name", NOUNS)
+@with_each("name", NOUNS)
 def test_attributes_cannot_be_set(name: str) -> None:
     noun = NOUNS[name]()
     assert public(noun)
@@ -131,7 +132,7 @@ def test_attributes_cannot_be_set(name: str) -> None:
             delattr(noun, attribute)
 
 
-@pytest.mark.parametrize("name", NOUNS)
+@with_each("name", NOUNS)
 def test_arrays_are_read_only_but_those_for_kernels(name: str) -> None:
     noun = NOUNS[name]()
     for attribute in public(noun):
@@ -140,14 +141,14 @@ def test_arrays_are_read_only_but_those_for_kernels(name: str) -> None:
             assert value.flags.writeable == (attribute in TABLES.get(type(noun).__name__, ())), attribute
 
 
-@pytest.mark.parametrize("name", NOUNS)
-@pytest.mark.parametrize("protocol", [2, 5])
+@with_each("name", NOUNS)
+@with_each("protocol", [2, 5])
 def test_pickles_come_back_equal(name: str, protocol: int) -> None:
     noun = NOUNS[name]()
     assert_equal(pickle.loads(pickle.dumps(noun, protocol)), noun)
 
 
-@pytest.mark.parametrize("name", NOUNS)
+@with_each("name", NOUNS)
 def test_copies_are_the_same(name: str) -> None:
     noun = NOUNS[name]()
     assert copy.copy(noun) is noun
@@ -166,7 +167,7 @@ def test_memory_of_somebody_else_is_read_only_and_tables_are_copied_from_it() ->
 EQUAL = [name for name in NOUNS if name != "solution"]
 
 
-@pytest.mark.parametrize("name", EQUAL)
+@with_each("name", EQUAL)
 def test_nouns_are_compared_by_what_they_say(name: str) -> None:
     noun = NOUNS[name]()
     assert noun.equals(noun)

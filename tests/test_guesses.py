@@ -8,6 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.problem.suspicions import suspicions
+from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), max_bend=1.6, radius=4)
@@ -36,7 +37,7 @@ def test_a_quaternion_has_an_order() -> None:
         guess(PLACE, colour="red")
 
 
-@pytest.mark.parametrize("place", [PLACE, PLACE.tolist(), tuple(PLACE), TURNED, TURNED.tolist()])
+@with_each("place", [PLACE, PLACE.tolist(), tuple(PLACE), TURNED, TURNED.tolist()])
 def test_a_place_is_a_target_wherever_one_is_asked_for(place: Any) -> None:
     target, solver = sn.Target(place), sn.Solver(ROBOT, seed=1)
     wanted = solver.solve(target)
@@ -173,7 +174,7 @@ def test_a_segment_may_be_named_wherever_one_is_asked_for() -> None:
 
 def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:
     solver, wrong = sn.Solver(NAMED), ELBOW.changed(segment="elbw")
-    words = "expected perhaps elbow (or one of shoulder, wrist), got 'elbw' (no segment has this name)"
+    words = "expected elbow (or one of shoulder, wrist), got 'elbw' (no segment has this name)"
     refused("target.segment", lambda: solver.solve(wrong), words)
     refused("targets[1].segment", lambda: solver.solve_many([ELBOW, wrong]), words)
     refused("segment", lambda: NAMED.jacobian(Q, "elbw"), words)

@@ -12,6 +12,7 @@ from packaging.requirements import Requirement
 from packaging.version import Version
 
 import sinuous
+from tests.cases import with_each
 
 ROOT = Path(__file__).parent.parent
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -56,7 +57,7 @@ def test_python_versions_agree() -> None:
     assert workflow["jobs"]["tests"]["strategy"]["matrix"]["python"] == PYTHONS
 
 
-@pytest.mark.parametrize("page", PAGES)
+@with_each("page", PAGES)
 def test_extras_that_pages_name_are_there(page: str) -> None:
     named = re.findall(r"(?:sinuous|\.)\[(\w+(?:,\w+)*)\]", text(page))
     assert {extra for names in named for extra in names.split(",")} <= set(PROJECT["optional-dependencies"])

@@ -16,6 +16,7 @@ from sinuous.poses import as_pose, least_rotation, pose, rotation_matrix
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Box
 from sinuous.scene.reading import Placement
+from tests.cases import with_each
 from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused, refused_each
 
 coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))
@@ -49,8 +50,8 @@ def test_nearly_down_is_turned_about_the_axis_across(tiny: float) -> None:
     np.testing.assert_allclose(rotation, np.diag([-1.0, 1.0, -1.0]), atol=2 * tiny)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("scale", [1.0, -3.0, 1e-200, 1e200])
+@with_each("seed", range(5))
+@with_each("scale", [1.0, -3.0, 1e-200, 1e200])
 def test_quaternions_are_wxyz_of_any_length(seed: int, scale: float) -> None:
     expected = Rotation.from_matrix(random_rotation(np.random.default_rng(seed)))
     x, y, z, w = expected.as_quat()
@@ -58,7 +59,7 @@ def test_quaternions_are_wxyz_of_any_length(seed: int, scale: float) -> None:
     np.testing.assert_allclose(got, expected.as_matrix(), atol=1e-15)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_a_rotation_may_be_stated_in_other_ways(seed: int) -> None:
     expected = Rotation.from_matrix(random_rotation(np.random.default_rng(seed)))
     ways: list[dict[str, Any]] = [{"rotation": expected}, {"xyzw": 3.0 * expected.as_quat()}]
@@ -96,7 +97,7 @@ def test_rounded_matrices_are_made_exact() -> None:
     assert not got.flags.writeable
 
 
-@pytest.mark.parametrize(
+@with_each(
     "value",
     [
         np.zeros((3, 3)),
@@ -143,7 +144,7 @@ def test_a_pose_is_said_one_way() -> None:
     refused("position", lambda: pose((1, 2, 3), matrix=np.eye(4)))
 
 
-@pytest.mark.parametrize("value", [v for v in NOT_VECTORS if v is not None])
+@with_each("value", [v for v in NOT_VECTORS if v is not None])
 def test_bad_positions_and_directions_are_refused(value: Any) -> None:
     refused("position", lambda: pose(value))
     refused("direction", lambda: pose(direction=value))
@@ -153,9 +154,7 @@ def test_zero_points_nowhere() -> None:
     refused("direction", lambda: pose(direction=(0, 0, 0)))
 
 
-@pytest.mark.parametrize(
-    "value", [np.eye(3), np.zeros((4, 4)), np.diag([1.0, 1.0, 1.0, 2.0]), np.eye(4) * math.nan, "eye"]
-)
+@with_each("value", [np.eye(3), np.zeros((4, 4)), np.diag([1.0, 1.0, 1.0, 2.0]), np.eye(4) * math.nan, "eye"])
 def test_what_is_no_matrix_of_a_pose_is_refused(value: Any) -> None:
     refused("matrix", lambda: pose(matrix=value))
     refused("base.matrix", lambda: as_pose("base", value))

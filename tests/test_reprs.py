@@ -18,6 +18,7 @@ from sinuous.solution.remedies import Remedy
 from sinuous.solution.step import Active
 from sinuous.solution.worst import Worst
 from sinuous.workspace.reach import Verdict
+from tests.cases import with_each
 from tests.helpers import refused
 from tests.scene.shapes import cube
 
@@ -107,7 +108,7 @@ OBJECTS: list[Any] = [
 ]
 
 
-@pytest.mark.parametrize("value", OBJECTS, ids=lambda value: str(type(value).__name__))
+@with_each("value", OBJECTS)
 def test_it_is_one_short_line(value: Any) -> None:
     shown = repr(value)
     assert "\n" not in shown
@@ -134,7 +135,7 @@ def test_what_is_short_is_shown_whole_and_can_be_typed() -> None:
     assert repr(ROBOT.segments[0]) == "Segment(length=(0.8, 1.2), max_bend=3.14159, radius=0.05, 3 tendons)"
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_rotations_are_quaternions_that_turn_the_same(seed: int) -> None:
     given = np.random.default_rng(seed).normal(size=4)
     matrix = sn.pose(rotation=given)[:3, :3]

@@ -1,9 +1,9 @@
 """Numbers and lists in sentences."""
 
 import numpy as np
-import pytest
 
 from sinuous import words
+from tests.cases import with_each
 
 
 def test_numbers() -> None:
@@ -13,7 +13,7 @@ def test_numbers() -> None:
     assert words.number("in the scene") == "in the scene"
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("numbers", "count", "text"),
     [
         ([3], 5, "segment 3"),
@@ -28,7 +28,7 @@ def test_segments(numbers: list[int], count: int | None, text: str) -> None:
     assert words.segments(numbers, count) == text
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("seconds", "text"),
     [(8.7e-6, "8.7 us"), (87.3e-6, "87.3 us"), (1e-3, "1 ms"), (41.63e-3, "41.6 ms"), (1.0, "1 s"), (11.24, "11.2 s")],
 )

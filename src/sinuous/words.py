@@ -64,7 +64,7 @@ LIKE = 0.6
 
 
 def suggested(name: Any, known: Iterable[str]) -> str:
-    """What a name that is not known should be: `perhaps length (or one of radius, name)`."""
+    """What a name that is not known should be: `length (or one of radius, name)`, the most similar one first."""
     import difflib  # noqa: PLC0415
 
     names = tuple(known)
@@ -72,7 +72,7 @@ def suggested(name: Any, known: Iterable[str]) -> str:
     if not nearest:
         return "one of " + ", ".join(names)
     others = [each for each in names if each != nearest[0]]
-    return f"perhaps {nearest[0]}" + (f" (or one of {', '.join(others)})" if others else "")
+    return nearest[0] + (f" (or one of {', '.join(others)})" if others else "")
 
 
 def segments(numbers: Sequence[int], count: int | None = None) -> str:

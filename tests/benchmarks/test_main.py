@@ -13,6 +13,7 @@ from benchmarks.__main__ import ABOUT, BENCHMARKS, OF_LINES, OF_METHODS, OF_PART
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
 from sinuous.errors import warn_of
+from tests.cases import with_each
 
 Given = list[tuple[Chosen, Output]]
 
@@ -62,7 +63,7 @@ def test_parts_can_be_chosen(given: Given, name: str) -> None:
     assert given == [(Chosen(name, parts=("p3", "drum*")), Output(whole=False))]
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("name", "pattern", "first"),
     [
         ("speed", "paper", "paper"),
@@ -110,7 +111,7 @@ def test_help_says_what_each_name_measures(capsys: pytest.CaptureFixture[str]) -
         assert not any(other in words for key, other in ABOUT.items() if key != name)
 
 
-@pytest.mark.parametrize("name", BENCHMARKS)
+@with_each("name", BENCHMARKS)
 def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     made = Chosen(name, seed=5).experiment()
     assert (made.name, made.plan.seed) == (name, 5)

@@ -1,6 +1,7 @@
 """What the shell is told: exit codes, one line on standard error, and quickly."""
 
 import contextlib
+import re
 import subprocess
 import sys
 import tomllib
@@ -61,6 +62,11 @@ def test_a_wrong_call_is_one_line(capsys: pytest.CaptureFixture[str], arguments:
     assert captured.out == ""
     assert captured.err.startswith(said)
     assert captured.err.count("\n") == 1
+
+
+def test_a_value_of_another_type_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "--seed", "1.5", "a.yaml"]) == 2
+    assert re.fullmatch("sinuous: Invalid value for '--seed': .*'1.5'.*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ def test_reading_is_shown_when_it_takes_long(
     with waiting() as show:
         show("reading engine.yaml", None)
         if shows:
-            until = time.monotonic() + 10.0
+            until = time.monotonic() + 60.0
             while "engine.yaml" not in stream.getvalue() and time.monotonic() < until:
                 time.sleep(0.01)
         show("preparing housing", 0.5)

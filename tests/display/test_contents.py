@@ -10,6 +10,7 @@ import sinuous as sn
 from sinuous.display.contents import gather
 from sinuous.viewer.model import PageModel
 from sinuous.viewer.status import judge, nearest
+from tests.cases import with_each
 
 pytest.importorskip("matplotlib").use("agg")
 
@@ -40,7 +41,7 @@ def test_obstacles_are_where_they_are_at_a_share_of_the_motion() -> None:
     assert alone.equals(BALL.at(0.0))
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("things", "message"),
     [
         ((), "things: expected something to draw"),

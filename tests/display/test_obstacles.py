@@ -1,12 +1,12 @@
 """Drawn obstacles are where they are, and face the side where the body may be."""
 
 import numpy as np
-import pytest
 
 import sinuous as sn
 from sinuous.display.obstacles import obstacle_surface
 from sinuous.pictures.paint import normals
 from sinuous.scene.obstacles import Obstacle
+from tests.cases import with_each
 from tests.scene.shapes import cube
 
 TURNED = sn.pose(rotation=(1, 2, 3, 4))[:3, :3]
@@ -25,8 +25,8 @@ OBSTACLES = [
 ]
 
 
-@pytest.mark.parametrize("pieces", [1, 12], ids=["page", "picture"])
-@pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda obstacle: type(obstacle).__name__)
+@with_each("pieces", [1, 12])
+@with_each("obstacle", OBSTACLES)
 def test_vertices_lie_on_the_surface_and_faces_towards_free_space(obstacle: Obstacle, pieces: int) -> None:
     surface = obstacle_surface(obstacle, np.zeros(3), 5.0, pieces=pieces)
     scene = sn.Scene([obstacle])
@@ -36,7 +36,7 @@ def test_vertices_lie_on_the_surface_and_faces_towards_free_space(obstacle: Obst
     assert alike[np.linalg.norm(outward, axis=-1) > 0.5].min() > 0.99
 
 
-@pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda obstacle: type(obstacle).__name__)
+@with_each("obstacle", OBSTACLES)
 def test_triangles_and_faces_have_the_same_area_and_turned_ones_the_other_side(obstacle: Obstacle) -> None:
     surface = obstacle_surface(obstacle, np.zeros(3), 5.0)
     corners = surface.vertices[surface.triangles]

@@ -4,13 +4,14 @@ import pytest
 
 from sinuous.errors import InputError
 from sinuous.files.documents import parse_json
+from tests.cases import with_each
 
 
 def test_values() -> None:
     assert parse_json('{"a": [1, 2.5, true, null, "x"]}') == {"a": [1, 2.5, True, None, "x"]}
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("text", "key", "problem"),
     [
         ('{"a": NaN}', "a", "expected a finite number"),

@@ -9,6 +9,7 @@ from sinuous.errors import InputError
 from sinuous.files import path_csv
 from sinuous.files.path_csv import parse_path
 from sinuous.problem.target import Target
+from tests.cases import with_each
 
 
 def test_quaternions_are_wxyz() -> None:
@@ -45,7 +46,7 @@ def test_a_column_in_front_has_times() -> None:
     assert parse_path("x,y,z\n1,2,3\n").times is None
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("text", "key", "problem"),
     [
         ("", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),

@@ -215,7 +215,7 @@ BAD = {
     "robot: {segments: {count: 2.0, length: 1}}": "robot.segments.count: "
     "expected a whole number from 1 to 10000, got 2.0",
     "robot: {segments: {count: 0, length: 1}}": "robot.segments.count: expected a whole number from 1 to 10000, got 0",
-    "robot: {segments: {lenght: 1}}": "robot.segments.lenght: expected perhaps length ... (unknown key)",
+    "robot: {segments: {lenght: 1}}": "robot.segments.lenght: expected length ... (unknown key)",
     "robot: {segments: {count: 2}}": "robot.segments.length: expected a value, got {'count': 2} (missing)",
     "robot: {segments: {length: [2, 1]}}": "robot.segments.length: "
     "expected [low, high] with low <= high ... (lower limit above the upper one)",
@@ -258,7 +258,7 @@ BAD = {
     "clearance, self_clearance, uncertainty, stiffness, mass, arcs, gravity, payload, got 3",
     ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
     ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",
-    ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected perhaps sphere ... (unknown key)",
+    ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected sphere ... (unknown key)",
     ROBOT + "scene: [{sphere: {}, box: {}}]": "scene[0]: "
     "expected one of sphere, box, capsule, cylinder, half_space, mesh ... {'box': {}, 'sphere': {}}",
     ROBOT + "scene: [{sphere: {center: [0, 0, 0]}}]": "scene[0].sphere.radius: "
@@ -280,7 +280,7 @@ BAD = {
     "expected a name that ends in .stl, .ply, .obj, .glb ... ",
     ROBOT + "scene: [{mesh: {file: [a.stl], scale: 1}}]": "scene[0].mesh.file: expected a text, got ['a.stl']",
     ROBOT + "scene: [{mesh: {file: a.stl, scale: 0}}]": "scene[0].mesh.scale: expected a number greater than 0, got 0",
-    ROBOT + "scene: [{mesh: {fiel: a.stl, scale: 1}}]": "scene[0].mesh.fiel: expected perhaps file ... (unknown key)",
+    ROBOT + "scene: [{mesh: {fiel: a.stl, scale: 1}}]": "scene[0].mesh.fiel: expected file ... (unknown key)",
     ROBOT
     + "scene: [{points: {file: a.ply}}]": "scene[0].points.radius: expected a value, got {'file': 'a.ply'} (missing)",
     ROBOT + "scene: [{points: {file: a.pcd, radius: 1}}]": "scene[0].points.file: "
@@ -313,7 +313,7 @@ BAD = {
     ROBOT + TARGET + "tolerance: {position: 0}": "tolerance.position: expected a number greater than 0, got 0",
     ROBOT
     + TARGET
-    + "tolerance: {angel: 1}": "tolerance.angel: expected perhaps angle (or one of position), got 1 (unknown key)",
+    + "tolerance: {angel: 1}": "tolerance.angel: expected angle (or one of position), got 1 (unknown key)",
     ROBOT + TARGET + "start: [[0, 0, 1]]": "start: expected 2 rows of 3 finite numbers, got [[0, 0, 1]] (shape (1, 3))",
     ROBOT
     + TARGET
@@ -323,7 +323,7 @@ BAD = {
     "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
     ROBOT
     + TARGET
-    + "prefer: {bend: 1}": "prefer.bend: expected perhaps bends (or one of start, clearance), got 1 (unknown key)",
+    + "prefer: {bend: 1}": "prefer.bend: expected bends (or one of start, clearance), got 1 (unknown key)",
     ROBOT + TARGET + "rates: {bend: 0}": "rates.bend: expected a number greater than 0, got 0",
     ROBOT + TARGET + "rates: {length: [1, 2, 3]}": "rates.length: expected one number, or 2, got [1.0, 2.0, 3.0]",
     ROBOT + TARGET + "rates: {speed: 1}": "rates.speed: "
@@ -331,7 +331,7 @@ BAD = {
     ROBOT
     + TARGET
     + "rates: {acceleration: {bend: -1}}": "rates.acceleration.bend: expected a number greater than 0, got -1",
-    ROBOT + TARGET + "tagret: 1": "tagret: expected perhaps target ... (unknown key)",
+    ROBOT + TARGET + "tagret: 1": "tagret: expected target ... (unknown key)",
     ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': "
     "expected one of robot, scene, target, targets, path, goal, tolerance ... (unknown key)",
     "": "file: expected a mapping with robot, scene, target, targets, path, goal, tolerance ... None",

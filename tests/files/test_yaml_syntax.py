@@ -8,6 +8,7 @@ import yaml
 from sinuous.errors import InputError
 from sinuous.files import documents
 from sinuous.files.documents import parse_yaml
+from tests.cases import with_each
 
 
 @pytest.fixture(params=["CSafeLoader", "SafeLoader"], autouse=True)
@@ -18,7 +19,7 @@ def _both_parsers(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(documents, "_LOADER", getattr(yaml, request.param))
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("text", "value"),
     [
         ("1e-3", 0.001),
@@ -62,7 +63,7 @@ def test_line_ends_of_windows_are_fine() -> None:
     assert parse_yaml("a: 1\r\nb:\r\n  - 2\r\n") == {"a": 1, "b": [2]}
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("text", "value"),
     [
         ("a: &x 1\nb: *x", {"a": 1, "b": 1}),

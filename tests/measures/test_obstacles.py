@@ -9,6 +9,7 @@ import sinuous as sn
 from sinuous.measures import obstacles
 from sinuous.measures.obstacles import Indices, least_distances, measure, to_boxes, to_triangles
 from sinuous.scene.meshes.mesh import Mesh
+from tests.cases import with_each
 from tests.helpers import Floats, random_rotation
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 
@@ -25,7 +26,7 @@ OBSTACLES = [
 ]
 
 
-@pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda o: type(o).__name__)
+@with_each("obstacle", OBSTACLES)
 def test_distances_agree_with_the_kernels(obstacle: sn.Sphere) -> None:
     points = np.random.default_rng(0).uniform(-3, 3, (2000, 3))
     np.testing.assert_allclose(measure(obstacle, points), sn.Scene([obstacle]).distance(points), atol=1e-12)

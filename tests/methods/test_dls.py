@@ -8,13 +8,14 @@ from sinuous.kernels.step.targets import add_rows
 from sinuous.methods import dls
 from sinuous.methods.dls import Dls
 from sinuous.packing import pose_row
+from tests.cases import with_each
 from tests.helpers import columns_of, frames_of, make_rows, random_pose, refused, vec
 from tests.methods import laws
 from tests.methods.fabrik.test_links import MIXED
 from tests.methods.fabrik.test_links_conversion import within
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_the_jacobian_is_the_geometric_one(seed: int) -> None:
     rng = np.random.default_rng(seed)
     base, tool = random_pose(rng), random_pose(rng)

@@ -14,6 +14,7 @@ from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.options import Options
 from sinuous.methods.registry import METHODS
 from sinuous.solving.solver import Solver
+from tests.cases import with_each
 from tests.helpers import refused
 from tests.methods.laws import quick
 
@@ -21,7 +22,7 @@ ARM = sn.Robot.uniform(5, (45, 70), 2.4)
 EASY = sn.Target((60.0, 20.0, 240.0))
 
 
-@pytest.mark.parametrize("name", METHODS)
+@with_each("name", METHODS)
 def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
     chosen = methods.options_class(name)
     assert methods.name_of(name) == name
@@ -57,7 +58,7 @@ def test_many_are_solved_like_one(name: MethodName) -> None:
     assert len(solver.solve_many([])) == 0
 
 
-@pytest.mark.parametrize("name", METHODS)
+@with_each("name", METHODS)
 def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
     can = methods.capabilities(name)
     upright = np.eye(3)

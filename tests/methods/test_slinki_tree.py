@@ -8,6 +8,7 @@ import pytest
 
 from sinuous.methods import slinki as lattice
 from sinuous.robot.robot import Robot
+from tests.cases import with_each
 from tests.helpers import expm_chain, random_rotation, vec
 from tests.methods.fabrik.test_links import MIXED
 
@@ -16,7 +17,7 @@ def arc(bend: float, angle: float, length: float) -> Any:
     return np.array([[bend * math.cos(angle), bend * math.sin(angle), length]])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_a_biarc_gets_there(seed: int) -> None:
     """Two arcs of these bends and lengths, meeting smoothly, lead to the end with its tangent."""
     rng = np.random.default_rng(seed)

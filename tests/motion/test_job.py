@@ -11,6 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
+from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
 ARM = "segments: {count: 3, length: [0.8, 1.2], max_bend: 2}\nradius: 0.05\n"
@@ -99,7 +100,7 @@ def test_a_solution_comes_back_from_its_result(tmp_path: Path, name: str, time: 
     assert found.to_dict() == solution.to_dict()
 
 
-@pytest.mark.parametrize("status", [status for status in sn.Status if status is not sn.Status.START_BLOCKED])
+@with_each("status", [status for status in sn.Status if status is not sn.Status.START_BLOCKED])
 def test_every_status_comes_back(status: sn.Status) -> None:
     solution = sn.solve(ROBOT, TARGET, [LAMP])
     reason = {"bound": "route", "needed": 0.1, "available": 0.2, "obstacle": "lamp"}
@@ -169,8 +170,8 @@ BAD = {
     "3": "file: expected a problem, a robot, a list of obstacles, or a motion, got 3",
     "": "file: expected a problem, a robot, a list of obstacles, or a motion, got None",
     "a: 1": "a: expected one of robot, scene",
-    "segments: {length: 1, lenght: 2}": "segments.lenght: expected perhaps length",
-    "[{spere: {}}]": "[0].spere: expected perhaps sphere",
+    "segments: {length: 1, lenght: 2}": "segments.lenght: expected length",
+    "[{spere: {}}]": "[0].spere: expected sphere",
     "robot: job.yaml\ntarget: {position: [0, 0, 1]}": "robot: expected one of segments, ",
     "robot: name.yaml\ntarget: {position: [0, 0, 1]}": "expected what stands under robot, not the name of another",
     "robot: missing.yaml": "robot: expected the name of a file that can be read",

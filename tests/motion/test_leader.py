@@ -9,6 +9,7 @@ import sinuous as sn
 from sinuous.measures.following import body_places
 from sinuous.motion import leader
 from sinuous.solving.between.steps import Prover
+from tests.cases import with_each
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
 STAGED = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), BEZIER.length)
@@ -132,7 +133,7 @@ def test_the_tool_is_not_led() -> None:
     assert longer.distance(robot.forward(motion.q)[:, -1, :3, 3]).max() < 1e-8
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("robot", "curve", "options", "message"),
     [
         (

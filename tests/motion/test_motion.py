@@ -12,6 +12,7 @@ import pytest
 import sinuous as sn
 from sinuous.motion.report import Report
 from sinuous.solving.between.steps import Steps
+from tests.cases import with_each
 from tests.helpers import refused
 
 ROBOT = sn.Robot(
@@ -184,7 +185,7 @@ WRONG: list[tuple[str, dict[str, Any]]] = [
 ]
 
 
-@pytest.mark.parametrize(("key", "given"), WRONG)
+@with_each(("key", "given"), WRONG)
 def test_what_is_no_motion_is_refused(key: str, given: dict[str, Any]) -> None:
     whole: dict[str, Any] = {"robot": ROBOT, "q": KNOTS, **given}
     refused(key, lambda: sn.Motion(**whole))

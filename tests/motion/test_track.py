@@ -9,6 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.motion.track import HALF, Room
 from sinuous.problem.problem import Preferences
+from tests.cases import with_each
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
@@ -189,9 +190,7 @@ def test_progress_sees_every_solution() -> None:
     assert tuple(seen) == track.solutions
 
 
-@pytest.mark.parametrize(
-    "targets", [CIRCLE[0], [], "path.csv", [CIRCLE[0], 3], [[]], [sn.Target((0, 0, 3), segment=5)], 3]
-)
+@with_each("targets", [CIRCLE[0], [], "path.csv", [CIRCLE[0], 3], [[]], [sn.Target((0, 0, 3), segment=5)], 3])
 def test_what_is_no_path_is_refused(targets: object) -> None:
     with pytest.raises(sn.InputError, match="targets"):
         sn.track(ROBOT, targets)  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.checks import Floats
+from tests.cases import with_each
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
@@ -99,6 +100,6 @@ def test_a_motion_is_proved_in_the_scene_that_it_names(center: tuple[float, ...]
     np.testing.assert_array_equal(anew.steps.proved, motion.steps.proved)
 
 
-@pytest.mark.parametrize("wrong", [0, -1.0, "near", np.nan, True])
+@with_each("wrong", [0, -1.0, "near", np.nan, True])
 def test_a_deviation_below_the_tolerance_is_refused(wrong: object) -> None:
     refused("deviation", lambda: sn.track(ROBOT, SPARSE, deviation=wrong))  # type: ignore[arg-type]

@@ -11,6 +11,7 @@ import sinuous as sn
 from sinuous.checks import Floats
 from sinuous.export.chain import JointChain
 from sinuous.measures.following import body_places
+from tests.cases import with_each
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=4))
 FAR = sn.Sphere((0, 0, 400), radius=10)
@@ -161,7 +162,7 @@ def test_resampled_it_is_a_motion_that_is_proved_anew() -> None:
     np.testing.assert_allclose(motion.q, timed.at(motion.times))
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("rates", "blend", "message"),
     [
         (sn.Rates(), 0.0, "rates: expected"),

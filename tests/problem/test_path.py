@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
+from tests.cases import with_each
 
 RNG = np.random.default_rng(4)
 POINTS = RNG.normal(size=(6, 3))
@@ -77,7 +78,7 @@ def test_a_path_is_a_sequence_of_targets() -> None:
     assert repr(path) == f"Path(6 points, length {path.length:g}, times 0 to 6)"
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("make", "message"),
     [
         (lambda: sn.Path(positions=POINTS[:1]), "path: expected at least two points, got 1"),

@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 import sinuous as sn
+from tests.cases import with_each
 from tests.helpers import refused
 from tests.scene.shapes import cube
 
@@ -15,7 +16,7 @@ def test_the_default_position_tolerance_is_relative() -> None:
     assert sn.Problem(ROBOT, sn.Target((0, 0, 9))).tolerance == sn.Tolerance(1e-4 * 287.5, 1e-3)
 
 
-@pytest.mark.parametrize("value", [0, -1, float("nan"), float("inf"), "1", True, None])
+@with_each("value", [0, -1, float("nan"), float("inf"), "1", True, None])
 def test_wrong_tolerances_are_refused(value: Any) -> None:
     with pytest.raises(sn.InputError, match="angle"):
         sn.Tolerance(angle=value)

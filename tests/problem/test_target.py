@@ -14,6 +14,7 @@ from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.poses import rotation_matrix
 from sinuous.problem.target import Target, TipGoals, target_list, target_table
 from sinuous.robot.robot import Robot
+from tests.cases import with_each
 from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
 
 ROBOT = Robot.uniform(3, 1.0)
@@ -57,7 +58,7 @@ def test_something_is_asked_and_once() -> None:
     refused("direction", lambda: Target(direction=(1, 0, 0), rotation=np.eye(3)), "rotation")
 
 
-@pytest.mark.parametrize("value", [v for v in NOT_VECTORS if v is not None])
+@with_each("value", [v for v in NOT_VECTORS if v is not None])
 def test_bad_vectors_are_refused(value: Any) -> None:
     refused("position", lambda: Target(value))
     refused("direction", lambda: Target(direction=value))
@@ -69,7 +70,7 @@ def test_bad_orientations_are_refused() -> None:
     refused_each("rotation", bad, lambda rotation: Target(rotation=rotation))
 
 
-@pytest.mark.parametrize("value", [0, -1, 1.0, True, "", 10**9])
+@with_each("value", [0, -1, 1.0, True, "", 10**9])
 def test_bad_segments_are_refused(value: Any) -> None:
     refused("segment", lambda: Target((0, 0, 1), segment=value))
 
@@ -157,7 +158,7 @@ RNG = np.random.default_rng(3)
 P, D, R = RNG.normal(size=(20, 3)), RNG.normal(size=(20, 3)), Rotation.random(20, rng=4)
 
 
-@pytest.mark.parametrize(
+@with_each(
     "given",
     [
         {"positions": P},
@@ -169,7 +170,6 @@ P, D, R = RNG.normal(size=(20, 3)), RNG.normal(size=(20, 3)), Rotation.random(20
         {"positions": P, "xyzw": R.as_quat()},
         {"positions": P, "rotations": R.as_matrix().astype(np.float32)},
     ],
-    ids="+".join,
 )
 def test_rows_are_those_of_targets(given: dict[str, Any]) -> None:
     goals = TipGoals.read(given)

@@ -13,6 +13,7 @@ from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.solving.solver import Solver
+from tests.cases import with_each
 from tests.helpers import Floats, refused, refused_each
 
 MIXED = Robot(
@@ -138,8 +139,8 @@ ROWS = {
 }
 
 
-@pytest.mark.parametrize("name", ROWS)
-@pytest.mark.parametrize("gain", [1.0, 1e6, 1e-4])
+@with_each("name", ROWS)
+@with_each("gain", [1.0, 1e6, 1e-4])
 def test_a_row_says_the_same_within_the_limits_of_segments(name: str, gain: float) -> None:
     """It is as far from both limits as the value itself, times one factor."""
     limits = -50.0 * gain, 40.0 * gain

@@ -14,6 +14,7 @@ from sinuous.robot.actuation import Actuator
 from sinuous.robot.actuators import Chambers, Lines, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, Floats, configurations, expm_chain, refused, refused_each
 
 LINES = (Tendons, Chambers)
@@ -37,7 +38,7 @@ def expm_powers(row: Floats, count: int) -> list[Floats]:
     return poses
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 4, 7])
+@with_each("count", [1, 2, 3, 4, 7])
 def test_lines_are_spread_evenly(count: int) -> None:
     lines = Lines(count, 2.0, 0.3)
     np.testing.assert_allclose(lines.angles, 0.3 + 2 * math.pi * np.arange(count) / count)
@@ -75,14 +76,14 @@ def test_lengths_are_those_of_the_curves(seed: int) -> None:
         assert lengths_k[1] == pytest.approx(curve_length(q[k : k + 1], angles[1], radius), abs=1e-7)
 
 
-@pytest.mark.parametrize("kind", LINES)
-@pytest.mark.parametrize("value", [*NOT_NUMBERS, 0.0, -1.0])
+@with_each("kind", LINES)
+@with_each("value", [*NOT_NUMBERS, 0.0, -1.0])
 def test_bad_radii_are_refused(kind: Any, value: Any) -> None:
     refused("radius", lambda: kind(3, value), "greater than 0")
 
 
-@pytest.mark.parametrize("kind", LINES)
-@pytest.mark.parametrize("value", [0, -3, 2.5, True, "3", 65, 10**9])
+@with_each("kind", LINES)
+@with_each("value", [0, -3, 2.5, True, "3", 65, 10**9])
 def test_bad_counts_are_refused(kind: Any, value: Any) -> None:
     refused("count", lambda: kind(value, 1.0), "1 to 64")
 

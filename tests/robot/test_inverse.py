@@ -11,6 +11,7 @@ import sinuous as sn
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import Floats, refused
 
 DRIVES = ("tendons", "chambers", "both")
@@ -158,15 +159,13 @@ def test_axes_in_front_broadcast() -> None:
     refused("initial", lambda: robot.from_actuators(values, np.ones((3, 2, 1, 3))), "broadcast")
 
 
-@pytest.mark.parametrize(
-    "values", [None, 3.0, "abc", [1.0, 2.0], [[1.0, 2.0, 3.0, 4.0]], [1.0, math.nan, 0.0], [True] * 3]
-)
+@with_each("values", [None, 3.0, "abc", [1.0, 2.0], [[1.0, 2.0, 3.0, 4.0]], [1.0, math.nan, 0.0], [True] * 3])
 def test_bad_values_are_refused(values: Any) -> None:
     robot = Robot([Segment(1.0, tendons=Tendons(3, 0.1))])
     refused("actuators", lambda: robot.from_actuators(values), "3)")
 
 
-@pytest.mark.parametrize("initial", [3.0, "straight", [0.0, 0.0, 1.0], [[0.0, 0.0]], [[0.0, 0.0, math.inf]]])
+@with_each("initial", [3.0, "straight", [0.0, 0.0, 1.0], [[0.0, 0.0]], [[0.0, 0.0, math.inf]]])
 def test_bad_references_are_refused(initial: Any) -> None:
     robot = Robot([Segment(1.0, tendons=Tendons(3, 0.1))])
     refused("initial", lambda: robot.from_actuators([0.0, 0.0, 0.0], initial), "1, 3)")

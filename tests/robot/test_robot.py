@@ -14,6 +14,7 @@ import sinuous as sn
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import (
     NOT_NUMBERS,
     Floats,
@@ -35,7 +36,7 @@ def posed_robot(seed: int, n: int = 4) -> Robot:
 # Kinematics
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_poses_are_products_of_exponentials(seed: int) -> None:
     robot = posed_robot(seed)
     for q in configurations(seed, 4, 10):
@@ -45,7 +46,7 @@ def test_poses_are_products_of_exponentials(seed: int) -> None:
         np.testing.assert_allclose(robot.tip(q), expected[-1] @ robot.tool, atol=1e-13 * scale)
 
 
-@pytest.mark.parametrize("lead", [(), (1,), (7,), (2, 3), (0,), (2, 0)])
+@with_each("lead", [(), (1,), (7,), (2, 3), (0,), (2, 0)])
 def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
     robot = posed_robot(1)
     count = math.prod(lead)
@@ -64,8 +65,8 @@ def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
             np.testing.assert_allclose(batch[index], call(q[index]), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("segment", [None, 1, 3])
+@with_each("seed", range(4))
+@with_each("segment", [None, 1, 3])
 def test_jacobians_are_the_derivatives(seed: int, segment: int | None) -> None:
     robot = posed_robot(seed)
 
@@ -191,7 +192,7 @@ def test_robots_are_frozen_and_survive_pickling() -> None:
     np.testing.assert_array_equal(again.tip(q), robot.tip(q))
 
 
-@pytest.mark.parametrize("value", NOT_NUMBERS)
+@with_each("value", NOT_NUMBERS)
 def test_bad_numbers_of_segments_are_refused(value: Any) -> None:
     refused("max_bend", lambda: Segment(1.0, value))
     refused("radius", lambda: Segment(1.0, radius=value))
@@ -218,7 +219,7 @@ def test_limits_that_cannot_be_meant_are_refused() -> None:
     refused("chambers", lambda: Segment(1.0, chambers={"count": 3}), "Chambers")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("value", [0, -1, 2.0, True, "5", None, 10_001, 10**9])
+@with_each("value", [0, -1, 2.0, True, "5", None, 10_001, 10**9])
 def test_bad_counts_are_refused_at_once(value: Any) -> None:
     refused("count", lambda: Robot.uniform(value, 1.0), "1 to 10000")
 
@@ -248,7 +249,7 @@ BAD_CONFIGURATIONS: list[Any] = [
 ]
 
 
-@pytest.mark.parametrize("q", BAD_CONFIGURATIONS)
+@with_each("q", BAD_CONFIGURATIONS)
 def test_bad_configurations_are_refused_everywhere(q: Any) -> None:
     robot = posed_robot(0)
     calls: list[Callable[[Any], Any]] = [
@@ -271,7 +272,7 @@ def test_bad_choices_of_segment_and_samples_are_refused() -> None:
     refused_each("samples", (0, 10**9, 1.5, None), lambda value: robot.backbone(q, value))
 
 
-@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1.0, 1e3, 1e9])
+@with_each("unit", [1e-9, 1e-3, 1.0, 1e3, 1e9])
 def test_limits_hold_to_the_same_share_in_every_unit(unit: float) -> None:
     robot = sn.Robot.uniform(2, (0.8 * unit, 1.2 * unit), 1.0)
     inside = np.array([[0.5, 0.0, 1.2 * unit], [0.0, 1.0, 0.8 * unit]])

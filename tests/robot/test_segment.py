@@ -4,9 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
-import pytest
 
 from sinuous.robot.segment import arc_parameters, from_arc_parameters
+from tests.cases import with_each
 from tests.helpers import (
     refused,
 )
@@ -28,7 +28,7 @@ def test_straight_segments_have_no_curvature_and_bent_ones_of_no_length_none_tha
     refused("q", lambda: arc_parameters([[1.0, 0.0, 0.0]]), "length greater than 0")
 
 
-@pytest.mark.parametrize("value", ["abc", None, [1.0, math.nan], [True], [[1.0], [1.0, 2.0]]])
+@with_each("value", ["abc", None, [1.0, math.nan], [True], [[1.0], [1.0, 2.0]]])
 def test_bad_arc_parameters_are_refused(value: Any) -> None:
     refused("curvature", lambda: from_arc_parameters(value, 0.0, 1.0))
     refused("length", lambda: from_arc_parameters(1.0, 0.0, value))

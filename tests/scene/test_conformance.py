@@ -22,6 +22,7 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
 from tests.scene import shapes
 
@@ -181,7 +182,7 @@ def test_the_scene_says_the_truth(name: str) -> None:
     assert (d < 0).any() or not case(name).truth(np.concatenate([around(4, 500), points])).min() < 0
 
 
-@pytest.mark.parametrize("name", EXACT)
+@with_each("name", EXACT)
 def test_a_distance_changes_by_at_most_the_distance_moved(name: str) -> None:
     scene = Scene([case(name).obstacle])
     rng = np.random.default_rng(5)
@@ -191,7 +192,7 @@ def test_a_distance_changes_by_at_most_the_distance_moved(name: str) -> None:
     assert (change <= np.linalg.norm(a - b, axis=1) + 1e-13).all()
 
 
-@pytest.mark.parametrize("name", EXACT)
+@with_each("name", EXACT)
 def test_gradients_are_unit_and_the_slope(name: str) -> None:
     points = np.concatenate([around(8, 300), close(name, 9, 200)])
     scene = Scene([case(name).obstacle])
@@ -264,7 +265,7 @@ def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
                 np.testing.assert_allclose((np.array(ahead) - seen) / step, slope, atol=1e-4)
 
 
-@pytest.mark.parametrize("name", [name for name in FIELDS if isinstance(FIELDS[name]().obstacle, Mesh)])
+@with_each("name", [name for name in FIELDS if isinstance(FIELDS[name]().obstacle, Mesh)])
 def test_on_triangles_edges_and_corners_distance_is_nothing(name: str) -> None:
     mesh = case(name).obstacle
     assert isinstance(mesh, Mesh)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.scene.grids import MOST, Field
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, refused, refused_each
 
 LOW, HIGH = (-1.0, -1.0, -2.0), (1.0, 1.5, 2.0)
@@ -42,7 +43,7 @@ def test_the_function_sees_few_large_batches() -> None:
     assert len(sizes) < 10
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("function", "words"),
     [
         (lambda p: 2.0 * ball(p), "times as fast as a distance can"),

@@ -9,6 +9,7 @@ import pytest
 
 from sinuous.errors import InputError
 from sinuous.scene.grids import Grid
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
 
 ORIGIN = (-1.0, -2.0, -3.0)
@@ -46,7 +47,7 @@ def test_a_cut_off_distance_is_one() -> None:
     assert Grid(np.clip(distances(), -0.2, 0.3), ORIGIN, SPACING).values.max() == 0.3
 
 
-@pytest.mark.parametrize("step", [(1, 0, 0), (0, 0, -1), (1, 1, 0), (1, -1, 1), (-1, 1, 1), (0, 1, -1)])
+@with_each("step", [(1, 0, 0), (0, 0, -1), (1, 1, 0), (1, -1, 1), (-1, 1, 1), (0, 1, -1)])
 def test_what_changes_too_fast_is_refused(step: tuple[int, int, int]) -> None:
     """One value is wrong by more than a distance can be to one of its 26 neighbours, if not to the others."""
     far = float(np.linalg.norm(step))

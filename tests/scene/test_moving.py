@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
+from tests.cases import with_each
 from tests.helpers import Floats, refused
 from tests.scene.shapes import cube
 
@@ -38,8 +39,8 @@ OBSTACLES: list[sn.Sphere | sn.Mesh | sn.Field | sn.Grid | sn.PointCloud | sn.Bo
 ]
 
 
-@pytest.mark.parametrize("obstacle", [*OBSTACLES, sn.HalfSpace((0, 0, -1), (0, 0.2, 1))], ids=lambda o: o.kind)
-@pytest.mark.parametrize("when", [-1.0, 0.0, 0.3, 2.2, 9.0])
+@with_each("obstacle", [*OBSTACLES, sn.HalfSpace((0, 0, -1), (0, 0.2, 1))])
+@with_each("when", [-1.0, 0.0, 0.3, 2.2, 9.0])
 def test_distances_at_a_time_are_those_in_the_moved_frame(obstacle: sn.Sphere, when: float) -> None:
     moving = sn.Moving(obstacle, TIMES, POSITIONS, TURNS)
     pose = moving.pose(when)

@@ -13,13 +13,14 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, random_rotation, refused, refused_each
 from tests.scene.shapes import cube
 
 QUARTER_ABOUT_Z = (math.sqrt(0.5), 0, 0, math.sqrt(0.5))
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("obstacle", "point", "expected"),
     [
         (Sphere((1, 0, 0), 2), (4, 0, 0), 1.0),
@@ -142,19 +143,19 @@ RADII: list[Callable[[Any], Any]] = [
 ]
 
 
-@pytest.mark.parametrize("value", NOT_VECTORS)
+@with_each("value", NOT_VECTORS)
 def test_bad_vectors_are_refused(value: Any) -> None:
     for key, make in VECTORS:
         refused(key, partial(make, value))
 
 
-@pytest.mark.parametrize("value", [*NOT_NUMBERS, 0.0, -1.0])
+@with_each("value", [*NOT_NUMBERS, 0.0, -1.0])
 def test_bad_radii_are_refused(value: Any) -> None:
     for make in RADII:
         refused("radius", partial(make, value), "greater than 0")
 
 
-@pytest.mark.parametrize("value", [1, 0, "true", None, np.array([True])])
+@with_each("value", [1, 0, "true", None, np.array([True])])
 def test_inside_is_true_or_false(value: Any) -> None:
     for make in (
         lambda v: Sphere((0, 0, 0), 1, v),

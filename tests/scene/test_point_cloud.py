@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from sinuous.errors import InputError
 from sinuous.scene.point_cloud import PointCloud, expand_lzf, parse_pcd
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)).round(3)
@@ -64,7 +65,7 @@ def test_files_of_every_kind(tmp_path: Path, kind: str) -> None:
     np.testing.assert_allclose(PointCloud.load(save(tmp_path, kind), 0.1).points, POINTS, atol=1e-6)
 
 
-@pytest.mark.parametrize("points", [np.zeros((4, 1)), np.zeros(4), np.zeros((2, 2, 3)), 3.0, "abc", None, {"x": 1}])
+@with_each("points", [np.zeros((4, 1)), np.zeros(4), np.zeros((2, 2, 3)), 3.0, "abc", None, {"x": 1}])
 def test_what_is_no_list_of_points_is_refused(points: Any) -> None:
     refused("points", lambda: PointCloud(points, 1.0), "point")
 

@@ -16,6 +16,7 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, random_rotation, refused, refused_each
 
 OBSTACLES = [
@@ -44,7 +45,7 @@ def test_the_union_is_as_far_as_its_nearest() -> None:
     assert set(each.argmin(axis=0)) == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize("lead", [(), (5,), (2, 3), (0,), (2, 0)])
+@with_each("lead", [(), (5,), (2, 3), (0,), (2, 0)])
 def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
     points = np.random.default_rng(1).normal(size=(*lead, 3))
     distance, gradient, nearest = SCENE.distance(points), SCENE.gradient(points), SCENE.nearest(points)
@@ -93,7 +94,7 @@ def test_what_is_no_obstacle_is_refused() -> None:
     refused_each("scene", (None, 3, "room.yaml"), Scene)
 
 
-@pytest.mark.parametrize(
+@with_each(
     "value",
     ["abc", None, 3.0, (1.0, 2.0), [[1.0, 2.0], [3.0]], (1.0, math.nan, 0.0), (True, False, True), np.zeros((3, 2))],
 )

@@ -9,6 +9,7 @@ from sinuous.solution.at_rest import at_rest
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.least_distance import nonnegative_least_squares
 from sinuous.solution.residual import residual_of
+from tests.cases import with_each
 from tests.helpers import Floats, random_pose
 
 
@@ -49,7 +50,7 @@ def optimal(system: Floats, wanted: Floats, x: Floats, slack: float) -> None:
     np.testing.assert_allclose(pull * x, 0.0, atol=slack)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_the_residual_balances(seed: int) -> None:
     rng = np.random.default_rng(seed)
     system, wanted = rng.normal(size=(7, 12)), rng.normal(size=7)

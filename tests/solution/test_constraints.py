@@ -5,6 +5,7 @@ import pytest
 
 from sinuous import Actuators, Chambers, Robot, Segment, Tendons
 from sinuous.solution.constraints import limits_of, normal
+from tests.cases import with_each
 from tests.helpers import Floats
 
 ROBOT = Robot(
@@ -25,7 +26,7 @@ def random_q(seed: int) -> Floats:
     return np.column_stack([rng.normal(0.0, 0.8, (4, 2)), rng.uniform(0.1, 1.2, 4)])
 
 
-@pytest.mark.parametrize("seed", range(30))
+@with_each("seed", range(30))
 def test_the_least_slack_is_the_excess(seed: int) -> None:
     q = random_q(seed)
     assert -min(limit.slack for limit in limits_of(ROBOT, q)) == pytest.approx(ROBOT.excess(q), abs=1e-12)

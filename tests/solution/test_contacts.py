@@ -6,6 +6,7 @@ import pytest
 from sinuous import Box, Problem, Robot, Sphere, Target, pose
 from sinuous.measures.body import least_clearance, segment_ends
 from sinuous.solution.contacts import contacts_of
+from tests.cases import with_each
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(4, (0.5, 1.0), 2.5, radius=0.06, base=pose((0.1, 0.2, 0.3), direction=(1, 1, 1)), mount=0.1)
@@ -23,7 +24,7 @@ def asked(seed: int, q: Floats) -> Problem:
     return Problem(ROBOT, Target((0, 0, 0)), [*balls, Box((9, 9, 9), (1, 1, 1))])
 
 
-@pytest.mark.parametrize("seed", range(12))
+@with_each("seed", range(12))
 def test_the_deepest_contact_is_the_least_clearance(seed: int) -> None:
     q = random_q(seed)
     problem = asked(seed, q)

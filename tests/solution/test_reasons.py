@@ -8,6 +8,7 @@ import pytest
 from sinuous import Box, Problem, Robot, Scene, Segment, Solver, Sphere, Status, Target, Tolerance, pose
 from sinuous.kernels.tables import OUT_OF_REACH
 from sinuous.solution.reasons import unreachable
+from tests.cases import with_each
 from tests.helpers import random_pose
 from tests.kernels.solve.test_verdicts import TOLERANCE, extreme, robots, verdict
 
@@ -35,7 +36,7 @@ def test_a_reason_is_given_exactly_where_the_verdict_says_so() -> None:
     assert min(agreed.values()) > 80
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("target", "bound", "needed", "available"),
     [
         (Target((0, 0, 3.5)), "length", 3.5, 3.0),
@@ -60,7 +61,7 @@ def test_the_number_is_the_one_that_proves_it(
     assert str(reason) in str(solution)
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("target", "said"),
     [
         (

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from sinuous import Problem, Robot, Target, pose
 from sinuous.solution.residual import residual_of, rotation_between
+from tests.cases import with_each
 from tests.helpers import Floats, random_pose
 
 ROBOT = Robot.uniform(
@@ -21,8 +22,8 @@ def targets(seed: int) -> list[Target]:
     return [whole, pointing, Target(direction=place[:3, 0]), Target(place[:3, 3], segment=2)]
 
 
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("kind", range(4))
+@with_each("seed", range(6))
+@with_each("kind", range(4))
 def test_the_pull_is_the_slope_of_the_residual(seed: int, kind: int) -> None:
     rng = np.random.default_rng(seed)
     q = np.column_stack([rng.normal(0.0, 0.6, (3, 2)), rng.uniform(0.5, 1.0, 3)])
@@ -52,7 +53,7 @@ def directions(seed: int) -> tuple[Floats, Floats]:
     return one, other
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_a_direction_is_turned_into_another(seed: int) -> None:
     one, other = directions(seed)
     turn = rotation_between(one, other)
@@ -61,14 +62,14 @@ def test_a_direction_is_turned_into_another(seed: int) -> None:
     assert turn @ one == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_a_rotation_is_turned_into_another(seed: int) -> None:
     one, other = Rotation.random(2, rng=np.random.default_rng(seed)).as_matrix()
     np.testing.assert_allclose(Rotation.from_rotvec(rotation_between(one, other)).as_matrix() @ one, other, atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(10))
-@pytest.mark.parametrize("off", [0.0, 1e-15, 1e-10, 1e-7])
+@with_each("seed", range(10))
+@with_each("off", [0.0, 1e-15, 1e-10, 1e-7])
 def test_opposite_directions_are_half_a_turn_apart(seed: int, off: float) -> None:
     one, across = directions(seed)
     other = -one + off * np.cross(one, across)

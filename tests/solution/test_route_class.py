@@ -6,6 +6,7 @@ import pytest
 
 from sinuous.errors import InputError
 from sinuous.solution.route_class import Passing, RouteClass
+from tests.cases import with_each
 
 PILLAR = Passing("pillar", "-y", (1.0, 2.5, 1e-3))
 WALL = Passing("wall", None, (12.3456, 0.0, -80.0))
@@ -29,7 +30,7 @@ def test_plain_values_there_and_back(passes: tuple[Passing, ...]) -> None:
 GOOD = {"number": 1, "passes": [{"obstacle": "wall", "side": None, "at": [0, 0, 1]}]}
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("values", "message"),
     [
         (3, "expected a mapping with number, passes, got 3"),

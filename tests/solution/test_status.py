@@ -3,10 +3,10 @@
 from itertools import product
 
 import numpy as np
-import pytest
 
 from sinuous.kernels.tables import BOUND, CLEARANCE, CODE, RATE_BOUND, RECORD_WIDTH, SELF_CLEARANCE, Outcome
 from sinuous.solution.status import Status, status_of, statuses_of
+from tests.cases import with_each
 
 CASES = list(product(range(RATE_BOUND + 1), (0.0, 1.0), (-1.0, 0.0, np.inf), (-1.0, 2.0)))
 
@@ -22,6 +22,6 @@ def test_records_have_the_statuses_of_their_outcomes() -> None:
     assert len(statuses_of(records[:0])) == 0
 
 
-@pytest.mark.parametrize("status", Status)
+@with_each("status", Status)
 def test_every_status_has_a_sentence(status: Status) -> None:
     assert status.sentence

@@ -6,6 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.solution.verification import verify
 from sinuous.solution.worst import Worst, find_overlap, find_worst
+from tests.cases import with_each
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), 1.0, radius=0.1)
@@ -13,7 +14,7 @@ UNITS = {"angle": 1.0, "bend": 1.0, "curvature": 1.0}
 """What counts in rad; all others are lengths, and count in mean lengths of the robot."""
 
 
-@pytest.mark.parametrize("seed", range(12))
+@with_each("seed", range(12))
 def test_nothing_is_missed_by_more(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q = np.column_stack([rng.normal(0.0, 0.6, (2, 2)), rng.uniform(0.7, 1.3, 2)])

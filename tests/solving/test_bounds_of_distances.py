@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import sinuous as sn
+from tests.cases import with_each
 from tests.helpers import Floats
 
 LOW, HIGH, SPACING = (-1.0, -1.0, -0.5), (1.0, 1.0, 1.5), 0.05
@@ -53,7 +54,7 @@ def impossible(solution: sn.Solution) -> bool:
     return str(solution.status) in ("target_blocked", "base_blocked", "no_route", "out_of_reach")
 
 
-@pytest.mark.parametrize(
+@with_each(
     "obstacle",
     [
         field_of(1.0),
@@ -63,7 +64,6 @@ def impossible(solution: sn.Solution) -> bool:
         grid_of(0.5 * samples(), exact=False),
         grid_of(np.minimum(samples(), 0.02), truncated=0.02),
     ],
-    ids=["field", "bounding field", "exact field", "grid", "bounding grid", "truncated grid"],
 )
 def test_a_target_within_an_obstacle_is_blocked_whatever_is_known(obstacle: sn.Field | sn.Grid) -> None:
     solution = sn.solve(ROBOT, sn.Target(CENTER), [obstacle])

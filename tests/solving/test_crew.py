@@ -9,11 +9,12 @@ import pytest
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compiling.helpers import cores
 from sinuous.solving.crew import Crew
+from tests.cases import with_each
 from tests.kernels.test_clock import work
 
 
-@pytest.mark.parametrize("workers", [1, 2, 5])
-@pytest.mark.parametrize("alone", [0.0, 1e-3, 60.0])
+@with_each("workers", [1, 2, 5])
+@with_each("alone", [0.0, 1e-3, 60.0])
 def test_every_job_is_done_once(workers: int, alone: float) -> None:
     done: list[int] = []
     Crew[int](done.append, workers).share(range(200), alone)

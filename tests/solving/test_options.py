@@ -7,6 +7,7 @@ import pytest
 import sinuous as sn
 from sinuous.methods import registry
 from sinuous.solving.options import TIME, SolveOptions
+from tests.cases import with_each
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(2, 1.0)
@@ -59,7 +60,7 @@ def test_options_are_frozen() -> None:
         SolveOptions().seed = 1  # type: ignore[misc]
 
 
-@pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in WRONG.items() for value in values])
+@with_each(("key", "value"), [(key, value) for key, values in WRONG.items() for value in values])
 def test_wrong_values_are_refused_by_name(key: str, value: Any) -> None:
     refused(key, lambda: SolveOptions(**{key: value}))
 

@@ -11,6 +11,7 @@ import sinuous as sn
 from sinuous.checks import Floats
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import ROOM
+from tests.cases import with_each
 
 EXACT = sn.Tolerance(1e-6, 1e-6)
 KINDS = ("position", "direction", "rotation")
@@ -341,7 +342,7 @@ def test_one_compilation_serves_every_problem() -> None:
     assert len(search.signatures) <= 2  # type: ignore[attr-defined]  # among obstacles, and without any
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("arguments", "key"),
     [
         ({"robot": "arm"}, "robot"),
@@ -362,7 +363,7 @@ def test_wrong_arguments_are_refused(arguments: dict[str, Any], key: str) -> Non
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("target", "start"),
     [
         ("there", None),

@@ -24,6 +24,7 @@ from sinuous.solving.routing.growth import FIRST_WIDTH
 from sinuous.solving.routing.searches import RouteSearch, Searches
 from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import Strategy, attempts_of, plans_of
+from tests.cases import with_each
 from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
 from tests.solving.routing.questions import place
@@ -195,9 +196,9 @@ def test_an_attempt_that_had_nothing_to_do_costs_nothing() -> None:
     assert not any(strategy.ledger.values())
 
 
-@pytest.mark.parametrize("given", [0, 1])
-@pytest.mark.parametrize("most", [1, 2, own.OPENING, own.OPENING_ALONE, 1000])
-@pytest.mark.parametrize("routes", [False, True])
+@with_each("given", [0, 1])
+@with_each("most", [1, 2, own.OPENING, own.OPENING_ALONE, 1000])
+@with_each("routes", [False, True])
 def test_the_first_call_is_one_batch_and_scattered_starts_go_on_from_there(given: int, most: int, routes: bool) -> None:
     options = SolveOptions(max_starts=most, routes=routes)
     strategy = Strategy(ROBOT, SCENE, Tolerance().for_robot(ROBOT), options)
@@ -217,7 +218,7 @@ def test_what_is_switched_off_is_not_made(name: str, monkeypatch: pytest.MonkeyP
     assert name not in {attempt.name for attempt in made(searching(without=(name,)), monkeypatch)}
 
 
-@pytest.mark.parametrize("name", ATTEMPTS)
+@with_each("name", ATTEMPTS)
 def test_a_solve_takes_what_is_switched_off(name: str) -> None:
     solution = sn.solve(ROBOT, TARGET, SCENE, without=name, time=20.0)
     assert solution.solved
@@ -229,7 +230,7 @@ def test_without_any_route_only_scattered_starts_are_left() -> None:
     assert {batch.source for batch in searching(without=off).batches()} == {"random"}
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("names", "value"), [("hops", "'hops'"), (("grown", "hops"), "'hops'"), (7, "7"), ((7,), "7"), (None, "None")]
 )
 def test_an_attempt_that_is_not_known_is_refused(names: object, value: str) -> None:

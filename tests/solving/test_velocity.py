@@ -11,6 +11,7 @@ import sinuous as sn
 from sinuous.kernels.velocity.active_set import EXACT, GAIN
 from sinuous.kernels.velocity.bounds import ROOM
 from sinuous.solution.step import Active
+from tests.cases import with_each
 from tests.helpers import Floats
 
 N = 5
@@ -39,7 +40,7 @@ def cost(q: Floats, asked: Floats, motion: Floats) -> float:
     return float(((jacobian(q) @ z - ASKED * asked) ** 2).sum() + EXACT * z @ z)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_no_twist_is_no_motion_where_nothing_pushes(seed: int) -> None:
     q = shape(np.random.default_rng(seed))
     step = FREE.step(q, np.zeros(6), 0.001, rates=sn.Rates(bend=1))
@@ -47,7 +48,7 @@ def test_no_twist_is_no_motion_where_nothing_pushes(seed: int) -> None:
     assert (step.status, step.share, step.active, step.proved) == ("reached", 1.0, (), True)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_a_small_free_step_is_least_squares_by_the_least_motion(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, asked = shape(rng), twist(rng)
@@ -67,7 +68,7 @@ def test_three_numbers_leave_the_orientation_free() -> None:
     assert step.share == pytest.approx(1.0, abs=1e-5)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_rates_of_lengths_are_those_of_least_squares_in_a_box(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, asked, dt = shape(rng), 3.0 * twist(rng), 0.01
@@ -126,7 +127,7 @@ def test_limits_and_rates_are_never_exceeded(seed: int) -> None:
     assert seen & {"bend", "length", "actuator", "curvature"}
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_mirrored_questions_have_mirrored_answers(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, asked, rates = shape(rng), 2.0 * twist(rng), sn.Rates(bend=0.5, length=10.0)
@@ -150,7 +151,7 @@ def test_the_tip_moves_as_asked_to_first_order() -> None:
     assert errors[1] < 0.02 * errors[0]
 
 
-@pytest.mark.parametrize("bend", [0.0, 1e-9, 1e-6, 1e-3, 0.098, 0.6])
+@with_each("bend", [0.0, 1e-9, 1e-6, 1e-3, 0.098, 0.6])
 def test_singular_shapes_move_little(bend: float) -> None:
     for seed in range(5):
         asked = twist(np.random.default_rng(seed))
@@ -266,7 +267,7 @@ def test_it_is_frozen_and_travels() -> None:
     assert repr(step).startswith("Step(held_back, share 0.")
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("given", "words"),
     [
         ({"dt": 0.01}, "twist: expected one of twist, target, got None (missing)"),

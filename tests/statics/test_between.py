@@ -12,6 +12,7 @@ from sinuous.measures.statics import _energy, _tensions, imbalance
 from sinuous.statics.between import bounded, leave
 from sinuous.statics.body import body_of
 from sinuous.statics.rest import Rest, Way
+from tests.cases import with_each
 
 STEP = 1.5e-8
 """Of differences."""
@@ -35,8 +36,8 @@ def arm(stiffness: sn.Stiffness, **more: Any) -> sn.Robot:
     return sn.Robot(segments, payload=sn.Payload(0.01, position=(0.01, 0.0, 0.02)), **own)
 
 
-@pytest.mark.parametrize("kind", RODS)
-@pytest.mark.parametrize("size", [0.1, 1.0])
+@with_each("kind", RODS)
+@with_each("size", [0.1, 1.0])
 def test_equilibria_on_the_way_are_within_the_bound(kind: str, size: float) -> None:
     stiffness, more = RODS[kind]
     robot = arm(stiffness, **more)

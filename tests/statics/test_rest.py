@@ -7,6 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.statics.rest import Rest
+from tests.cases import with_each
 
 STEP = 1e-6
 
@@ -50,8 +51,8 @@ def test_a_stage_that_is_drawn_back_all_the_way_has_a_derivative(straight: bool)
     assert rest.slopes[2] == pytest.approx(apart, abs=1e-5)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("size", [1.0, 1e-3], ids=["bent", "straight"])
+@with_each("name", ROBOTS)
+@with_each("size", [1.0, 1e-3])
 def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: float) -> None:
     robot = ROBOTS[name]
     q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot), 3)) * (size, size, 1.0)
@@ -63,7 +64,7 @@ def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: flo
         assert slope == pytest.approx((ahead - back) / (2.0 * STEP), abs=1e-6 * (1.0 + np.abs(slope).max()))
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@with_each("name", ROBOTS)
 def test_tables_say_the_same_derivative(name: str) -> None:
     robot = ROBOTS[name]
     q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot), 3))

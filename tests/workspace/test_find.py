@@ -9,6 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.workspace import find
 from sinuous.workspace.reach import Verdict
+from tests.cases import with_each
 from tests.workspace.maps import ROBOT, WALL, made
 
 
@@ -149,7 +150,7 @@ def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: di
         made(**(box | options))
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("options", "key"),
     [
         ({"spacing": 0.0}, "spacing"),

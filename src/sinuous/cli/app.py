@@ -95,7 +95,7 @@ class Track:
 @command("work", "plan_files")
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Plan a motion from a start to a target or goal, clear all the way."""
+    """Plan a motion from a start to a target or goal. It is clear all the way."""
 
     files: list[str] = argument(FILES)
     solving: PlanSolving
@@ -108,7 +108,7 @@ class Plan:
 @command("places", "batch_file")
 @dataclass(frozen=True, kw_only=True)
 class Batch:
-    """Solve the targets of a table, any number; interrupted, the same command goes on."""
+    """Solve the targets of a table, any number. Interrupted, the same command goes on."""
 
     file: str = argument(PLACE)
     targets: Path = opt("Targets, a row each: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
@@ -124,7 +124,7 @@ class Batch:
 @command("places", "explore_file")
 @dataclass(frozen=True, kw_only=True)
 class Explore:
-    """Fill a memory ahead with shapes and proved motions of a place that stays."""
+    """Fill a memory with shapes and proved motions. Solves and plans in a place that stays begin from them."""
 
     file: str = argument(PLACE)
     solving: ExploreSolving
@@ -138,7 +138,7 @@ class Explore:
 @command("places", "reach_file")
 @dataclass(frozen=True, kw_only=True)
 class Reach:
-    """Map what the robot reaches, with its obstacles and without, and why not more."""
+    """Map what the robot reaches, and why not more. Both among its obstacles and without them."""
 
     file: str = argument(PLACE)
     solving: MapSolving
@@ -153,7 +153,7 @@ class Reach:
 @command("places", "train_file")
 @dataclass(frozen=True, kw_only=True)
 class Train:
-    """Train networks that give the robot shapes for targets, for the method learned."""
+    """Train the networks of the method learned. They give the robot shapes for targets."""
 
     file: str = argument(PLACE)
     out: Path = opt("Write the networks.", "NPZ", REQUIRED, show_default=False)
@@ -241,7 +241,7 @@ class Warm:
 @command("design", "design_file")
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """Find the robot that does all tasks of a file and has the least of something."""
+    """Find the robot that does all tasks of a file. It has the least of something, such as actuators."""
 
     file: str = argument("Robot, scene, tasks, and what is varied.")
     solving: DesignSolving
@@ -305,11 +305,17 @@ def execute(commands: Any, name: str, arguments: Sequence[str] | None) -> int:
         _say(str(error))
         return BAD_INPUT
     except _UsageError as error:
-        _say(f"{name}: {error.format_message()}")
+        _say(f"{name}: {error.format_message()}{_got(error)}")
         return BAD_INPUT
     except (OSError, UnfinishedError) as error:
         _say(f"{name}: {error}")
         return UNSOLVED
+
+
+def _got(error: Exception) -> str:
+    """What was typed, where only the cause of the message knows it."""
+    causes: list[dict[str, Any]] = getattr(error.__cause__, "errors", list)()
+    return "".join(f", got {cause['input']!r}" for cause in causes[:1])
 
 
 def _say(message: str) -> None:

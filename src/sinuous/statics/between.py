@@ -95,11 +95,18 @@ class Weights(NamedTuple):
     Attributes
     ----------
     beyond, change, aside : ndarray
+    offsets : ndarray
+        Moments of what is carried beside the backbone, at the arcs at whose ends it is.
+    share, long : ndarray
+        The sum of angles up to an arc, and the change of its length, are at most so many times the size of a change.
     """
 
     beyond: Floats
     change: Floats
     aside: Floats
+    offsets: Floats
+    share: Floats
+    long: Floats
 
 
 class Leave(NamedTuple):
@@ -129,16 +136,15 @@ def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
         return UNBOUNDED
     bows = _bows(one, other, np.zeros_like(one.q) if bow is None else bow)
     ends = _widened(_ends(one, other), bows)
-    weights, heavy = _weight_beyond(one, other, bows), _offsets(one, other)
-    share = np.sqrt(np.cumsum(ends.soft[:, 0] + ends.soft[:, 1]))  # sum of angles up to an arc <= share |u|
-    long = np.sqrt(ends.soft[:, 2])  # change of a length <= long |u|
+    weights = _weights(one, other, bows, ends.soft)
+    share, long = weights.share, weights.long
     way = Way(one, other)
     middle, gradient, softness = way.look(0.5, True)
     gradients = [gradient, *(way.look(i / PARTS)[1] for i in range(1, PARTS) if 2 * i != PARTS)]
     sizes = ends.soft[:, [0, 0, 1, 2]]
     seen = max(float(np.sqrt((sizes * each**2).sum())) for each in gradients)
-    more = (_elastic(ends) + _pull(ends, weights, heavy, share, long)) / (8.0 * PARTS**2)
-    left = seen + more + _slackening(one, other, ends) + _aside(ends, bows, weights, heavy, share, long)
+    more = (_elastic(ends) + _pull(ends, weights)) / (8.0 * PARTS**2)
+    left = seen + more + _slackening(one, other, ends) + _aside(ends, bows, weights)
     least = _least_eigenvalue(middle, softness)
     if not least > 0.0:
         return UNBOUNDED
@@ -146,7 +152,7 @@ def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
     turns = np.cumsum(_unrolled(ends)) + bent
     for growth in GROWTH:
         radius = growth * left / least
-        sure = _sure(ends, least, radius, (weights, heavy, share, long))
+        sure = _sure(ends, least, radius, weights)
         if left <= sure * radius:
             off = left / sure
             aside = off * ((ends.length + long * off) * share + long).sum() + (ends.length * turns + bows.length).sum()
@@ -200,25 +206,26 @@ def _widened(ends: EndBounds, bows: Bows) -> EndBounds:
     )
 
 
-def _weight_beyond(one: Rest, other: Rest, bows: Bows) -> Weights:
-    both, aside = [], np.zeros(len(one.tables.arcs))
+def _weights(one: Rest, other: Rest, bows: Bows, soft: Floats) -> Weights:
+    loads, count = one.tables.loads, len(soft)  # what is carried is the same at both ends
+    at, pulls = loads[:, t.LOAD_ARC].astype(int), np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1)
+    carried, offsets = np.zeros(count), np.zeros(count)
+    np.add.at(carried, at, pulls)
+    np.add.at(offsets, at, pulls * np.linalg.norm(loads[:, t.OFFSET :], axis=1))
+    both, aside = [], np.zeros(count)
     for each in (one, other):
         own = np.linalg.norm(each.tables.arcs[:, t.WEIGHT :], axis=1)
         aside = np.maximum(aside, np.cumsum((own * bows.growth)[::-1])[::-1])
-        carried = np.zeros(len(own))
-        loads = each.tables.loads
-        np.add.at(carried, loads[:, t.LOAD_ARC].astype(int), np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1))
         both.append(np.cumsum((own + carried)[::-1])[::-1])
-    return Weights(np.maximum(*both) + aside, np.abs(both[1] - both[0]) + 2.0 * aside, aside)
+    share, long = np.sqrt(np.cumsum(soft[:, 0] + soft[:, 1])), np.sqrt(soft[:, 2])
+    change = np.abs(both[1] - both[0]) + 2.0 * aside
+    return Weights(np.maximum(*both) + aside, change, aside, offsets, share, long)
 
 
-def _offsets(one: Rest, other: Rest) -> Floats:
-    """Moments (N,) of what is carried beside the backbone, at the arcs at whose ends it is."""
-    loads = one.tables.loads
-    result = np.zeros(len(one.tables.arcs))
-    sizes = np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1) * np.linalg.norm(loads[:, t.OFFSET :], axis=1)
-    np.add.at(result, loads[:, t.LOAD_ARC].astype(int), sizes)
-    return result
+def _stiffness(ends: EndBounds) -> Floats:
+    """Stiffness (N, 3) of bend, twist and stretch, the greatest on the way; 0 of what is rigid."""
+    soft = ends.soft
+    return (1.0 + ends.growth)[:, None] * np.divide(1.0, soft, out=np.zeros_like(soft), where=soft > 0.0)
 
 
 def _second(first: Floats, value: Floats, once: Floats, twice: Floats) -> Floats:
@@ -234,8 +241,7 @@ def _elastic(ends: EndBounds) -> float:
     v, c, dv, dc = ends.bend, ends.rest, ends.bend_change, ends.rest_change
     twists = ends.soft[:, 1] > 0.0
     tau, dtau = np.where(twists, ends.twist, 0.0), np.where(twists, ends.twist_change, 0.0)
-    g, soft = ends.growth, ends.soft
-    stiff = (1.0 + g)[:, None] * np.divide(1.0, soft, out=np.zeros_like(soft), where=soft > 0.0)
+    g, soft, stiff = ends.growth, ends.soft, _stiffness(ends)
     twice = 0.25 * c * dtau**2 + dc * dtau
     bend = stiff[:, 0] * _second(g, v + c, dv + dc + 0.5 * c * dtau, twice)
     once = 0.5 * (dv * c + v * dc + 0.5 * v * c * dtau)
@@ -245,9 +251,9 @@ def _elastic(ends: EndBounds) -> float:
     return float(np.sqrt((soft * np.stack([bend, turn, pull], axis=1) ** 2).sum()))
 
 
-def _pull(ends: EndBounds, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
+def _pull(ends: EndBounds, weights: Weights) -> float:
     """The same of weights and payloads."""
-    beyond, change, _ = weights
+    beyond, change, _, offsets, share, long = weights
     A, dl = _angles(ends), ends.length_change
     once = ends.length * A * share + dl * share + A * long
     twice = ends.length * A**2 * share + 2.0 * dl * A * share + A**2 * long
@@ -259,20 +265,20 @@ def _angles(ends: EndBounds) -> Floats:
     return np.cumsum(ends.bend_change + ends.twist_change)
 
 
-def _aside(ends: EndBounds, bows: Bows, weights: Weights, offsets: Floats, share: Floats, long: Floats) -> float:
+def _aside(ends: EndBounds, bows: Bows, weights: Weights) -> float:
     """By how much the gradient of the energy changes aside of the straight way, in the dual norm."""
     b, dl, g = bows
-    v, c, soft = ends.bend, ends.rest, ends.soft
+    v, c, soft, stiff = ends.bend, ends.rest, ends.soft, _stiffness(ends)
+    beyond, _, lost, offsets, share, long = weights
     twists = soft[:, 1] > 0.0
-    stiff = (1.0 + ends.growth)[:, None] * np.divide(1.0, soft, out=np.zeros_like(soft), where=soft > 0.0)
     bend = stiff[:, 0] * (2.0 * b + g * (v + c))
     turn = 0.5 * stiff[:, 0] * (b * (v + c) + g * v * c) * twists + stiff[:, 1] * g * ends.twist
     pull = stiff[:, 2] * g * ends.length
     elastic = np.sqrt((soft * np.stack([bend, turn, pull], axis=1) ** 2).sum())
     angles = np.cumsum(b)
     moved = ends.length * angles * share + dl * share + angles * long
-    lighter = weights.aside * (ends.length * share + long)
-    return float(elastic + (weights.beyond * moved + lighter + offsets * angles * share).sum())
+    lighter = lost * (ends.length * share + long)
+    return float(elastic + (beyond * moved + lighter + offsets * angles * share).sum())
 
 
 def _slackening(one: Rest, other: Rest, ends: EndBounds) -> float:
@@ -308,14 +314,13 @@ def _least_eigenvalue(tables: Tables, softness: Floats) -> float:
     return 0.0 if values[0] <= 0.0 else min(1.0, 1.0 / float(values[-1]))
 
 
-def _sure(ends: EndBounds, least: float, radius: float, of_weights: tuple[Weights, Floats, Floats, Floats]) -> float:
+def _sure(ends: EndBounds, least: float, radius: float, weights: Weights) -> float:
     """Lower bound of the eigenvalues anywhere in the ball, at any time, in the norm of the softest stiffness.
 
     Half-way they are at `least`, and nothing is farther from there than half of the changes.
     """
-    (beyond, change, _), offsets, share, long = of_weights
-    soft = ends.soft
-    stiff = (1.0 + ends.growth) * np.divide(1.0, soft[:, 0], out=np.zeros(len(soft)), where=soft[:, 0] > 0.0)
+    beyond, change, _, offsets, share, long = weights
+    soft, stiff = ends.soft, _stiffness(ends)[:, 0]
     ends, change = _half(ends), 0.5 * change
     g = ends.growth
     angles = _angles(ends) + share * radius

@@ -14,6 +14,7 @@ import sinuous as sn
 from sinuous.batch.tables.kinds import open_source
 from sinuous.batch.work import valid
 from tests.batch.questions import write_csv
+from tests.cases import with_each
 
 ROWS = np.random.default_rng(0).normal(size=(23, 7))
 COLUMNS = "x", "y", "z", "qw", "qx", "qy", "qz"
@@ -143,7 +144,7 @@ def test_nothing_is_unpickled(tmp_path: Path) -> None:
         open_source(tmp_path / "other.npz")
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("targets", "told"),
     [
         ({"position": [[0, 0, 1]]}, "position: "),

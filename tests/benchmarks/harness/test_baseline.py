@@ -17,6 +17,7 @@ from benchmarks.harness.lines import Goal, Line, together
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.report import Report
 from sinuous.errors import InputError
+from tests.cases import with_each
 
 TIME = Line("cold", "solve", 9e-6, "us", Goal(15e-6), solved=(2000, 2000), reference=5e-4)
 RATE = Line("clouds", "updates", 30.0, "/s", Goal(10.0, at_most=False), reference=5e-4)
@@ -43,7 +44,7 @@ def test_an_equal_run_passes() -> None:
     assert (found.changes, found.compared, found.missing, found.new) == ([], len(ALL), [], [])
 
 
-@pytest.mark.parametrize(
+@with_each(
     "now",
     [
         changed(TIME, 12e-6),
@@ -67,7 +68,7 @@ def test_what_is_worse_is_caught(now: Line) -> None:
     assert "### Worse" in found.to_text("baseline.json")
 
 
-@pytest.mark.parametrize(
+@with_each(
     "now",
     [
         changed(TIME, 11e-6),
@@ -168,5 +169,5 @@ def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str) -> None:
 
 def test_the_reference_workload_takes_its_time() -> None:
     seconds, busy = reference.look()
-    assert 1e-5 < seconds < 1.0
+    assert 1e-5 < seconds < 60.0
     assert 0.0 <= busy < 1.0

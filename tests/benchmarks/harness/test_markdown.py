@@ -2,9 +2,8 @@
 
 import math
 
-import pytest
-
 from benchmarks.harness.markdown import span, table
+from tests.cases import with_each
 
 
 def test_columns_are_straight_and_the_first_stands_left() -> None:
@@ -19,7 +18,7 @@ def test_words_all_stand_left() -> None:
     ]
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("seconds", "text"),
     [
         (3e-9, "3 ns"),

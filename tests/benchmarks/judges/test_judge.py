@@ -16,6 +16,7 @@ from sinuous.checks import Floats
 from sinuous.problem.target import Tolerance
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
 """One configuration of `ARM`, from the origin to (0, 0, 3)."""
@@ -31,7 +32,7 @@ def changed(segment: int, coordinate: int, by: float) -> Floats:
     return q
 
 
-@pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-6, 0.3, 1.7, math.pi, 5.0])
+@with_each("bend", [0.0, 1e-12, 1e-6, 0.3, 1.7, math.pi, 5.0])
 def test_arcs_are_the_exponential_of_their_twist(bend: float) -> None:
     x, y, length = bend * math.cos(0.7), bend * math.sin(0.7), 1.3
     twist = np.array([[0, 0, x, 0], [0, 0, y, 0], [-x, -y, 0, length], [0, 0, 0, 0]])
@@ -69,7 +70,7 @@ def test_a_right_answer_is_right() -> None:
     assert judge(ARM, [TIP], STRAIGHT, TOLERANCE).right.all()
 
 
-@pytest.mark.parametrize(
+@with_each(
     "target",
     [
         sn.Target((0, 0, 3 + 2e-6), direction=(0, 0, 1)),
@@ -97,7 +98,7 @@ def test_within_tolerance_is_met(target: sn.Target) -> None:
     assert judge(ARM, [target], STRAIGHT, TOLERANCE).at_target.all()
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("segment", "coordinate", "by"),
     [(0, 2, 0.2 + 1e-7), (2, 2, -0.2 - 1e-7), (1, 0, 2.0 + 1e-7), (1, 1, -2.0 - 1e-7), (0, 0, math.nan)],
 )
@@ -122,7 +123,7 @@ def test_limits_are_reached_exactly() -> None:
     assert within_limits(ARM, changed(0, 0, 2.0)).all()
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_limits_of_actuators_are_what_the_robot_says(seed: int) -> None:
     rng = np.random.default_rng(seed)
     tendons = sn.Tendons(angles=rng.uniform(-3, 3, 3), radius=0.1, displacement=(-0.1, 0.08))
@@ -156,7 +157,7 @@ def beside(gap: float) -> list[Obstacle]:
     ]
 
 
-@pytest.mark.parametrize("which", range(11))
+@with_each("which", range(11))
 def test_overlap_is_seen_and_distance_is_not(which: int) -> None:
     # A ball lies at 1.5, the middle of the arm, and at its tip: there the judge is exact.
     assert Body(ARM, Scene([beside(-1e-6)[which]])).overlaps(STRAIGHT) == [True]

@@ -1,12 +1,12 @@
 """Distances of the judge to many exact shapes are those of the independent measures to each of them."""
 
 import numpy as np
-import pytest
 
 from benchmarks.judges.primitives import KINDS, distances_to
 from benchmarks.problems import clutter
 from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Primitive, Sphere
+from tests.cases import with_each
 
 CLUTTER = [o for seed in range(20) for o in clutter(seed, 1).scene.obstacles if isinstance(o, Primitive)]
 ODD = [
@@ -17,7 +17,7 @@ ODD = [
 ]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@with_each("kind", KINDS)
 def test_the_least_of_one_kind(kind: type[Primitive]) -> None:
     for obstacles in ([o for o in CLUTTER if type(o) is kind], [o for o in ODD if type(o) is kind]):
         points = np.random.default_rng(0).normal(size=(500, 3)) * 2.0

@@ -21,6 +21,7 @@ from benchmarks.pictures import style as look
 from benchmarks.pictures.style import STYLES, style
 from benchmarks.problems import PAPER_POSES
 from sinuous.methods.registry import METHODS
+from tests.cases import with_each
 
 RUNNERS = ("newton", "opti_path", "dls")
 
@@ -111,7 +112,7 @@ def test_methods_covers_every_family(ran: Ran) -> None:
     assert "Not run: " in text
 
 
-@pytest.mark.parametrize("family", list(FAMILIES))
+@with_each("family", list(FAMILIES))
 def test_problems_are_those_of_their_seed_and_differ(family: str) -> None:
     draw = FAMILIES[family].draw
     first, again, other = (draw(3, np.random.default_rng(seed)) for seed in (1, 1, 2))

@@ -21,6 +21,7 @@ from sinuous.measures.obstacles import measure
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
+from tests.cases import with_each
 
 made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""
@@ -113,7 +114,7 @@ MESHED = ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct", "open pipe 1.3", "bo
 MESHED += ["two tubes", "funnel"]
 
 
-@pytest.mark.parametrize(("family", "seed"), [("branches", 10), ("duct", 13), *((family, 10) for family in MESHED)])
+@with_each(("family", "seed"), [("branches", 10), ("duct", 13), *((family, 10) for family in MESHED)])
 def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:
     for obstacle in made_once(family, seed).scene.obstacles:
         if isinstance(obstacle, Mesh):

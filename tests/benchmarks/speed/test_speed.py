@@ -72,7 +72,7 @@ def test_what_arrays_bring_is_measured() -> None:
         assert [line.unit for line in lines] == ["/s", "/s", "x"]
         assert lines[2].reached == pytest.approx(lines[1].reached / lines[0].reached)
     seconds, memory = endurance._million(plan, paper_poses())
-    assert 0.0 < seconds.reached < 1.0
+    assert 0.0 < seconds.reached < 60.0
     assert 8 * (15 + 11 + 6) < memory.reached < 1000
 
 

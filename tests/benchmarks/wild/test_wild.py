@@ -22,6 +22,7 @@ from benchmarks.wild.worlds import World
 from sinuous.errors import InputError
 from sinuous.problem.target import Target, Tolerance
 from sinuous.solving.solver import Solver
+from tests.cases import with_each
 
 
 @pytest.fixture
@@ -112,7 +113,7 @@ def test_problems_are_looked_at_again_by_their_names() -> None:
     assert named == ["world 3", "3.1", "world 5", *(f"5.{i}" for i in range(len(worlds.make(0, 5).targets)))]
 
 
-@pytest.mark.parametrize("name", ["x", "-1", "3.48", "3.x", "1e3"])
+@with_each("name", ["x", "-1", "3.48", "3.x", "1e3"])
 def test_a_name_of_no_problem_is_refused(name: str) -> None:
     with pytest.raises(InputError, match="--only"):
         replay.replay(0, [name])

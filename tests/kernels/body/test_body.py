@@ -22,6 +22,7 @@ from sinuous.robot.segment import Segment
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import (
     Floats,
     columns_of,
@@ -326,7 +327,7 @@ def test_wishes_for_clearance_become_soft_rows() -> None:
     assert rows.value[1] == pytest.approx(0.04 / 2.0)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
     case = Case(seed, N)
     q = case.q

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from sinuous.kernels.body.chords import arc_chord, chord_distance, sag
+from tests.cases import with_each
 from tests.helpers import Floats, random_rotation
 
 ENDS = 4
@@ -79,7 +80,7 @@ def test_an_arc_lies_within_its_sag_of_its_chord(bend: float) -> None:
     assert np.linalg.norm(arc - along[:, None] * end, axis=-1).max() <= sag(1.0, bend) * (1.0 + 1e-12)
 
 
-@pytest.mark.parametrize(("curvature", "length"), [(0.0, 2.0), (1e-12, 2.0), (1.0, 2.0), (1.0, math.pi), (3.0, 2.0)])
+@with_each(("curvature", "length"), [(0.0, 2.0), (1e-12, 2.0), (1.0, 2.0), (1.0, math.pi), (3.0, 2.0)])
 def test_the_chord_of_an_arc_is_that_of_its_circle(curvature: float, length: float) -> None:
     turned = curvature * length
     expected = length if turned < 1e-9 else 2.0 / curvature * math.sin(0.5 * turned)

@@ -11,6 +11,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import expm_chain, frames_of, kernel_scene, mat, vec
 
 ROBOT = Robot.uniform(3, (0.5, 1.5), 2.5, radius=0.05)
@@ -26,7 +27,7 @@ def look(scene: Scene, q: Any, k: int, looks: int, mount: float = 0.0) -> tuple[
     return least, which
 
 
-@pytest.mark.parametrize("seed", range(15))
+@with_each("seed", range(15))
 def test_the_deepest_place_is_found(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scene = Scene(

@@ -3,16 +3,16 @@
 from typing import Any
 
 import numpy as np
-import pytest
 
 from sinuous.kernels.body.rows import INNER, SOFT, put_body_row
+from tests.cases import with_each
 from tests.helpers import Floats, complex_columns, expm_chain, make_rows, vec
 from tests.kernels.body.test_body import seen
 from tests.kernels.step.test_targets import Case
 
 
-@pytest.mark.parametrize("kind", [INNER, SOFT])
-@pytest.mark.parametrize("seed", range(6))
+@with_each("kind", [INNER, SOFT])
+@with_each("seed", range(6))
 def test_a_row_is_the_derivative_of_its_place(seed: int, kind: int) -> None:
     case = Case(seed)
     k, s, unit = int(case.rng.integers(len(case.q))), float(case.rng.uniform(0.05, 1.0)), 1.7

@@ -12,6 +12,7 @@ from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.clock import LOOKS, STRIDE
 from sinuous.packing import segment_row
+from tests.cases import with_each
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
 from tests.kernels.workspace import make_clock
 from tests.self_gaps import gaps_of, sample_body
@@ -86,7 +87,7 @@ def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[
     assert verdicts[CLEAR] >= 5
 
 
-@pytest.mark.parametrize("seed", range(30))
+@with_each("seed", range(30))
 def test_the_bound_is_as_close_as_it_is_said(seed: int) -> None:
     """No more than a tenth below the least gap, or below that of a circle of the largest curvature."""
     rng = np.random.default_rng(seed)
@@ -206,8 +207,8 @@ def test_two_parts_folded_about_a_hinge_without_thickness_touch(length: float) -
     assert sampled(q, radii)[0] < -0.03
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.5, 1.5])
-@pytest.mark.parametrize("radii", [(THICK, THIN, THIN), (THIN, THIN, THICK), (THICK, 0.0, THICK)])
+@with_each("turn", [0.0, 0.5, 1.5])
+@with_each("radii", [(THICK, THIN, THIN), (THIN, THIN, THICK), (THICK, 0.0, THICK)])
 def test_parts_that_lead_away_from_each_other_are_neighbours(turn: float, radii: tuple[float, float, float]) -> None:
     """However short what is between them: the end of a thick part is no obstacle to what comes next."""
     for length in (1.01 * THIN * turn + 1e-3, 0.3):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from sinuous.kernels.chain import arc
+from tests.cases import with_each
 from tests.helpers import (
     BENDS,
     LENGTHS,
@@ -46,7 +47,7 @@ def exact_coefficients(x: float) -> list[float]:
     return [float(value) for value in (s, g, h, d)]
 
 
-@pytest.mark.parametrize("bend", [*BENDS, 0.3, 0.499, 0.501, 0.6, 2.0])
+@with_each("bend", [*BENDS, 0.3, 0.499, 0.501, 0.6, 2.0])
 def test_coefficients_are_their_power_series(bend: float) -> None:
     got = arc.coefficients(bend * bend)
     np.testing.assert_allclose(got, exact_coefficients(bend * bend), rtol=4e-15, atol=1e-15)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.chain.rates import RATES_WIDTH, bow, measure_rates
+from tests.cases import with_each
 from tests.helpers import Floats, frames_of
 
 STEP = 1e-3
@@ -25,7 +26,7 @@ def place(q0: Floats, q1: Floats, t: float, k: int, s: float) -> Floats:
     return np.asarray(frames_of(q)[-1, 9:], np.float64)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@with_each("seed", range(12))
 def test_no_place_bows_more_than_its_bound_nor_travels_farther(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 6))

@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from sinuous.kernels.chain.single_arc import MOST_HALF_BEND, STRAIGHT, arc_length, arc_to
+from tests.cases import with_each
 from tests.helpers import BENDS, twist_matrix
 
 ARCS = [bend for bend in BENDS if bend < 2.0 * MOST_HALF_BEND]
 
 
-@pytest.mark.parametrize("bend", ARCS)
-@pytest.mark.parametrize("length", [1e-3, 1.0, 60.0])
+@with_each("bend", ARCS)
+@with_each("length", [1e-3, 1.0, 60.0])
 def test_an_arc_is_found_again_from_its_end(bend: float, length: float) -> None:
     end = expm(twist_matrix(np.array([bend, 0.0, length])))[:3, 3]
     half, found = arc_to(math.hypot(end[0], end[1]), end[2])

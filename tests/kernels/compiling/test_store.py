@@ -1,14 +1,18 @@
 """What is compiled is kept under a name that tells all it depends on, and read only if it is what was written."""
 
 import errno
+import multiprocessing
 import os
 import re
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import redirect_stderr
+from io import StringIO
+from multiprocessing.queues import SimpleQueue
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -155,76 +159,75 @@ def test_what_was_compiled_of_other_sources_is_neither_kept_nor_read(
     assert loads(again) == 0
 
 
-USE = """
-import sys
-from pathlib import Path
-from sinuous.kernels.compiling import store
-store.CACHE = Path(sys.argv[1])
-from sinuous.kernels.compile import compiled_form
-from tests.kernels.compiling import parts
-print(parts.twice_the_norm(3.0, 4.0), sum(parts.twice_the_norm.stats.cache_hits.values()))
-print(sum(sum(compiled_form(one).stats.cache_hits.values()) for one in (parts.square, parts.norm)))
-"""
+class Used(NamedTuple):
+    """What an entry returned, how many forms of it and of what it calls were read, and what was told."""
+
+    value: float
+    read: tuple[int, ...]
+    told: str
+
+
+def use(folder: Path, entry: str, calls: tuple[str, ...], said: SimpleQueue[Used]) -> None:
+    """Use an entry of `parts` whose code is kept in a folder."""
+    store.CACHE = folder
+    from tests.kernels.compiling import parts  # entries keep to the folder that there is when they are made
+
+    used = [vars(parts)[entry], *(compiling.compiled_form(vars(parts)[name]) for name in calls)]
+    with redirect_stderr(StringIO()) as told:
+        value = used[0](3.0, 4.0)
+    said.put(Used(value, tuple(map(loads, used)), told.getvalue()))
+
+
+def used(folder: Path, entry: str, *calls: str, processes: int = 1) -> list[Used]:
+    """What processes that begin now say, each of which has compiled and read nothing yet."""
+    context = multiprocessing.get_context("spawn")
+    said = context.SimpleQueue()
+    begun = [context.Process(target=use, args=(folder, entry, calls, said)) for _ in range(processes)]
+    for process in begun:
+        process.start()
+    for process in begun:
+        process.join()
+        assert process.exitcode == 0
+    return [said.get() for _ in begun]
 
 
 def test_processes_that_compile_at_once_do_not_break_each_other(tmp_path: Path) -> None:
     """Both begin with nothing; whoever comes last reads what they wrote, whoever wrote it."""
-    command = [sys.executable, "-c", USE, str(tmp_path)]
-    here = Path(__file__).parents[3]
-    both = [subprocess.Popen(command, cwd=here, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    said = [process.communicate()[0] for process in both]
-    assert [each.split()[0] for each in said] == ["10.0", "10.0"]
-    assert subprocess.run(command, cwd=here, capture_output=True, text=True, check=True).stdout.split() == [
-        "10.0",
-        "1",
-        "0",
-    ]
+    what = tmp_path, "twice_the_norm", "square", "norm"
+    assert [each.value for each in used(*what, processes=2)] == [10.0, 10.0]
+    assert used(*what) == [(10.0, (1, 0, 0), "")]
     for file in tmp_path.glob("twice*"):
         file.unlink()
-    # The entry is gone, what it calls is not.
-    assert subprocess.run(command, cwd=here, capture_output=True, text=True, check=True).stdout.split() == [
-        "10.0",
-        "0",
-        "2",
-    ]
+    assert used(*what) == [(10.0, (0, 1, 1), "")]  # the entry is gone, what it calls is not
     for file in tmp_path.glob("*"):
         if not file.name.startswith("norm"):
             file.unlink()
-    assert subprocess.run(command, cwd=here, capture_output=True, text=True, check=True).stdout.split()[:2] == [
-        "10.0",
-        "0",
-    ]
+    assert used(*what) == [(10.0, (0, 0, 1), "")]
     assert not [file for file in tmp_path.iterdir() if len(file.suffixes) > 2]
 
 
-USE_SHARED = """
+ENTER = """
 import sys
 from pathlib import Path
 from sinuous.kernels.compiling import store
 store.CACHE = Path(sys.argv[1])
-from sinuous.kernels.compile import compiled_form
 from tests.kernels.compiling import parts
-print(parts.thrice_the_longest(3.0, 4.0))
-loaded = parts.thrice_the_longest, compiled_form(parts.longest), compiled_form(parts.norm)
-print(*(sum(one.stats.cache_hits.values()) for one in loaded), "numba.np.linalg" in sys.modules)
+print(parts.thrice_the_longest(3.0, 4.0), "numba.np.linalg" in sys.modules)
 """
 
 
 def test_an_entry_is_read_with_the_shared_kernels_that_it_calls(tmp_path: Path) -> None:
     """What it takes to compile, half of a second, is imported only where something is compiled."""
-    command = [sys.executable, "-c", USE_SHARED, str(tmp_path)]
-
-    def said() -> tuple[str, str]:
-        ran = subprocess.run(command, cwd=Path(__file__).parents[3], capture_output=True, text=True, check=True)
-        value, hits = ran.stdout.splitlines()
-        return value + ran.stderr, hits
-
-    assert said() == ("27.0", "0 0 0 True")
-    assert said() == ("27.0", "1 1 0 False")
+    for compiles in (True, False):
+        command, here = [sys.executable, "-c", ENTER, str(tmp_path)], Path(__file__).parents[3]
+        ran = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)
+        assert (ran.stdout, ran.stderr) == (f"27.0 {compiles}\n", "")
+    what = tmp_path, "thrice_the_longest", "longest", "norm"
+    assert used(*what) == [(27.0, (1, 1, 0), "")]
     (file,) = tmp_path.glob("longest*.code")
     file.unlink()
-    assert said() == ("27.0", "1 0 1 True")
+    assert used(*what) == [(27.0, (1, 0, 1), "")]
     (file,) = tmp_path.glob("longest*.code")
     file.write_bytes(file.read_bytes()[:-1])
-    assert said() == (f"27.0sinuous: {file} is damaged, and compiled again\n", "1 0 1 True")
-    assert said() == ("27.0", "1 1 0 False")
+    assert used(*what) == [(27.0, (1, 0, 1), f"sinuous: {file} is damaged, and compiled again\n")]
+    assert used(*what) == [(27.0, (1, 1, 0), "")]

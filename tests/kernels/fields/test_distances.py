@@ -13,6 +13,7 @@ from sinuous.kernels.fields import distances
 from sinuous.kernels.fields.solids import EXACT, STEP
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
 
 KINDS = ("sphere", "box", "capsule", "cylinder", "half_space")
@@ -79,8 +80,8 @@ def around(obstacle: Any, rng: np.random.Generator, count: int) -> Floats:
     return np.asarray(center + rng.normal(size=(count, 3)) * rng.choice([0.1, 0.5, 1.0, 3.0], (count, 1)))
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(4))
+@with_each("kind", KINDS)
+@with_each("seed", range(4))
 def test_outside_it_is_the_distance_of_fcl(kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     obstacle, shape, gauge = draw(kind, rng)
@@ -139,8 +140,8 @@ def test_what_is_within_reach_is_exact_and_what_is_not_is_bounded_on_both_sides(
     assert (spared > 0) == (kind in ("box", "capsule", "cylinder") and obstacle.row[tables.SIGN] > 0.0)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(4))
+@with_each("kind", KINDS)
+@with_each("seed", range(4))
 def test_gradients_are_unit_and_the_slope(kind: str, seed: int) -> None:
     rng = np.random.default_rng(20 + seed)
     obstacle, _, _ = draw(kind, rng)

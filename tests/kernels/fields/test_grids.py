@@ -7,6 +7,7 @@ import pytest
 
 from sinuous.kernels.fields import grids
 from sinuous.kernels.fields.grids import Grid
+from tests.cases import with_each
 from tests.helpers import Floats, vec
 
 LOW, SPACING, SHAPE = (0.5, -1.0, 2.0), 0.25, (5, 4, 6)
@@ -72,7 +73,7 @@ def test_a_grid_may_be_flat() -> None:
     assert grids.value(corners, t) == pytest.approx(0.3)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@with_each("seed", range(6))
 def test_bounds_hold_for_distances_to_sets(seed: int) -> None:
     """The distance to a few points, some of them within the grid, and less a rounding."""
     rng = np.random.default_rng(seed)

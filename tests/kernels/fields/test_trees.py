@@ -10,6 +10,7 @@ from sinuous.kernels.fields import trees
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.prepared.trees import with_planes
+from tests.cases import with_each
 from tests.helpers import Floats, random_unit, vec
 from tests.kernels.fields.patches import patch_of, points_of
 
@@ -71,8 +72,8 @@ def gap(kind: int, items: Floats, points: Floats) -> float:
     return min(float(each(kind, items, p).min()) for p in points)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("count", [1, 2, 4, 5, 37, 200])
+@with_each("kind", KINDS)
+@with_each("count", [1, 2, 4, 5, 37, 200])
 def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
     rng = np.random.default_rng(count)
     store, tree, items = planted(kind, draw(kind, count, rng))

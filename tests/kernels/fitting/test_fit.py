@@ -11,6 +11,7 @@ from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_groups
 
 POINTS = 300
@@ -38,8 +39,8 @@ def shape(seed: int, n: int, spread: float) -> Floats:
     return np.stack([bend * np.cos(angle), bend * np.sin(angle), 1.0 + spread * rng.uniform(-1, 1, n)], axis=-1)
 
 
-@pytest.mark.parametrize("n", [1, 3, 8, 20])
-@pytest.mark.parametrize("spread", [0.0, 0.15])
+@with_each("n", [1, 3, 8, 20])
+@with_each("spread", [0.0, 0.15])
 def test_a_chain_finds_into_its_own_backbone(n: int, spread: float) -> None:
     robot = Robot.uniform(n, length=(0.8, 1.2) if spread else 1.0, max_bend=2.4)
     q = shape(n, n, spread)

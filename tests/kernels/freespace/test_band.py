@@ -9,6 +9,7 @@ import pytest
 from sinuous.kernels.freespace import band
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene
 from tests.kernels.freespace.places import RADIUS, grid
 from tests.kernels.workspace import make_clock
@@ -18,7 +19,7 @@ def length_of(points: Floats) -> float:
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_points_are_put_evenly_on_the_same_line(seed: int) -> None:
     rng = np.random.default_rng(seed)
     line = np.cumsum(rng.normal(size=(9, 3)), axis=0)

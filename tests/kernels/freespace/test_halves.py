@@ -12,6 +12,7 @@ from sinuous.kernels.freespace.grid import middle
 from sinuous.kernels.freespace.keys import key_of
 from sinuous.scene.obstacles import Box, HalfSpace, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import kernel_scene
 from tests.kernels.freespace.places import RADIUS, grid
 from tests.kernels.freespace.test_octree import middles
@@ -51,7 +52,7 @@ def test_sides_are_told_apart_and_nothing_leads_across(seed: int) -> None:
         assert float(scene.distance(np.array(there))) == pytest.approx(0.7, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@with_each("seed", range(12))
 def test_links_lead_wherever_two_finest_cells_do(seed: int) -> None:
     scene = Scene([plate(seed)])
     one, other = (3, 0, 0, -1), ((3, 0, 0, 0), (2, 2, 1, -1), (0, 8, 3, -2), (3, -1, -1, -2))[seed % 4]

@@ -12,6 +12,7 @@ from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_problem, mat, vec
 
 RADIUS = 0.1
@@ -47,7 +48,7 @@ def test_an_arc_in_the_open_stays_as_it_is(q: tuple[float, float, float]) -> Non
     assert overlap == 0.0
 
 
-@pytest.mark.parametrize("seed", range(12))
+@with_each("seed", range(12))
 def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: int) -> None:
     """Among random balls: near straight and near half a circle, with lengths that may and may not change."""
     rng = np.random.default_rng(seed)

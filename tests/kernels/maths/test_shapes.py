@@ -9,6 +9,7 @@ from numba.core.errors import TypingError
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
+from tests.cases import with_each
 
 
 @entry
@@ -41,7 +42,7 @@ def cut_a_column(table: Array) -> Any:
     return shaped(table[:, 0], (1, table.shape[0]))[0, 0]
 
 
-@pytest.mark.parametrize(("m", "n"), [(1, 1), (2, 5), (5, 2), (0, 3), (3, 0)])
+@with_each(("m", "n"), [(1, 1), (2, 5), (5, 2), (0, 3), (3, 0)])
 def test_a_table_is_where_numpy_has_it(m: int, n: int) -> None:
     seen, wanted, buffer = np.zeros((m, n)), np.ones((m, n)), np.full(20, -1.0)
     assert cut_two(buffer, 4, m, n, seen, wanted) == (m, n)

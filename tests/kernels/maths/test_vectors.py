@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.maths import vectors as v
+from tests.cases import with_each
 from tests.helpers import mat, random_rotation, vec
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_products_are_those_of_numpy(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = rng.normal(size=(2, 3))

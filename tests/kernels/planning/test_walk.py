@@ -3,12 +3,12 @@
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from sinuous.kernels.planning.walk import walk, walk_size
+from tests.cases import with_each
 
 Whole = NDArray[np.int64]
 Costs = dict[int, float]
@@ -52,7 +52,7 @@ def found(
     return way[:count]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_the_way_is_the_shortest(seed: int) -> None:
     rng = np.random.default_rng(seed)
     nodes, pairs = graph(seed)

@@ -1,12 +1,12 @@
 """Rays about a place: all meet the walls of a room, none meets anything in the open, and frames only turn them."""
 
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.roadmap.enclosed import RAYS, rays_met
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats
 
 PLACE = np.array([0.1, -0.2, 0.3])
@@ -48,7 +48,7 @@ def test_a_missing_wall_lets_those_through_that_lead_there() -> None:
         assert met(scene) == expected < RAYS
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_frames_turn_with_what_stands_around(seed: int) -> None:
     rng = np.random.default_rng(seed)
     turn, directions = Rotation.random(rng=rng), rng.normal(size=(9, 3))

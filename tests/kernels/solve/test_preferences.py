@@ -19,6 +19,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.solution.verification import verify
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_problem
 from tests.kernels.workspace import make_states, make_work, put
 
@@ -98,9 +99,7 @@ def test_in_the_end_hardly_a_small_motion_is_better(wish: Preferences, share: fl
     assert np.mean(count) < steps
 
 
-@pytest.mark.parametrize(
-    ("number", "seed"), [(0, 12), (0, 38), (0, 125), (1, 177), (2, 56), (2, 88), (2, 197), (2, 300)]
-)
+@with_each(("number", "seed"), [(0, 12), (0, 38), (0, 125), (1, 177), (2, 56), (2, 88), (2, 197), (2, 300)])
 def test_steps_that_end_at_limits_of_lengths_are_not_led_away_from_them(number: int, seed: int) -> None:
     """They stopped, after many small steps, where 30 to 65 % of the gradient was left."""
     wish, q, reference = PREFERENCES[number], shape(seed, 0.9), shape(seed + 1, 0.9)
@@ -131,7 +130,7 @@ def test_who_prefers_what_is_there_stays(seed: int) -> None:
     np.testing.assert_allclose(best, q, atol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@with_each("seed", range(5))
 def test_without_time_nothing_is_changed(seed: int) -> None:
     q = shape(seed)
     best, used, off, *_ = preferred(problem_at(q), PREFERENCES[0], q, q, seconds=-1.0)
@@ -170,7 +169,7 @@ def test_what_is_not_solved_is_not_taken() -> None:
     assert kept == [0.125, 0.25, 0.5, 0.75]
 
 
-@pytest.mark.parametrize("seed", range(6))
+@with_each("seed", range(6))
 def test_the_cost_is_as_it_is_said(seed: int) -> None:
     q, reference = shape(seed), shape(seed + 1)
     wish = Preferences(start=0.7, bends=0.3)

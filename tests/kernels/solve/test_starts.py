@@ -13,6 +13,7 @@ from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
 
 MIXED = Robot(
@@ -43,7 +44,7 @@ def single_arc(robot: Robot, goal: Floats, tip: int, base: Floats) -> Floats:
     return q
 
 
-@pytest.mark.parametrize("seed", range(30))
+@with_each("seed", range(30))
 def test_the_single_arc_ends_at_the_goal_where_lengths_and_bends_allow(seed: int) -> None:
     rng = np.random.default_rng(seed)
     base = random_pose(rng)
@@ -67,7 +68,7 @@ def test_too_near_a_goal_bows_the_robot() -> None:
         assert (np.hypot(q[:, 0], q[:, 1]) > 0.0).all()
 
 
-@pytest.mark.parametrize("seed", range(30))
+@with_each("seed", range(30))
 def test_every_start_keeps_the_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     goals = [rng.normal(size=3) * s for s in (1e-9, 0.5, 5.0, 100.0)] + [
@@ -146,7 +147,7 @@ def beside(frame: Floats, place: Floats, goal: Floats) -> tuple[float, float]:
     return float(local[0] * aim[1] - local[1] * aim[0]), float(local[:2] @ aim)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_face_turns_the_end_to_the_side_of_the_goal(seed: int) -> None:
     rng = np.random.default_rng(seed)
     before = configurations(seed, 4, 1)[0] + [0.3, 0.1, 0.5]
@@ -161,7 +162,7 @@ def test_face_turns_the_end_to_the_side_of_the_goal(seed: int) -> None:
         assert along > 0.0
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_face_turns_every_stage_to_the_side_of_its_goal(seed: int) -> None:
     """Whatever the order in which the targets are listed; what is asked without a position turns nothing."""
     rng = np.random.default_rng(seed)

@@ -17,6 +17,7 @@ from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_problem, random_pose
 
 TOLERANCE = (1e-3, 1e-2)
@@ -48,7 +49,7 @@ def extreme(robot: Robot, rng: np.random.Generator) -> Floats:
     return np.array(out)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@with_each("seed", range(40))
 def test_what_a_configuration_attains_is_never_impossible(seed: int) -> None:
     robot = robots(seed)
     rng = np.random.default_rng(seed)
@@ -70,7 +71,7 @@ def test_what_a_configuration_attains_is_never_impossible(seed: int) -> None:
             assert verdict(robot, Target(inner[:3, 3], direction=inner[:3, 2], segment=k)) == POSSIBLE
 
 
-@pytest.mark.parametrize("tilt", [1e-10, 3e-9, 1e-8, 1.4e-8, 1e-7, 1e-3, 0.3])
+@with_each("tilt", [1e-10, 3e-9, 1e-8, 1.4e-8, 1e-7, 1e-3, 0.3])
 def test_a_tool_that_is_hardly_tilted_is_tilted(tilt: float) -> None:
     """The cosine of 1e-8 is 1 to the last digit; links of 2 in all are aside by twice that."""
     tool = pose(direction=(math.sin(tilt), 0.0, math.cos(tilt)))
@@ -95,7 +96,7 @@ def test_what_is_attained_within_large_tolerances_is_never_impossible(seed: int)
             assert verdict(robot, target, tolerance=(near, angle)) == POSSIBLE
 
 
-@pytest.mark.parametrize("seed", range(40))
+@with_each("seed", range(40))
 def test_a_target_that_a_clear_body_attains_is_never_blocked(seed: int) -> None:
     robot = robots(seed)
     rng = np.random.default_rng(seed)

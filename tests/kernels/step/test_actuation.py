@@ -4,13 +4,13 @@ import math
 from typing import Any
 
 import numpy as np
-import pytest
 
 from sinuous.kernels.body.rows import END, HARD, IDLE
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import Floats, columns_of, make_rows
 
 
@@ -49,7 +49,7 @@ def draw_within(rng: np.random.Generator) -> Floats:
     return q
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_straighten_bends_less_until_all_limits_are_kept(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q = draw(rng, rng.choice([0.01, 0.3, 3.0]))
@@ -65,7 +65,7 @@ def test_straighten_bends_less_until_all_limits_are_kept(seed: int) -> None:
         assert excess(np.concatenate([1.0001 * held[:, :2], q[:, 2:]], axis=1)) > 0.0  # no less than needed
 
 
-@pytest.mark.parametrize("seed", range(30))
+@with_each("seed", range(30))
 def test_share_is_the_last_place_on_the_way_that_keeps_all_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, aim = draw_within(rng), draw(rng, rng.choice([0.05, 0.5, 5.0]))
@@ -122,7 +122,7 @@ def test_every_limit_gets_an_idle_row_on_its_last_segment() -> None:
     np.testing.assert_allclose(seen, ROBOT.to_actuators(q), atol=1e-14)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_a_bound_step_moves_up_to_the_limits_and_not_beyond(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q = draw_within(rng)

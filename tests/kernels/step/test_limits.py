@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from sinuous.kernels.step import limits
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import BENDS, Floats
 
 SEGMENTS = (
@@ -91,7 +92,7 @@ def within(rng: np.random.Generator) -> Floats:
     return np.array(out)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_move_takes_the_step_and_keeps_the_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.01, 1.0, 10.0])
@@ -117,7 +118,7 @@ def test_released_segments_move_in_the_metric_of_their_scales() -> None:
     np.testing.assert_array_equal(root.reshape(-1, 3, 3), [np.diag(row) for row in scales])
 
 
-@pytest.mark.parametrize("seed", range(40))
+@with_each("seed", range(40))
 def test_a_bound_segment_goes_to_its_bound_and_then_along_it(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.1, 1.0, 10.0])
@@ -152,7 +153,7 @@ def test_a_bound_segment_goes_to_its_bound_and_then_along_it(seed: int) -> None:
         assert np.linalg.matrix_rank(L, tol=1e-12) == max(0, free_rank - lost)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_on_the_slanted_edge_the_metric_stays_the_same(seed: int) -> None:
     """Bend = curvature * length: the way there is the shortest, and a unit step along it stays one."""
     rng = np.random.default_rng(seed)
@@ -175,7 +176,7 @@ def test_on_the_slanted_edge_the_metric_stays_the_same(seed: int) -> None:
     np.testing.assert_allclose(mean[k], D @ normal * gap / (normal @ normal), atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@with_each("seed", range(40))
 def test_what_a_bound_segment_wishes_it_does_along_its_bound(seed: int) -> None:
     """What is left of the wish is across what the segment can still do, in the metric of its scales."""
     rng = np.random.default_rng(seed)

@@ -22,6 +22,7 @@ from sinuous.robot.actuators import Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_problem, random_pose
 from tests.kernels.workspace import NEVER, make_states, make_work, put, state_of
 
@@ -79,7 +80,7 @@ def linearised(problem: Problem, q: Floats) -> tuple[Any, Any]:
     return state, work
 
 
-@pytest.mark.parametrize("seed", range(12))
+@with_each("seed", range(12))
 def test_norms_are_what_is_missing(seed: int) -> None:
     q, targets = shape(WIDE, seed), targets_at(WIDE, shape(WIDE, seed + 100), seed)
     problem = kernel_problem(WIDE, targets)
@@ -94,8 +95,8 @@ def test_norms_are_what_is_missing(seed: int) -> None:
     assert state.norms[SEEN] == math.inf
 
 
-@pytest.mark.parametrize("mu", [1e-6, 1e-2, 10.0])
-@pytest.mark.parametrize("seed", range(8))
+@with_each("mu", [1e-6, 1e-2, 10.0])
+@with_each("seed", range(8))
 def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, mu: float) -> None:
     """Among limits that it does not reach: a small way from where the targets are met."""
     goal = shape(WIDE, seed)
@@ -183,7 +184,7 @@ def test_a_solution_is_found_in_no_iteration_and_not_changed(seed: int) -> None:
     np.testing.assert_array_equal(found, q)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_close_to_a_solution_it_converges_like_newton(seed: int) -> None:
     q = shape(WIDE, seed)
     rng = np.random.default_rng(seed)

@@ -15,6 +15,7 @@ from sinuous.kernels.body.rows import END
 from sinuous.kernels.step import targets
 from sinuous.packing import pose_row
 from sinuous.problem.target import Target
+from tests.cases import with_each
 from tests.helpers import (
     Floats,
     as_matrix,
@@ -63,7 +64,7 @@ def test_rotation_vector_near_half_turns_about_all_axes() -> None:
                 assert_logarithm(angle, np.array([x, y, z]) / math.hypot(x, y, z))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_rotation_vector_is_that_of_scipy(seed: int) -> None:
     rotation = random_rotation(np.random.default_rng(seed))
     np.testing.assert_allclose(
@@ -117,8 +118,8 @@ class Case:
         return np.asarray(np.einsum("ia,kca->ikc", rows.twist, reach).reshape(len(rows.twist), -1))
 
 
-@pytest.mark.parametrize("seed", range(8))
-@pytest.mark.parametrize("segment", [1, 3, None])
+@with_each("seed", range(8))
+@with_each("segment", [1, 3, None])
 def test_position_rows_are_the_derivative_of_the_miss(seed: int, segment: int | None) -> None:
     case, unit = Case(seed), 2.5
     k = len(case.q) - 1 if segment is None else segment - 1
@@ -133,7 +134,7 @@ def test_position_rows_are_the_derivative_of_the_miss(seed: int, segment: int | 
     np.testing.assert_allclose(case.seen(rows, k)[:3], derivative / unit, atol=1e-11)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@with_each("seed", range(8))
 def test_rotation_rows_turn_the_tool_to_its_goal(seed: int) -> None:
     case = Case(seed)
     k = len(case.q) - 1
@@ -147,7 +148,7 @@ def test_rotation_rows_turn_the_tool_to_its_goal(seed: int) -> None:
     np.testing.assert_allclose(case.seen(rows, k)[:3], np.stack([spins[2, 1], spins[0, 2], spins[1, 0]]), atol=1e-11)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@with_each("seed", range(8))
 def test_direction_rows_see_the_turn_of_the_tangent_alone(seed: int) -> None:
     case = Case(seed)
     k = 1

@@ -6,6 +6,7 @@ from scipy.optimize import nnls
 
 from sinuous.kernels.velocity.active_set import activate, most_violated
 from sinuous.kernels.velocity.layout import CONSTRAINT_WIDTH, MULTIPLIER, VALUE, WorkingSet
+from tests.cases import with_each
 
 
 def working_set(system: np.ndarray, values: np.ndarray) -> WorkingSet:
@@ -18,7 +19,7 @@ def working_set(system: np.ndarray, values: np.ndarray) -> WorkingSet:
     return WorkingSet(none, none, about, system, np.zeros((r, r + 1)), active, listed, np.zeros((1, 3)), none)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_multipliers_are_those_of_nonnegative_least_squares(seed: int) -> None:
     rng = np.random.default_rng(seed)
     r = int(rng.integers(1, 12))

@@ -9,6 +9,7 @@ import pytest
 from sinuous.methods.fabrik import links as fabrik
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from tests.cases import with_each
 from tests.helpers import Floats, expm_chain, vec
 
 MIXED = Robot(
@@ -69,15 +70,15 @@ def test_a_taper_moves_the_bend_towards_the_tip() -> None:
     np.testing.assert_allclose(make_chain(2, 2, 0.5).share, [0.375, 0.625])
 
 
-@pytest.mark.parametrize("bend", [0.0, 1e-9, 1e-5, 1e-3, 0.3, 1.5, 2.9])
+@with_each("bend", [0.0, 1e-9, 1e-5, 1e-3, 0.3, 1.5, 2.9])
 def test_the_links_of_an_arc(bend: float) -> None:
     near, far = fabrik.links(make_chain(1), 0, bend)
     assert near == far
     assert near == pytest.approx(0.5 if bend == 0.0 else math.tan(0.5 * bend) / bend, rel=1e-10)
 
 
-@pytest.mark.parametrize("pieces", [1, 2, 3, 5])
-@pytest.mark.parametrize("bend", [0.0, 1e-7, 1e-3, 0.4, 1.7, 2.9])
+@with_each("pieces", [1, 2, 3, 5])
+@with_each("bend", [0.0, 1e-7, 1e-3, 0.4, 1.7, 2.9])
 def test_the_tangents_at_the_ends_meet_in_the_joint(pieces: int, bend: float) -> None:
     rng = np.random.default_rng(pieces)
     for taper in (0.0, 0.8, -0.5):
@@ -147,8 +148,8 @@ def start(chain: Any, stretch: bool, limits: Floats = MIXED.limits) -> None:
         chain.points[i + 1] = 0.0, 0.0, at
 
 
-@pytest.mark.parametrize("stretch", [False, True])
-@pytest.mark.parametrize("seed", range(10))
+@with_each("stretch", [False, True])
+@with_each("seed", range(10))
 def test_every_pass_keeps_the_limits_and_the_links_together(seed: int, stretch: bool) -> None:
     rng = np.random.default_rng(seed)
     chain = make_chain(5)

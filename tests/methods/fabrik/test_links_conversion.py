@@ -13,6 +13,7 @@ from sinuous.methods.fabrik.links import STEEPEST
 from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
+from tests.cases import with_each
 from tests.helpers import Floats, as_matrix, expm_chain, frames_of, random_pose, skew, vec
 from tests.methods.fabrik.test_links import MIXED, make_chain
 
@@ -26,7 +27,7 @@ def within(robot: Robot, seed: int) -> Floats:
     return np.stack([bend * np.cos(angle), bend * np.sin(angle), length], axis=-1)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_a_configuration_within_the_limits_is_taken_over_as_it_is(seed: int) -> None:
     base = random_pose(np.random.default_rng(seed))
     q = within(MIXED, seed)
@@ -80,7 +81,7 @@ def problem_of(target: Target, tool: Floats) -> Any:
     return Problem(**{**values, "tool": pose_row(tool), "targets": target.table.copy()})
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_a_tool_at_its_target_asks_for_the_end_where_it_is(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, base = within(MIXED, seed), random_pose(rng)
@@ -95,7 +96,7 @@ def test_a_tool_at_its_target_asks_for_the_end_where_it_is(seed: int) -> None:
             np.testing.assert_allclose(aim, end[:3, 2], atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_the_end_that_is_asked_for_has_the_tool_at_the_target(seed: int) -> None:
     rng = np.random.default_rng(seed)
     frames = frames_of(within(MIXED, seed), random_pose(rng))

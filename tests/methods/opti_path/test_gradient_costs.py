@@ -14,6 +14,7 @@ from sinuous.methods.opti_path.path import Aim, get_arc
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene, vec
 from tests.methods.opti_path.test_path import N, make_path, wavy
 
@@ -73,8 +74,8 @@ def test_the_options_are_in_the_order_that_the_kernel_reads() -> None:
     assert tuple(names) == Setting._fields
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("orientation", ["squared", "norm"])
+@with_each("seed", range(5))
+@with_each("orientation", ["squared", "norm"])
 def test_an_arc_costs_what_the_paper_says(seed: int, orientation: OrientationCost) -> None:
     chosen, points = OptiPath(orientation=orientation), wavy(seed)
     own = setting(orientation=orientation)

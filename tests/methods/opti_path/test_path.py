@@ -6,6 +6,7 @@ import pytest
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path.path import Path
 from sinuous.robot.robot import Robot
+from tests.cases import with_each
 from tests.helpers import Floats, expm_chain
 
 N = 6
@@ -35,7 +36,7 @@ def make_path(points: Floats, band: float = 0.0, robot: Robot = ROBOT, mount: fl
     return path
 
 
-@pytest.mark.parametrize("seed", range(10))
+@with_each("seed", range(10))
 def test_arcs_are_traced_through_the_ends_of_segments(seed: int) -> None:
     rng = np.random.default_rng(seed)
     bend, angle = rng.uniform(0.1, 2.5, N), rng.uniform(-np.pi, np.pi, N)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import search
+from tests.cases import with_each
 from tests.methods.opti_path.test_gradient_costs import setting
 from tests.methods.opti_path.test_path import make_path, wavy
 
@@ -10,7 +11,7 @@ def difference_matrix(n: int) -> np.ndarray:
     return 2.0 * np.eye(n - 1) - np.eye(n - 1, k=1) - np.eye(n - 1, k=-1)
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 7, 40])
+@with_each("n", [1, 2, 3, 7, 40])
 def test_elimination_solves_the_tridiagonal_system(n: int) -> None:
     rng = np.random.default_rng(n)
     x = rng.normal(size=(n + 1, 3))

@@ -7,6 +7,7 @@ from sinuous.measures.obstacles import measure
 from sinuous.scene.meshes.bodies import bodies_overlap, cuts_itself
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
+from tests.cases import with_each
 from tests.helpers import random_rotation, refused
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 
@@ -62,7 +63,7 @@ def sized(body: Triangles, size: float) -> Triangles:
 BEAM = (np.array([5.0, 0.2, 0.2]) * cube()[0], cube()[1])
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("body", "overlap"),
     [
         (cube(), False),
@@ -82,7 +83,7 @@ BEAM = (np.array([5.0, 0.2, 0.2]) * cube()[0], cube()[1])
         (together(cube(), inverted(cube(0.5, (0.2, 0.0, 0.0)))), False),
     ],
 )
-@pytest.mark.parametrize("place", [(1.0, 0.0), (1e-3, 0.0), (1.0, 40.0)])
+@with_each("place", [(1.0, 0.0), (1e-3, 0.0), (1.0, 40.0)])
 def test_bodies_of_one_mesh_that_overlap_are_found_however_little_they_do(
     body: Triangles, overlap: bool, place: tuple[float, float]
 ) -> None:
@@ -120,7 +121,7 @@ def at_a_corner(other: Triangles) -> Triangles:
     return vertices, faces
 
 
-@pytest.mark.parametrize(
+@with_each(
     ("body", "cuts"),
     [
         (cube(), False),
@@ -137,7 +138,7 @@ def at_a_corner(other: Triangles) -> Triangles:
         (together(cube(0.1, (5.0, 0.0, 0.0)), torus(0.297)), True),
     ],
 )
-@pytest.mark.parametrize("place", [(1.0, 0.0), (1e-3, 0.0), (1.0, 40.0)])
+@with_each("place", [(1.0, 0.0), (1e-3, 0.0), (1.0, 40.0)])
 def test_a_surface_that_cuts_itself_is_found_however_little_it_does(
     body: Triangles, cuts: bool, place: tuple[float, float]
 ) -> None:

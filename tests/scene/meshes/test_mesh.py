@@ -10,6 +10,7 @@ import pytest
 from sinuous.errors import InputError
 from sinuous.scene.meshes import mending
 from sinuous.scene.meshes.mesh import Mesh
+from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 from tests.scene.shapes import ball, cube, inverted, soup, together
 
@@ -226,7 +227,7 @@ def test_without_trimesh_it_says_what_to_install(tmp_path: Path, monkeypatch: py
     assert len(Mesh(*cube()).faces) == 12
 
 
-@pytest.mark.parametrize(("size", "fits"), [(1e-4, False), (0.01, True), (1.0, True), (400.0, True), (2000.0, False)])
+@with_each(("size", "fits"), [(1e-4, False), (0.01, True), (1.0, True), (400.0, True), (2000.0, False)])
 def test_a_scale_that_cannot_be_meant_is_refused(size: float, fits: bool) -> None:
     mesh = Mesh(*cube(size))
     if fits:
@@ -235,8 +236,8 @@ def test_a_scale_that_cannot_be_meant_is_refused(size: float, fits: bool) -> Non
         refused("vertices", lambda: mesh.check_size(1.0), "the unit of the robot")
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 8])
-@pytest.mark.parametrize("share", [0.5, 0.3])
+@with_each("count", [1, 2, 3, 8])
+@with_each("share", [0.5, 0.3])
 def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
     """Where a triangle has more corners along a side than the one beside it, slivers fill the gap of no width."""
     turn = random_rotation(np.random.default_rng(0))

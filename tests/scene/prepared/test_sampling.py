@@ -18,12 +18,13 @@ from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared import kept, parts, sampling, trees
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+from tests.cases import with_each
 from tests.helpers import refused
 from tests.scene import shapes
 
 
-@pytest.mark.parametrize("extent", [(1.0, 1.0, 1.0), (100.0, 1.0, 0.01), (0.0, 0.0, 5.0), (1e-6, 3e-6, 2e-6)])
-@pytest.mark.parametrize("most", [1000, 50_000])
+@with_each("extent", [(1.0, 1.0, 1.0), (100.0, 1.0, 0.01), (0.0, 0.0, 5.0), (1e-6, 3e-6, 2e-6)])
+@with_each("most", [1000, 50_000])
 def test_a_grid_holds_the_box_and_its_cells_are_as_small_as_allowed(
     extent: tuple[float, float, float], most: int
 ) -> None:

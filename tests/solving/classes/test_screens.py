@@ -11,6 +11,7 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.screens import ABOUT, WIDER, Passage, ScreenBounds, passages, refined, screen
+from tests.cases import with_each
 from tests.helpers import Floats
 from tests.solving.classes.places import ACROSS, DOORS, ROBOT, bars, wall
 
@@ -79,7 +80,7 @@ def test_a_screen_keeps_off_the_ends() -> None:
     assert alone.distance((25.0, 30.0, 140.0)) < 0.0
 
 
-@pytest.mark.parametrize("looks", [0, 3, 8, 9, 12, 20, 10_000])
+@with_each("looks", [0, 3, 8, 9, 12, 20, 10_000])
 def test_a_screen_is_whole_or_none_whenever_the_time_ends(looks: int) -> None:
     """The clock is read before and after each of five looks around, and while corners are left out."""
     passage, left = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0), iter([60.0] * looks)

@@ -9,6 +9,7 @@ from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solving.routing.roots import APART, ENOUGH, IN_WALL, MOST, roots
 from sinuous.solving.routing.turned import FLIP
+from tests.cases import with_each
 from tests.helpers import Floats, kernel_groups
 
 SEGMENTS = [Segment((0.8, 1.2), 2.0, radius=0.1)] * 4
@@ -27,10 +28,8 @@ def ends(tool: Floats | None, scene: Scene, **asked: Floats) -> Floats:
     return frames
 
 
-@pytest.mark.parametrize("tool", [None, pose((0.0, 0.0, 0.4)), ASIDE])
-@pytest.mark.parametrize(
-    "asked", [{}, {"direction": GOAL[:3, 2]}, {"rotation": GOAL[:3, :3]}], ids=["position", "direction", "rotation"]
-)
+@with_each("tool", [None, pose((0.0, 0.0, 0.4)), ASIDE])
+@with_each("asked", [{}, {"direction": GOAL[:3, 2]}, {"rotation": GOAL[:3, :3]}])
 def test_every_root_meets_what_is_asked(tool: Floats | None, asked: dict[str, Floats]) -> None:
     found = ends(tool, Scene([]), **asked) @ (np.eye(4) if tool is None else tool)
     assert 1 <= len(found) <= MOST

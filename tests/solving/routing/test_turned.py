@@ -21,6 +21,7 @@ from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.growth import Grown, settled
 from sinuous.solving.routing.roots import roots
 from sinuous.solving.routing.turned import Groups, joined, rooted, turned, turned_back
+from tests.cases import with_each
 from tests.helpers import kernel_groups
 
 TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))
@@ -31,8 +32,8 @@ def groups(robot: Robot, targets: list[Target]) -> Groups:
     return kernel_groups(Problem(robot, targets, Scene()))
 
 
-@pytest.mark.parametrize("kind", ["position", "direction", "pose"])
-@pytest.mark.parametrize("tool", [None, TOOL])
+@with_each("kind", ["position", "direction", "pose"])
+@with_each("tool", [None, TOOL])
 def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray | None) -> None:
     segments = [Segment((0.8, 1.2), max_bend) for max_bend in (2.0, 1.5, 2.2, 1.8)]
     robot = Robot(segments, base=pose((1.0, 2.0, 3.0), direction=(0.2, 0.3, 1.0)), tool=tool)

@@ -1,15 +1,15 @@
 """Hidden shapes keep their limits, and a distance from themselves."""
 
 import numpy as np
-import pytest
 
 import sinuous as sn
 from benchmarks.judges.judge import within_limits
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import arc, curve_of, draw_shape
+from tests.cases import with_each
 
 
-@pytest.mark.parametrize("seed", range(20))
+@with_each("seed", range(20))
 def test_shapes_keep_apart_and_within_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = robot_of(seed, rng)

@@ -421,9 +421,8 @@ def _goes_straight(motion: Motion) -> bool:
 def _add_path(contents: Contents, targets: list[Target]) -> None:
     """Take the positions of the waypoints as lines, one for each segment whose end is asked for; one is a target."""
     for segment in dict.fromkeys(target.segment for target in targets):
-        places = [t.position for t in targets if t.segment == segment and t.position is not None]
-        if len(places) > 1:
-            contents.paths.append(np.stack(places))
-        elif places:
-            single = next(t for t in targets if t.segment == segment and t.position is not None)
-            contents.add_target(single)
+        placed = [(t, t.position) for t in targets if t.segment == segment and t.position is not None]
+        if len(placed) > 1:
+            contents.paths.append(np.stack([place for _, place in placed]))
+        elif placed:
+            contents.add_target(placed[0][0])

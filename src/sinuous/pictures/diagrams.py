@@ -127,8 +127,7 @@ def _draw_along(axes: Any, solution: Solution) -> None:
     tidy(axes, "clearance along the body", x="length of backbone from the base", y="length unit")
 
 
-def _draw_convergence(axes: Any, answer: Solution | Motion) -> None:
-    assert isinstance(answer, Solution)
+def _draw_convergence(axes: Any, answer: Solution) -> None:
     position, angle = _errors(answer)
     tolerance = answer.problem.tolerance
     wanted = (("position, length unit", position, tolerance.position), ("angle, rad", angle, tolerance.angle))
@@ -212,8 +211,7 @@ def _limit(axes: Any, clearance: Floats) -> None:
         axes.set_ylim(0.0, 1.12 * float(finite.max()))
 
 
-def _draw_map(axes: Any, answer: Solution | Motion) -> None:
-    assert isinstance(answer, Motion)
+def _draw_map(axes: Any, answer: Motion) -> None:
     moments, q = _moments(answer)
     clearance = clearances(answer.robot, answer.scene, q, ALONG, moments)
     places = np.linspace(0.0, len(answer.robot), clearance.shape[-1])
@@ -231,8 +229,7 @@ def _draw_map(axes: Any, answer: Solution | Motion) -> None:
     axes.yaxis.get_major_locator().set_params(integer=True)
 
 
-def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Solution | Motion) -> None:
-    assert isinstance(answer, Motion)
+def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Motion) -> None:
     curves = of(answer)
     for k, name in enumerate(curves.names):
         style = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(CURVES) % 3]
@@ -243,10 +240,9 @@ def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Solution | M
     tidy(axes, curves.title, x="time", y=curves.unit)
 
 
-def _draw_times(axes: Any, answer: Solution | Motion) -> None:
+def _draw_times(axes: Any, answer: Motion) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter  # noqa: PLC0415
 
-    assert isinstance(answer, Motion)
     times = 1e3 * np.array([solution.seconds for solution in answer.solutions])
     solved = np.array([solution.solved for solution in answer.solutions])
     number = np.arange(1, len(times) + 1)
@@ -263,7 +259,7 @@ def _draw_times(axes: Any, answer: Solution | Motion) -> None:
     tidy(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
 
 
-_DRAWN: dict[str, Callable[[Any, Solution | Motion], None]] = {
+_DRAWN: dict[str, Callable[[Any, Any], None]] = {
     "clearance": _draw_clearance,
     "clearance map": _draw_map,
     "convergence": _draw_convergence,

@@ -1,6 +1,9 @@
 """Files that pictures go into: which there are, and that they can be written."""
 
+import base64
+import io
 import shutil
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +52,17 @@ def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) ->
         raise InputError(key, "needs the program ffmpeg", str(file), "ffmpeg installed, or a name that ends in .gif")
 
 
+TIGHT = {"bbox_inches": "tight", "pad_inches": 0.15}
+"""How a figure is saved without its empty border."""
+
+
+def image_in_page(figure: Any, said: str, **options: Any) -> str:
+    """Return the element of a page that holds a figure as a PNG, and a text for those who do not see it."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", **options)
+    return f'<img alt="{escape(said)}" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
+
+
 def save_figure(figure: Any, file: Path) -> None:
     """Write a figure, without its empty border.
 
@@ -58,4 +72,4 @@ def save_figure(figure: Any, file: Path) -> None:
         When the file cannot be written.
     """
     with written(file, "file"):
-        figure.savefig(file, bbox_inches="tight", pad_inches=0.15)
+        figure.savefig(file, **TIGHT)

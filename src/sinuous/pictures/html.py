@@ -1,7 +1,5 @@
 """What notebooks show: a small picture beside a small table. Nothing runs behind it."""
 
-import base64
-import io
 from collections import Counter
 from collections.abc import Callable
 from html import escape
@@ -13,6 +11,7 @@ from sinuous.display.captions import rows_of, words_of
 from sinuous.display.contents import gather
 from sinuous.motion.motion import Motion
 from sinuous.motion.trajectory import Trajectory
+from sinuous.pictures.files import image_in_page
 from sinuous.pictures.plot import still
 from sinuous.pictures.workspace import map_of
 from sinuous.robot.robot import Robot
@@ -61,10 +60,7 @@ def _picture(noun: Any) -> str:
         return ""
     if isinstance(noun, Explanation) or (isinstance(noun, Scene | Solutions) and not len(noun)):
         return ""
-    file = io.BytesIO()
-    _figure(noun).savefig(file, format="png", dpi=SMALL if isinstance(noun, Reach) else DPI)
-    text = base64.b64encode(file.getvalue()).decode()
-    return f'<img alt="{escape(_caption(noun))}" src="data:image/png;base64,{text}">'
+    return image_in_page(_figure(noun), _caption(noun), dpi=SMALL if isinstance(noun, Reach) else DPI)
 
 
 def _figure(noun: Any) -> Any:

@@ -195,12 +195,11 @@ def walls_of(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
     for obstacle in obstacles:
         if not isinstance(obstacle, Dotted):
             surface = obstacle_surface(obstacle, bounds.middle, 2.0 * bounds.span, around)
-            is_mesh = isinstance(obstacle, Mesh)
             facets = of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
             if (facets < bounds.low).any() or (facets > bounds.high).any():
                 solid = isinstance(obstacle, SOLIDS) and not obstacle.inside
                 facets = cut(within(facets, bounds.low, bounds.high, solid), CUT * bounds.span)
-            walls.append(Walls(facets, is_mesh))
+            walls.append(Walls(facets, isinstance(obstacle, Mesh)))
     return walls
 
 
@@ -231,11 +230,10 @@ def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: Viewpoi
     painted = []
     for facets, each in walls:
         hidden = _hiding(facets, bodies, radius, view)
-        if each and hidden.max(initial=0.0) > 0.0:  # through a wall that is see-through its back is seen
-            painted.append(_lit(facets, OBSTACLE, SOLID, view, back=True, hidden=hidden))
-        else:
-            own = hidden if each else np.full(len(facets), hidden.max(initial=0.0))
-            painted.append(_lit(facets, OBSTACLE, SOLID, view, hidden=own))
+        most = hidden.max(initial=0.0)
+        back = each and most > 0.0  # the back of a wall is seen through what of it is see-through
+        own = hidden if each else np.full(len(facets), most)
+        painted.append(_lit(facets, OBSTACLE, SOLID, view, back=back, hidden=own))
     return painted
 
 

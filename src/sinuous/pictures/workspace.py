@@ -1,8 +1,6 @@
 """Pictures of a map of the workspace: slices, what obstacles take away, and the whole in three dimensions."""
 
-import base64
 import html
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Vector
-from sinuous.pictures.files import check_picture, save_figure, stills
+from sinuous.pictures.files import TIGHT, check_picture, image_in_page, save_figure, stills
 from sinuous.pictures.space import new_figure
 from sinuous.workspace.reach import Reach, Verdict
 from sinuous.writing.documents import written
@@ -62,10 +60,9 @@ def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None
     if target.suffix.lower() != ".html":
         save_figure(figure, target)
         return
-    data = io.BytesIO()
-    figure.savefig(data, format="png", bbox_inches="tight", pad_inches=0.15)
+    page = _page(found, image_in_page(figure, "slices of the workspace", **TIGHT))
     with written(target, "file"):
-        target.write_text(_page(found, data.getvalue()), encoding="utf-8")
+        target.write_text(page, encoding="utf-8")
 
 
 def map_of(found: Reach, at: Vector | None = None) -> Any:
@@ -146,12 +143,10 @@ def _draw_seen(axes: Any, found: Reach, row: _Row) -> None:
     axes.set_title(row.which, fontsize=10)
 
 
-def _page(found: Reach, picture: bytes) -> str:
+def _page(found: Reach, image: str) -> str:
     """One file that opens anywhere."""
-    image = base64.b64encode(picture).decode("ascii")
     style = "body{font-family:sans-serif;max-width:100rem;margin:2rem auto;padding:0 1rem}img{max-width:100%}"
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>Workspace</title><style>{style}</style>'
-        f'<h1>Workspace</h1><pre>{html.escape(str(found))}</pre><img alt="slices of the workspace" '
-        f'src="data:image/png;base64,{image}"></html>\n'
+        f"<h1>Workspace</h1><pre>{html.escape(str(found))}</pre>{image}</html>\n"
     )

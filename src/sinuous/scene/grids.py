@@ -217,10 +217,8 @@ class Field(Sampled):
         step = checks.number("spacing", spacing, above=0.0)
         values = _sampled(function, start, step, _shape(end - start, step))
         check_lipschitz("function", values, step, float(np.finfo(np.float64).eps))
-        values.flags.writeable = False
-        known = checked_exactness(exact, truncated)
-        self._keep(name, function=function, low=start, high=end, origin=start)
-        self._set(values=values, spacing=step, axes=IDENTITY, **known)
+        known = checked_exactness(exact, truncated) | {"values": checks.closed(values)}
+        self._keep(name, function=function, low=start, high=end, origin=start, spacing=step, axes=IDENTITY, **known)
 
     def at_most(self, points: Floats) -> Floats:
         """Upper bounds (m,) of the distance of points (m, 3); infinite where the function gives none."""

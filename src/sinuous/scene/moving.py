@@ -218,8 +218,7 @@ def _poses(
     for key, rows in (("positions", places), (beside[-1], turned)):
         if rows is not None and len(rows) != count:
             raise InputError(key, "", len(rows), f"as many as times: {count}")
-    places.flags.writeable = False
-    return places, turned
+    return checks.closed(places), turned
 
 
 def _of_matrices(count: int, poses: Stack) -> tuple[Floats, Floats | None]:
@@ -228,6 +227,4 @@ def _of_matrices(count: int, poses: Stack) -> tuple[Floats, Floats | None]:
         raise InputError("poses", "a last row is wrong", poses, "[0, 0, 0, 1] as last row of each")
     turned = any_rotations(matrices[:, :3, :3], None, "poses")
     still = turned is None or bool((turned == np.eye(3)).all())
-    positions = matrices[:, :3, 3].copy()
-    positions.flags.writeable = False
-    return positions, None if still else turned
+    return checks.closed(matrices[:, :3, 3].copy()), None if still else turned

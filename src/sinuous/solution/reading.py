@@ -1,13 +1,14 @@
 """From a result as plain values back to what a search found."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.kernels import tables as t
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import demanding
+from sinuous.solution.resolver import LoadedResult
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import CODES, Status
 
@@ -15,17 +16,7 @@ _STATUSES = tuple(status for status in Status if status is not Status.START_BLOC
 """What a solve may end with; motions alone can be blocked at their start."""
 
 
-class ReadAnswer(NamedTuple):
-    """What a result says of a solve."""
-
-    outcome: t.Outcome
-    seconds: float
-    method: str
-    seed: int
-    route_class: RouteClass | None
-
-
-def read_result(values: Any, problem: Problem) -> ReadAnswer:
+def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, LoadedResult, RouteClass | None]:
     """Read the result of a problem, as `Solution.to_dict` writes it; keys that are not needed are not looked at.
 
     Raises
@@ -52,8 +43,8 @@ def read_result(values: Any, problem: Problem) -> ReadAnswer:
         result.number("seconds"),
         _cell(result) if status == Status.NO_ROUTE else math.nan,
     )
-    seed = result.integer("seed", 2**31 - 1)
-    return ReadAnswer(outcome, outcome.seconds, result.text("method"), seed, _route_class(values))
+    resolver = LoadedResult(result.text("method"), result.integer("seed", 2**31 - 1))
+    return outcome, resolver, _route_class(values)
 
 
 def as_demanded(problem: Problem, values: Any) -> Problem:

@@ -26,7 +26,7 @@ from sinuous.solution.binding import Binding, find_binding, in_words, rate_bindi
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import as_demanded, read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
-from sinuous.solution.resolver import LoadedResult, ReSolver
+from sinuous.solution.resolver import ReSolver
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.trials import Case
@@ -487,9 +487,8 @@ class Solution(NotebookMixin):
             When `values` are no result, or one for another number of segments.
         """
         problem = as_demanded(problem, values)
-        read = read_result(values, problem)
-        nothing: Floats = np.empty((0, len(problem.robot), 3))
-        return cls(problem, read.outcome, read.seconds, LoadedResult(read.method, read.seed), nothing, read.route_class)
+        outcome, resolver, route_class = read_result(values, problem)
+        return cls(problem, outcome, outcome.seconds, resolver, np.empty((0, len(problem.robot), 3)), route_class)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""

@@ -150,9 +150,7 @@ def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verific
         return _loaded_step(robot, ends, scene, times)
     shares = shares_between(robot, *ends)
     q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
-    return _seen(
-        robot, ends, (robot, q, list(range(1, len(robot) + 1))), scene, times[0] + shares * (times[1] - times[0])
-    )
+    return _seen(robot, ends, robot, q, range(1, len(robot) + 1), scene, times[0] + shares * (times[1] - times[0]))
 
 
 def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
@@ -165,28 +163,22 @@ def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> 
     rests = [one, *map(way.rest, shares[1:-1].tolist()), other]
     shapes = [each for each in rests if each.states is not None]
     off = max(imbalance(robot, each.q, each.found[0], each.displacements) for each in shapes)
-    found = _seen(
-        robot,
-        ends,
-        (body, np.stack([each.arcs for each in shapes]), owners),
-        scene,
-        times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0]),
-    )
+    when = times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0])
+    found = _seen(robot, ends, body, np.stack([each.arcs for each in shapes]), owners, scene, when)
     return replace(found, ok=found.ok and len(shapes) == len(rests) and off <= AT_REST * robot.mean_length)
 
 
 def _seen(
-    robot: Robot, ends: Floats, body: tuple[Robot, Floats, list[int]], scene: Snapshot, when: Floats
+    robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[int], scene: Snapshot, when: Floats
 ) -> Verification:
-    """Judge shapes (T, N, 3) of a body, whose segments belong to these of the robot, at times (T,)."""
-    thing, q, owners = body
+    """Judge shapes `q` (T, N, 3) of a body, whose segments belong to these `owners` of the robot, at times (T,)."""
     if scene.moves:
-        seen = [least_clearances(thing, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
+        seen = [least_clearances(body, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
         clearances, spares, segments, obstacles = (np.concatenate(each) for each in zip(*seen, strict=True))
     else:
-        clearances, spares, segments, obstacles = least_clearances(thing, scene, q)
+        clearances, spares, segments, obstacles = least_clearances(body, scene, q)
     at = int(clearances.argmin())
-    itself = least_meeting(thing, q)
+    itself = least_meeting(body, q)
     gap, slack = itself.gap + robot.least_demanded[1], ROUNDING * robot.mean_length
     ok = all(_within_limits(robot, one) for one in ends) and spares.min() >= -slack and itself.gap >= -slack
     nothing = obstacles[at] < 0

@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.arguments import Constraint
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.measures.body import SAMPLES, Meeting, nearest_meeting
+from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, nearest_meeting
 from sinuous.measures.reach import target_errors
 from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
@@ -122,16 +122,15 @@ def _overlaps(problem: Problem, q: Floats, ends: Floats | None) -> tuple[Worst, 
     """
     clearance = compiled_clearance(problem.robot, problem.scene, q)
     itself = _seen(problem, q)
-    if ends is not None and min(clearance[0], itself[0]) > 0.0:
+    if ends is not None and min(clearance.distance, itself.gap) > 0.0:
         itself = nearest_meeting(problem.robot, q, ends)
     return _as_worst(clearance, itself)
 
 
-def _as_worst(clearance: tuple[float, int | None, str | None], itself: Meeting) -> tuple[Worst, Worst]:
+def _as_worst(clearance: NearestObstacle, itself: Meeting) -> tuple[Worst, Worst]:
+    near, far = itself.segments or (None, None)
     distance, where, which = clearance
-    gap, segments = itself
-    near, far = segments or (None, None)
-    return Worst("clearance", where, which, -distance), Worst("self_clearance", far, None, -gap, near)
+    return Worst("clearance", where, which, -distance), Worst("self_clearance", far, None, -itself.gap, near)
 
 
 def _seen(problem: Problem, q: Floats) -> Meeting:
@@ -143,12 +142,10 @@ def _seen(problem: Problem, q: Floats) -> Meeting:
     return Meeting(deepest.clearance, (deepest.other_segment or deepest.segment, deepest.segment))
 
 
-def compiled_clearance(
-    robot: Robot, scene: Snapshot, q: Floats, above: bool = False
-) -> tuple[float, int | None, str | None]:
+def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats, above: bool = False) -> NearestObstacle:
     """Least clearance beyond what is demanded, its segment (1 = first) and obstacle: as `measures.body` has it."""
     if len(scene) == 0:
-        return math.inf, None, None
+        return NearestObstacle(math.inf, None, None)
     points, lengths = robot.backbone(q, SAMPLES), q[:, 2]
     # The end of a segment is the beginning of the next one, which may be thicker: it counts for both.
     places = np.arange(SAMPLES * len(robot)).reshape(-1, SAMPLES)[:, :1] + np.arange(SAMPLES + 1)
@@ -157,4 +154,4 @@ def compiled_clearance(
     segments = np.broadcast_to(np.arange(len(robot))[:, None], free.shape)[free]
     nearest = least_gap(points[places[free]], np.array(robot.needed_radii)[segments], scene, above)
     segment = None if nearest.place is None else int(segments[nearest.place]) + 1
-    return nearest.distance, segment, nearest.obstacle
+    return NearestObstacle(nearest.distance, segment, nearest.obstacle)

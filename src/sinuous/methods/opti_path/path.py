@@ -17,6 +17,7 @@ from collections import namedtuple
 
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, frame, put_frame
+from sinuous.kernels.maths.shapes import first_of
 from sinuous.kernels.maths.vectors import (
     Array,
     Vec,
@@ -165,7 +166,7 @@ that is in the mount."""
 
 Work = namedtuple("Work", ["path", "q", "setting", "potential"])
 """Scratch of one solve: the path and a configuration (n, 3); and what stays as it is: the options of the method (see
-`costs.Setting`) and the potential of the obstacles."""
+`gradient.Setting`) and the potential of the obstacles."""
 
 
 def want(limits: Array, band: float, mount: float, path: Path) -> None:
@@ -193,17 +194,7 @@ def put_arc(arcs: Array, k: int, arc: Arc) -> None:
 
 def get_arc(arcs: Array, k: int) -> Arc:
     """Row `k` of `arcs` (n, 15)."""
-    return Arc(
-        get_vec(arcs, k, 0),
-        get_vec(arcs, k, 3),
-        get_vec(arcs, k, 6),
-        arcs[k, 9],
-        arcs[k, 10],
-        arcs[k, 11],
-        arcs[k, 12],
-        arcs[k, 13],
-        arcs[k, 14],
-    )
+    return Arc(get_vec(arcs, k, 0), get_vec(arcs, k, 3), get_vec(arcs, k, 6), *first_of(arcs[k, 9:], 6))
 
 
 def trace(path: Path) -> None:

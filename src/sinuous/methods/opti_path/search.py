@@ -229,7 +229,7 @@ def follow(
 ) -> tuple[int, bool]:
     """Follow one start; see `sinuous.methods.search`.
 
-    `options` are those of `costs.Setting`, then what `potential.read_potential` takes apart.
+    `options` are those of `gradient.Setting`, then what `potential.read_potential` takes apart.
     """
     path, q = carve_path(scratch, problem.limits.shape[0])
     setting, aim = read_setting(options), read_aim(problem)

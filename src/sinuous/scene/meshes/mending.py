@@ -40,11 +40,16 @@ class Edges:
         return self.border == self.crowded == self.clashing == 0
 
 
+def sides_of(faces: Integers) -> tuple[Integers, Integers, Integers]:
+    """First and last vertex of the sides (3 f,) of triangles (f, 3), and numbers that sides on one edge share."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    return start, end, np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
+
+
 def count_edges(faces: Integers) -> Edges:
     """Count the edges of `faces` (f, 3) that are not as those of a closed surface."""
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
-    _, edge, count = np.unique(key, return_inverse=True, return_counts=True)
+    start, end, number = sides_of(faces)
+    _, edge, count = np.unique(number, return_inverse=True, return_counts=True)
     balance = np.bincount(edge, np.where(start < end, 1.0, -1.0))
     return Edges(int((count == 1).sum()), int((count > 2).sum()), int(((count == 2) & (balance != 0.0)).sum()))
 
@@ -124,8 +129,8 @@ def turn_alike(faces: Integers) -> tuple[Integers, int]:
 
 def _neighbours(faces: Integers) -> tuple[Integers, Integers, NDArray[np.bool_]]:
     """Both triangles of every edge, and whether they run along it in opposite directions."""
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    order = np.lexsort((np.maximum(start, end), np.minimum(start, end)))
+    start, end, number = sides_of(faces)
+    order = np.argsort(number, kind="stable")
     one, other = order[::2], order[1::2]
     return one // 3, other // 3, start[one] == end[other]
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import BALLS, CUBES, LEAF_ITEMS, TRIANGLES
+from sinuous.scene.meshes.mending import sides_of
 
 
 def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
@@ -32,9 +33,7 @@ def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
     before = -np.roll(sides, 1, axis=1)
     angles = np.arctan2(np.linalg.norm(np.cross(sides, before), axis=-1), (sides * before).sum(axis=-1))
     at_corners = _gather(faces, angles[..., None] * flat[:, None], len(vertices))
-    start, end = faces, np.roll(faces, -1, axis=1)
-    key = np.minimum(start, end) * len(vertices) + np.maximum(start, end)
-    _, edge = np.unique(key, return_inverse=True)
+    _, edge = np.unique(sides_of(faces)[2], return_inverse=True)
     edge = edge.reshape(faces.shape)
     at_edges = _gather(edge, np.broadcast_to(flat[:, None], corners.shape), int(edge.max()) + 1)
     return np.concatenate([flat[:, None], at_edges, at_corners], axis=1)

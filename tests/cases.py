@@ -8,15 +8,22 @@ from typing import Any
 Test = Callable[..., None]
 
 
-def with_each(names: str | tuple[str, ...], cases: Iterable[Any]) -> Callable[[Test], Test]:
-    """Try a test with each of these cases, given as to `pytest.mark.parametrize`; an error names the case."""
+def with_each(
+    names: str | tuple[str, ...], cases: Iterable[Any] | Callable[[], Iterable[Any]]
+) -> Callable[[Test], Test]:
+    """Try a test with each of these cases, given as to `pytest.mark.parametrize`; an error names the case.
+
+    A function that returns cases is called by the test: what takes long, or compiles, is not made while tests are
+    collected, when the other processes wait.
+    """
     keys = (names,) if isinstance(names, str) else names
-    listed = [dict(zip(keys, (case,) if isinstance(names, str) else case, strict=True)) for case in cases]
+    given = cases if callable(cases) else list(cases)
 
     def all_of(test: Test) -> Test:
         @wraps(test)
         def tried(**others: Any) -> None:
-            for case in listed:
+            for one in given() if callable(given) else given:
+                case = dict(zip(keys, (one,) if isinstance(names, str) else one, strict=True))
                 try:
                     test(**others, **case)
                 except Exception as error:

@@ -1,6 +1,6 @@
 """Derivatives of shapes on a curve: against differences of shapes laid by other code, and of motions led anew."""
 
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,13 @@ from tests.helpers import refused
 
 CURVE = sn.Curve.bezier([(0, 0, 0), (0, 0.1, 1.6), (2, 0, 1.3)], 7)
 STAGED = sn.on_stage(sn.Robot.uniform(2, 1.0, radius=0.05), 1.1 * CURVE.length)
-ENTERED = sn.follow_the_leader(STAGED, CURVE)
 DEPTHS = [2.37, 3.71]
+
+
+@cache
+def entered() -> sn.Motion:
+    """The motion along the curve; not led when tests are collected, since that compiles."""
+    return sn.follow_the_leader(STAGED, CURVE)
 
 
 def differences(question: LaidRobot, column: Any, near: Floats) -> Floats:
@@ -27,7 +32,7 @@ def differences(question: LaidRobot, column: Any, near: Floats) -> Floats:
 
 
 def test_they_agree_with_differences() -> None:
-    derivative = ENTERED.derivative(CURVE, DEPTHS, tuple(GROUPS))
+    derivative = entered().derivative(CURVE, DEPTHS, tuple(GROUPS))
     assert derivative.regular
     question = LaidRobot(STAGED, line_in_front(STAGED, CURVE), np.array(DEPTHS))
     for group in GROUPS:
@@ -39,7 +44,7 @@ def test_they_agree_with_differences() -> None:
 
 def test_tips_stay_on_the_curve() -> None:
     """Kinematics say how tips move, the curve says where they have to be; a base that advances takes them along."""
-    derivative, path = ENTERED.derivative(CURVE, DEPTHS, ("advance", "base")), line_in_front(STAGED, CURVE)
+    derivative, path = entered().derivative(CURVE, DEPTHS, ("advance", "base")), line_in_front(STAGED, CURVE)
     for i, depth in enumerate(DEPTHS):
         jacobian = STAGED.jacobian(derivative.configurations[i])[3:]
         moved = (jacobian @ derivative.q[name][i].reshape(9, -1) for name in derivative.wrt)
@@ -50,8 +55,8 @@ def test_tips_stay_on_the_curve() -> None:
 
 def test_the_shapes_are_those_of_the_motion() -> None:
     """As far as its rounds led."""
-    derivative = ENTERED.derivative(CURVE, DEPTHS, "advance")
-    np.testing.assert_allclose(ENTERED.at(DEPTHS), derivative.configurations, atol=1e-3)
+    derivative = entered().derivative(CURVE, DEPTHS, "advance")
+    np.testing.assert_allclose(entered().at(DEPTHS), derivative.configurations, atol=1e-3)
 
 
 def test_where_segments_share_the_length_as_they_like_it_is_not_regular() -> None:
@@ -63,7 +68,7 @@ def test_where_segments_share_the_length_as_they_like_it_is_not_regular() -> Non
 def test_a_motion_that_is_led_anew_differs_by_them() -> None:
     """As far as fits of motions go: those end where a round brings little."""
     h = 0.02
-    derivative = ENTERED.derivative(CURVE, DEPTHS, "curve")
+    derivative = entered().derivative(CURVE, DEPTHS, "curve")
     i = derivative.labels("curve").index("curve[4].y")
     ends = []
     for sign in (1.0, -1.0):
@@ -76,13 +81,13 @@ def test_a_motion_that_is_led_anew_differs_by_them() -> None:
 
 
 def test_products_agree_with_each_other() -> None:
-    derivative, rng = ENTERED.derivative(CURVE, DEPTHS, ("curve", "lengths")), np.random.default_rng(0)
+    derivative, rng = entered().derivative(CURVE, DEPTHS, ("curve", "lengths")), np.random.default_rng(0)
     tangent = {name: rng.normal(size=len(derivative.labels(name))) for name in derivative.wrt}
     cotangent = rng.normal(size=derivative.configurations.shape)
     back = derivative.vjp(cotangent)
     wanted = (cotangent * derivative.jvp(tangent)).sum()
     assert sum(back[name] @ tangent[name] for name in tangent) == pytest.approx(wanted)
-    one = ENTERED.derivative(CURVE, [2.4])
+    one = entered().derivative(CURVE, [2.4])
     assert one.depths.tolist() == [2.4]
     assert one.jvp([1.0]).shape == (1, 3, 3)
 
@@ -90,7 +95,7 @@ def test_products_agree_with_each_other() -> None:
 def test_a_place_of_the_body_where_the_line_in_front_ends_is_a_kink() -> None:
     """The curvature of the path jumps there; a quarter of the last segment lies on the curve."""
     lead = line_in_front(STAGED, CURVE).lead
-    assert not ENTERED.derivative(CURVE, [lead + 0.25], "advance").regular
+    assert not entered().derivative(CURVE, [lead + 0.25], "advance").regular
 
 
 def test_the_end_of_the_curve_is_a_kink() -> None:
@@ -100,12 +105,12 @@ def test_the_end_of_the_curve_is_a_kink() -> None:
 
 
 def test_bad_input_is_refused() -> None:
-    derive: Any = partial(ENTERED.derivative, CURVE, [2.4])
+    derive: Any = partial(entered().derivative, CURVE, [2.4])
     refused("wrt", lambda: derive("colour"), "advance, curve, base, lengths")
-    refused("depths", lambda: ENTERED.derivative(CURVE, [0.1]), "from 2 to")
-    refused("depths", lambda: ENTERED.derivative(CURVE, []), "from 2 to")
-    refused("depths[1]", lambda: ENTERED.derivative(CURVE, [2.5, 2.4]), "increase")
+    refused("depths", lambda: entered().derivative(CURVE, [0.1]), "from 2 to")
+    refused("depths", lambda: entered().derivative(CURVE, []), "from 2 to")
+    refused("depths[1]", lambda: entered().derivative(CURVE, [2.5, 2.4]), "increase")
     refused(
-        "curve", lambda: ENTERED.derivative(CURVE.points + np.array([0.0, 0.01, 0.0]), [2.4]), "this motion follows"
+        "curve", lambda: entered().derivative(CURVE.points + np.array([0.0, 0.01, 0.0]), [2.4]), "this motion follows"
     )
     refused("cotangent", lambda: derive().vjp([[1.0]]))

@@ -1,5 +1,7 @@
 """Distances of the judge to many exact shapes are those of the independent measures to each of them."""
 
+from functools import cache
+
 import numpy as np
 
 from benchmarks.judges.primitives import KINDS, distances_to
@@ -8,7 +10,6 @@ from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Primitive, Sphere
 from tests.cases import with_each
 
-CLUTTER = [o for seed in range(20) for o in clutter(seed, 1).scene.obstacles if isinstance(o, Primitive)]
 ODD = [
     Sphere((0, 0, 0), 1, inside=True),
     Cylinder((0, 0, 0), (0, 1, 2), 0.5, inside=True),
@@ -17,9 +18,15 @@ ODD = [
 ]
 
 
+@cache
+def cluttered() -> list[Primitive]:
+    """Obstacles of many problems; not made when tests are collected, since that compiles."""
+    return [o for seed in range(20) for o in clutter(seed, 1).scene.obstacles if isinstance(o, Primitive)]
+
+
 @with_each("kind", KINDS)
 def test_the_least_of_one_kind(kind: type[Primitive]) -> None:
-    for obstacles in ([o for o in CLUTTER if type(o) is kind], [o for o in ODD if type(o) is kind]):
+    for obstacles in ([o for o in cluttered() if type(o) is kind], [o for o in ODD if type(o) is kind]):
         points = np.random.default_rng(0).normal(size=(500, 3)) * 2.0
         expected = [measure(obstacle, points) for obstacle in obstacles]
         found = [distance(points) for distance in distances_to(obstacles)]
@@ -30,6 +37,6 @@ def test_the_least_of_one_kind(kind: type[Primitive]) -> None:
 
 def test_kinds_are_kept_apart() -> None:
     points = np.random.default_rng(1).normal(size=(200, 3)) * 2.0
-    found = np.min([distance(points) for distance in distances_to([*CLUTTER, *ODD])], axis=0)
-    expected = np.min([measure(obstacle, points) for obstacle in [*CLUTTER, *ODD]], axis=0)
+    found = np.min([distance(points) for distance in distances_to([*cluttered(), *ODD])], axis=0)
+    expected = np.min([measure(obstacle, points) for obstacle in [*cluttered(), *ODD]], axis=0)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)

@@ -1,6 +1,6 @@
 """Routes through different passages: which ones, in what order, and what is tried again."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -8,8 +8,10 @@ import pytest
 
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solving import strategy
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.classes.curves import ClassCurves
@@ -78,6 +80,18 @@ def test_where_no_start_is_solved_others_follow(monkeypatch: pytest.MonkeyPatch)
 def test_without_time_or_position_nothing_is_searched_for() -> None:
     assert explored(pillar(), once(), seconds=0.0) == []
     assert explored(pillar(), once(), target=Target(direction=(0, 0, 1))) == []
+
+
+def test_a_scene_is_not_copied_where_time_does_not_suffice(monkeypatch: pytest.MonkeyPatch) -> None:
+    def copied(scene: Snapshot, screens: Sequence[Mesh]) -> Snapshot:
+        assert not screens
+        return scene
+
+    monkeypatch.setattr(Snapshot, "beside", copied)
+    with pytest.raises(AssertionError):
+        explored(pillar(), once())
+    monkeypatch.setattr(ClassCurves, "seconds", lambda _: 1e-8)
+    assert len(crossed(explored(pillar(), once()), 150.0)) == 1
 
 
 def test_what_is_probably_closed_comes_last_and_with_finer_cells(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,6 +35,9 @@ NEAR = 1.0
 OFF_ENDS = 2.0
 """Distance of screens from the ends of a route, in radii of the body and edges of cells together."""
 
+COPIED = 2e9
+"""Bytes of a scene that are copied in a second at least. A scene with a screen is a copy, which looks at no clock."""
+
 SAME = 0.9
 """Least cosine of the angle between the tangents at two passages at one place."""
 
@@ -75,8 +78,10 @@ class Passages:
     def routes(self, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that are wide enough and lead through no closed passage, and how many cells they cost.
 
-        `closed` are numbers of screens.
+        `closed` are numbers of screens. Where there is no time for a copy of the scene nothing is found.
         """
+        if closed and self._curves.scene.memory > COPIED * self._curves.seconds():
+            return [], 0
         problem, plans = self._question.problem, self._searches.single_plans
         scene = self._curves.scene.beside([self._screens[i][1] for i in sorted(closed)])
         shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)

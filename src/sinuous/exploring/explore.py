@@ -125,13 +125,13 @@ ACROSS = 20
 """Spacings from the base to the farthest place, where none is given."""
 
 NEAREST, FARTHEST = 0.05, 2.0
-"""How far a position beside a shape is away from its tip at most, in spacings: each order of magnitude as often."""
+"""Range of the largest distance of a position beside a shape from its tip, in spacings; even on a logarithmic scale."""
 
 NEAR = 16
-"""Shapes nearby that a task is told."""
+"""Shapes nearby that a task gets."""
 
 TESTS = 400
-"""Positions anywhere that are kept count of."""
+"""Latest positions anywhere that the shares are of."""
 
 PAIRS = 64
 """Motions that are proved again together."""

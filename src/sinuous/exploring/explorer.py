@@ -38,7 +38,7 @@ DRAWS_TO_JOIN, TURNS_TO_JOIN = 1024, 4
 """Draws of trees between two parts, and turns of all planners where these do not meet."""
 
 SHORTEST = 1e-3
-"""Share of the way to a random shape that is gone at least: most go less far, each order of magnitude as often."""
+"""Least share of the way towards a random shape; shares are drawn evenly on a logarithmic scale."""
 
 SHORTER = 4
 """How often a motion that is not clear is tried again, half as far."""

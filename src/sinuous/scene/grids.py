@@ -82,7 +82,7 @@ def sample_points(origin: Floats, spacing: float, shape: tuple[int, ...], first:
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Sampled(Obstacle):
-    """Values at points of a grid, of which it may be known whether they are distances, and where they are cut off."""
+    """Values at points of a grid; it may be known whether they are distances, and at which value they are cut off."""
 
     values: NDArray[Any]
     origin: Floats
@@ -93,7 +93,7 @@ class Sampled(Obstacle):
 
     @property
     def exact_below(self) -> float:
-        """From which value on values are lower bounds of the distance alone, unless they are not positive."""
+        """Values from this one on are only lower bounds of the distance, unless they are not positive."""
         if self.exact is False:
             return 0.0
         unsaid = math.inf if self.exact else 0.0 if self.is_function else float(self.values.max())
@@ -159,8 +159,8 @@ class Field(Sampled):
     """Where a function is negative.
 
     The function is called when the field is made, for all points of a grid over a box; solving uses these samples,
-    less what a distance can change between them. Out of the box the samples at its border answer: what they do not
-    prove free is not free.
+    less what a distance can change between them. Outside of the box only that counts as free which the samples at its
+    border prove free.
 
     Parameters
     ----------
@@ -266,8 +266,8 @@ def evaluate(function: Callable[[Floats], Vector], points: Floats) -> Floats:
 class Grid(Sampled):
     """Values at the points `origin + spacing * (i, j, k)`.
 
-    Numbers are signed distances, positive outside. They prove free what is nearer to a point than its value: out of
-    the grid, that ends as far from its border as the values there say.
+    Numbers are signed distances, positive outside. A value proves that everything nearer to its point is free, also
+    outside of the grid, as far from its border as the values there say.
 
     True and false (or whole numbers 1 and 0) say what is occupied: every true point is the middle of a solid cube with
     edges of `spacing` along the axes. Everything else is free, out of the grid too.

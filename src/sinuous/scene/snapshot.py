@@ -18,7 +18,7 @@ from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.prepared.parts import NOTHING, Part, prepare, unsampled
+from sinuous.scene.prepared.parts import Part, prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -68,13 +68,13 @@ class Surroundings:
     def distance(self, points: Stack) -> Floats:
         """Signed distance (...) of points (..., 3) to the nearest obstacle; infinite in an empty scene.
 
-        Exact: no samples are interpolated, and a `Field` is asked itself. Of a `Grid` of distances nothing more is
-        known than its samples; there it is the most that they prove.
+        Exact: no samples are interpolated, and the function of a `Field` is called. Near a `Grid` of distances, of
+        which only samples are known, it is the largest distance that they prove.
         """
         return self.snapshot()._query(points)[0]
 
     def at_most(self, points: Stack) -> Floats:
-        """Upper bound (...) of the distance of points (..., 3): the same, but near a `Grid` of distances."""
+        """Upper bound (...) of the distance of points (..., 3): their `distance`, except near a `Grid` of distances."""
         return self.snapshot()._query(points)[3]
 
     def gradient(self, points: Stack) -> Floats:
@@ -188,21 +188,19 @@ class Snapshot(Surroundings, Frozen):
         still = obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
         return prepare(still, name, None if progress is None else partial(progress, name))
 
-    def replaced(self, index: int, obstacle: Obstacle, part: Part | None = None) -> "Snapshot":
-        """Return a snapshot with another obstacle in the place of one; `part` is what kernels read of it, if known."""
+    def replaced(
+        self, index: int, obstacle: Obstacle, part: Part | None = None, group: Floats | None = None
+    ) -> "Snapshot":
+        """Return a snapshot with another obstacle in the place of one.
+
+        `part` is what kernels read of it, and `group` what they read of the whole scene then, where that is known.
+        """
         own = prepare(obstacle, "") if part is None else part
         known = self._parts or [own if i == index else self._part(i, None) for i in range(len(self))]
         parts = [*known[:index], own, *known[index + 1 :]]
         snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
+        snapshot._set(_group=group)
         snapshot.prepare()
-        return snapshot
-
-    def with_row(self, index: int, obstacle: Obstacle, part: Part, group: Floats) -> "Snapshot":
-        """Return a snapshot with this in the place of an obstacle; `group` is what kernels read of the whole scene."""
-        parts = list(self._prepared())
-        parts[index] = part
-        snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]))
-        snapshot._set(_parts=parts, _group=group)
         return snapshot
 
     def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
@@ -319,9 +317,9 @@ def room_at(place: Floats, scene: Snapshot) -> NearestPoint:
 class Mover:
     """Makes snapshots of a scene in which one obstacle is elsewhere.
 
-    They take turns with two arrays, of which each move writes one row, where others copy all that is prepared of
-    meshes. So only the two latest may be solved in: the kernels find the others changed. It is for one who asks for
-    the latest alone, as a hand that drags does.
+    Two arrays take turns: a move writes one row of one of them, and copies nothing that is prepared of meshes. So
+    solves may use only the two latest snapshots, because the arrays of older ones have changed since. This is for
+    callers that need the latest one alone, as while an obstacle is dragged by hand.
 
     Parameters
     ----------
@@ -344,5 +342,5 @@ class Mover:
         array = self._arrays.pop(0)
         self._arrays.append(array)
         packing.scene_parts(array)[0][self._index] = obstacle.row
-        self._latest = self._latest.with_row(self._index, obstacle, Part(obstacle.row, NOTHING), array)
+        self._latest = self._latest.replaced(self._index, obstacle, group=array)
         return self._latest

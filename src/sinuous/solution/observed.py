@@ -19,7 +19,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 
 GAIN = 0.1
-"""Share of what is new that a tick takes over, by default: noise of one tick counts to a quarter."""
+"""Share of what is new that a tick takes over, by default: about a quarter of the noise of a tick passes."""
 
 MOST_DELAY = 100
 """Ticks."""
@@ -49,7 +49,7 @@ class Observed(NamedTuple):
     past: tuple[Floats, ...]
 
     def shift_at(self, share: float) -> Floats:
-        """The shift (3,) at a share of the length; that of the base is none."""
+        """The shift (3,) at a share of the length; the base has none."""
         own = np.concatenate([[0.0], self.shares]), np.concatenate([np.zeros((1, 3)), self.shifts])
         return np.array([np.interp(share, own[0], own[1][:, i]) for i in range(3)])
 

@@ -126,7 +126,7 @@ def closed_in(problem: Problem, cell: float) -> Reason:
 
 
 def _thinnest(problem: Problem, last: int | None = None) -> tuple[float, float]:
-    """What that one of the first segments needs that needs least, and which part of it is clearance."""
+    """Room that the least demanding of the first segments needs, and how much of it is clearance."""
     robot = problem.robot
     radii = zip(robot.needed_radii[:last], robot.radii[:last], strict=True)
     return min((needed, needed - radius) for needed, radius in radii)

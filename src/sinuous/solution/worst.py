@@ -1,7 +1,7 @@
 """The constraint that a configuration is farthest from meeting; by kernels, to be quick among large meshes too.
 
-It only says of a failure what is missing. Its values are those of `sinuous.measures`, but for how densely the body is
-held against itself.
+It only says what a failed solve is missing. Its values are those of `sinuous.measures`, except that fewer places of
+the body are compared with each other.
 """
 
 import math

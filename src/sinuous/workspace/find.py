@@ -1,8 +1,8 @@
 """`reach`: every voxel in every direction, without obstacles and among them, in rounds.
 
-Measured, the single arc that a solve begins with is as good a start as the solution of a neighbour, so that all are
-tried from it first; neighbours help where it fails. A round depends only on the rounds before it, and so on nothing
-that threads do: the calls of a solver always come in the same order, and a checkpoint may hold those that were made.
+Measurements showed that the single arc that a solve begins with is as good a start as the solution of a neighbour. So
+all are tried from it first; neighbours help where it fails. A round depends only on the rounds before it, not on what
+threads do: the calls of a solver always come in the same order, and a checkpoint may hold those that were made.
 """
 
 import time as clock
@@ -177,7 +177,7 @@ def neighbours_of(taken: NDArray[np.bool_]) -> Numbers:
 
 
 SAMPLES = 6
-"""Points of a segment at which it is looked for the obstacle that a body runs into."""
+"""Points of a segment whose distances tell which obstacle a body runs into."""
 
 BODIES_TOGETHER = 20_000
 """Bodies that are looked at in one step: it bounds memory."""

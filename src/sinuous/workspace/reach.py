@@ -260,7 +260,7 @@ class Reach(NotebookMixin, Frozen):
 
     @cached_property
     def proved(self) -> Truths:
-        """Which voxels it is certain of (x, y, z): each direction is solved, or proved impossible."""
+        """Voxels (x, y, z) of which everything is certain: each direction is solved, or proved impossible."""
         return np.asarray((self.verdicts <= Verdict.BASE_BLOCKED).all(axis=-1))
 
     def volume(self, dexterous: bool = False, free: bool = False) -> Volume:

@@ -17,7 +17,7 @@ def with_each(
     collected, when the other processes wait.
     """
     keys = (names,) if isinstance(names, str) else names
-    given = cases if callable(cases) else list(cases)
+    given = list(cases) if isinstance(cases, Iterable) else cases  # an enumeration can be called, too
 
     def all_of(test: Test) -> Test:
         @wraps(test)

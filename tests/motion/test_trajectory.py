@@ -1,6 +1,7 @@
 """Laws of timing: limits are kept and used, and the way stays the one that was proved."""
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,10 @@ def smooth(knots: int) -> sn.Motion:
     return sn.Motion(ARM, q, [FAR])
 
 
-MOTION = smooth(12)
+@cache
+def wave() -> sn.Motion:
+    """A motion of twelve knots; not proved when tests are collected, since that compiles."""
+    return smooth(12)
 
 
 def rates_of(values: Floats) -> tuple[float, float, float]:
@@ -45,7 +49,7 @@ def off_the_way(motion: sn.Motion, q: Floats) -> float:
 
 @pytest.mark.parametrize("blend", [0.0, 0.3, 1e3])
 def test_rates_and_accelerations_are_kept_and_some_is_reached_at_any_time(blend: float) -> None:
-    timed = MOTION.timed(BOTH, blend)
+    timed = wave().timed(BOTH, blend)
     t = np.linspace(0.0, timed.duration, 5001)
     speed, gain = timed.velocity(t), timed.acceleration(t)
     slack = 1.0 + 1e-6
@@ -58,7 +62,7 @@ def test_rates_and_accelerations_are_kept_and_some_is_reached_at_any_time(blend:
 
 @pytest.mark.parametrize("blend", [0.0, 0.3])
 def test_velocities_and_accelerations_are_derivatives(blend: float) -> None:
-    timed = MOTION.timed(BOTH, blend)
+    timed = wave().timed(BOTH, blend)
     inner = 0.5 * (timed.times[1:] + timed.times[:-1])
     h = 1e-6
     inner = inner[np.diff(timed.times) > 4 * h]
@@ -69,13 +73,13 @@ def test_velocities_and_accelerations_are_derivatives(blend: float) -> None:
 
 
 def test_without_a_blend_it_stops_in_every_corner_and_stays_on_the_way() -> None:
-    timed = MOTION.timed(BOTH)
+    timed = wave().timed(BOTH)
     q = timed.at(np.linspace(0.0, timed.duration, 400))
-    assert off_the_way(MOTION, q) < 1e-12
-    at_knots = [timed.at(timed.times)[np.abs(timed.at(timed.times) - q).max(axis=(1, 2)) < 1e-12] for q in MOTION.q]
+    assert off_the_way(wave(), q) < 1e-12
+    at_knots = [timed.at(timed.times)[np.abs(timed.at(timed.times) - q).max(axis=(1, 2)) < 1e-12] for q in wave().q]
     assert all(len(found) for found in at_knots)
-    np.testing.assert_allclose(timed.at(0.0), MOTION.q[0])
-    np.testing.assert_allclose(timed.at(timed.duration), MOTION.q[-1], atol=1e-12)
+    np.testing.assert_allclose(timed.at(0.0), wave().q[0])
+    np.testing.assert_allclose(timed.at(timed.duration), wave().q[-1], atol=1e-12)
 
 
 def test_a_straight_step_takes_the_time_of_a_trapezoid() -> None:
@@ -91,9 +95,9 @@ def test_a_straight_step_takes_the_time_of_a_trapezoid() -> None:
 
 
 def test_rates_alone_need_no_stop() -> None:
-    timed = MOTION.timed(FIRST)
+    timed = wave().timed(FIRST)
     t = 0.5 * (timed.times[1:] + timed.times[:-1])
-    assert len(t) == len(MOTION.q) - 1
+    assert len(t) == len(wave().q) - 1
     for speed in timed.velocity(t):
         assert np.divide(rates_of(speed), (1.0, 30.0, 6.0)).max() == pytest.approx(1.0)
 
@@ -127,7 +131,7 @@ def test_half_of_what_is_proved_to_be_free_is_left() -> None:
 
 
 def test_no_corner_is_rounded_where_nothing_is_proved() -> None:
-    q = MOTION.q
+    q = wave().q
     touching = sn.Motion(ARM, q, [sn.Sphere(ARM.forward(q[5])[-1, :3, 3], radius=5)])
     assert not touching.solved
     timed = touching.timed(BOTH, 0.3)
@@ -136,7 +140,7 @@ def test_no_corner_is_rounded_where_nothing_is_proved() -> None:
 
 
 def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) -> None:
-    timed = MOTION.timed(BOTH)
+    timed = wave().timed(BOTH)
     timed.to_csv(tmp_path / "way.csv", rate=50)
     rows = (tmp_path / "way.csv").read_text().splitlines()
     assert rows[0].startswith("time,s1.bend_x")
@@ -155,7 +159,7 @@ def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) 
 
 
 def test_resampled_it_is_a_motion_that_is_proved_anew() -> None:
-    timed = MOTION.timed(BOTH, 0.3)
+    timed = wave().timed(BOTH, 0.3)
     motion = timed.resampled(50)
     assert motion.solved
     np.testing.assert_allclose(np.diff(motion.times)[:-1], 0.02)
@@ -174,16 +178,16 @@ def test_resampled_it_is_a_motion_that_is_proved_anew() -> None:
 )
 def test_what_is_no_limit_is_refused(rates: Any, blend: float, message: str) -> None:
     with pytest.raises(sn.InputError, match=message):
-        MOTION.timed(rates, blend)
+        wave().timed(rates, blend)
 
 
 def test_what_nothing_limits_and_what_stands_still_is_refused() -> None:
     with pytest.raises(sn.InputError, match="nothing limits leg 1"):
-        sn.Motion(ARM, np.stack([MOTION.q[0], MOTION.q[0] + (0, 0, 1)])).timed(sn.Rates(bend=1.0))
+        sn.Motion(ARM, np.stack([wave().q[0], wave().q[0] + (0, 0, 1)])).timed(sn.Rates(bend=1.0))
     with pytest.raises(sn.InputError, match="stands still"):
-        sn.Motion(ARM, MOTION.q[[0, 0]]).timed(FIRST)
+        sn.Motion(ARM, wave().q[[0, 0]]).timed(FIRST)
     with pytest.raises(sn.InputError, match="t: expected times from 0 to"):
-        MOTION.timed(FIRST).at(-1.0)
+        wave().timed(FIRST).at(-1.0)
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1.0, 1e7])
@@ -206,7 +210,7 @@ def test_the_way_is_the_same_in_every_unit_of_length(unit: float, knots: int) ->
 
 def test_knots_in_one_line_are_one_leg_whatever_their_number() -> None:
     share = np.linspace(0.0, 1.0, 5001)[:, None, None]
-    q = (1.0 - share) * MOTION.q[0] + share * MOTION.q[3]
+    q = (1.0 - share) * wave().q[0] + share * wave().q[3]
     assert len(sn.Motion(ARM, q, [FAR]).timed(FIRST).times) == 2
 
 
@@ -216,7 +220,7 @@ def test_a_blended_way_takes_the_same_time_in_every_unit_of_length(unit: float) 
 
     def timed(scale: float) -> sn.Trajectory:
         arm = sn.Robot.uniform(3, (0.8 * scale, 1.2 * scale), 2.4, radius=0.01 * scale)
-        q = MOTION.q * (1.0, 1.0, scale / 57.0)
+        q = wave().q * (1.0, 1.0, scale / 57.0)
         rates = sn.Rates(1.0, 0.5 * scale, acceleration=sn.Rates(3.0, 2.0 * scale))
         return sn.Motion(arm, q, [sn.Sphere((0, 0, 9 * scale), 0.1 * scale)]).timed(rates, 0.1 * scale)
 

@@ -48,9 +48,9 @@ class Obstacle(Frozen, ABC):
 
     @property
     def place(self) -> "tuple[Obstacle, Floats] | None":
-        """The obstacle that it was before it was moved, and by which pose (4, 4) it was; `None`: it never was.
+        """The obstacle before it was moved, and the pose (4, 4) that moved it; `None` for one that never was.
 
-        What was computed of that one serves for this one.
+        What was computed of the former serves for this one, too.
         """
         return vars(self).get("_place")
 

@@ -221,7 +221,7 @@ class Mesh(Obstacle):
 
     @property
     def source(self) -> Origin | None:
-        """See `Obstacle.source`; None for a mesh that its file, read again, would be divided from."""
+        """See `Obstacle.source`; None where reading the file again would divide the mesh into several."""
         own = super().source
         return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own
 

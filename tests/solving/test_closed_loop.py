@@ -4,6 +4,7 @@ import math
 import pickle
 from collections import deque
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,14 @@ from sinuous.solution.step import Step
 from tests.helpers import Floats, refused
 
 ARM = sn.Robot.uniform(3, 80.0, max_bend=2.4)
-IK = sn.Solver(ARM)
+
+
+@cache
+def arm_solver() -> sn.Solver:
+    """Not made when tests are collected, since that compiles."""
+    return sn.Solver(ARM)
+
+
 REAL = sn.Robot([sn.Segment(84.0, max_bend=2.6), sn.Segment(76.0, max_bend=2.6), sn.Segment(84.0, max_bend=2.6)])
 """The same robot, wrong by 5 %."""
 
@@ -47,7 +55,7 @@ def run(
         reading = sensor(late[0])
         if noise:
             reading = reading + rng.normal(0.0, noise, reading.shape)
-        step = IK.step(step, dt=0.01, target=target, measured=reading, delay=delay, **options)
+        step = arm_solver().step(step, dt=0.01, target=target, measured=reading, delay=delay, **options)
         late.append(step.q)
         poses.append(real_pose(step.q))
     return poses
@@ -109,31 +117,33 @@ def test_bends_from_a_fibre_and_points_of_the_body() -> None:
     elbow = sn.Target(ARM.forward(sn.solve(ARM, sn.Target(TARGET)).q)[1, :3, 3], segment=2)
     step: sn.Solution | Step = sn.solve(ARM, elbow)
     for _ in range(60):
-        step = IK.step(step, dt=0.01, target=elbow, measured=points(step.q), places=[2.0 / 3.0, 1.0])
+        step = arm_solver().step(step, dt=0.01, target=elbow, measured=points(step.q), places=[2.0 / 3.0, 1.0])
     assert elbow.position is not None
     assert np.linalg.norm(points(step.q)[0] - elbow.position) < 1e-3 * LENGTH
 
 
 def test_what_is_not_seen_changes_nothing_and_what_is_known_is_carried() -> None:
     target = sn.Target(TARGET)
-    first = IK.step(sn.solve(ARM, target), dt=0.01, target=target, measured=TARGET + 3.0)
-    blind = IK.step(first, dt=0.01, target=target, measured=np.full(3, math.nan))
-    without = IK.step(first, dt=0.01, target=target)
+    first = arm_solver().step(sn.solve(ARM, target), dt=0.01, target=target, measured=TARGET + 3.0)
+    blind = arm_solver().step(first, dt=0.01, target=target, measured=np.full(3, math.nan))
+    without = arm_solver().step(first, dt=0.01, target=target)
     assert first.observed is not None
     for step in (blind, without):
         assert step.observed is not None
         np.testing.assert_array_equal(step.observed.shifts, first.observed.shifts)
     again = pickle.loads(pickle.dumps(first))
     np.testing.assert_array_equal(again.observed.shifts, first.observed.shifts)
-    assert IK.step(first.q, dt=0.01, target=target).observed is None
+    assert arm_solver().step(first.q, dt=0.01, target=target).observed is None
 
 
 def test_bad_readings_are_refused() -> None:
     target, q = sn.Target(TARGET), sn.solve(ARM, sn.Target(TARGET)).q
     wrong: Any = [1.0, 2.0]
-    refused("measured", lambda: IK.step(q, dt=0.01, target=target, measured=wrong), "pose (4, 4)")
+    refused("measured", lambda: arm_solver().step(q, dt=0.01, target=target, measured=wrong), "pose (4, 4)")
     two = np.zeros((2, 3))
-    refused("measured", lambda: IK.step(q, dt=0.01, target=target, measured=two), "places")
-    refused("places", lambda: IK.step(q, dt=0.01, target=target, measured=two, places=[0.5, 0.4]), "increasing")
-    refused("gain", lambda: IK.step(q, dt=0.01, target=target, measured=TARGET, gain=0.0))
-    refused("delay", lambda: IK.step(q, dt=0.01, target=target, measured=TARGET, delay=-1))
+    refused("measured", lambda: arm_solver().step(q, dt=0.01, target=target, measured=two), "places")
+    refused(
+        "places", lambda: arm_solver().step(q, dt=0.01, target=target, measured=two, places=[0.5, 0.4]), "increasing"
+    )
+    refused("gain", lambda: arm_solver().step(q, dt=0.01, target=target, measured=TARGET, gain=0.0))
+    refused("delay", lambda: arm_solver().step(q, dt=0.01, target=target, measured=TARGET, delay=-1))

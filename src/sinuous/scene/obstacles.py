@@ -20,8 +20,7 @@ from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
 from sinuous.scene.reading import Origin
 
-IDENTITY = np.eye(3)
-IDENTITY.flags.writeable = False
+IDENTITY = checks.closed(np.eye(3))
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

@@ -133,11 +133,10 @@ class Mesh(Obstacle):
             raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")
         if within and not solid:
             raise InputError("inside", "needs a watertight mesh", within, f"another mesh: {defects[-1]}")
-        clean.flags.writeable = used.flags.writeable = False
         self._keep(
             name,
-            _vertices=clean,
-            faces=used,
+            _vertices=checks.closed(clean),
+            faces=checks.closed(used),
             thickness=width,
             inside=within,
             watertight=solid,

@@ -208,9 +208,7 @@ def explore(
     if robot.hangs:
         raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
     snapshot = place.snapshot()
-    if snapshot.moves:
-        name = place.name(next(iter(snapshot.courses)))
-        raise InputError("scene", f"{name} moves", name, "obstacles that stand still")
+    snapshot.refuse_moving()
     check_sizes(robot, place)
     warn_of(suspicions(robot, snapshot))
     wanted = _starts(chosen.demanded_of(robot), starts)

@@ -95,7 +95,7 @@ def saved(motion: "Motion", folder: Path) -> dict[str, Any]:
         "scene": entries_of(motion.scene.obstacles, folder),
         "path": asked,
         "tolerance": described(motion.solutions[0].problem.tolerance) if asked else None,
-        "motion": {**write(motion), "steps": [list(map(_or_none, row)) for row in motion.steps.answers.tolist()]},
+        "motion": {**write(motion), "steps": [list(map(finite_or_none, row)) for row in motion.steps.answers.tolist()]},
     }
     return {key: value for key, value in parts.items() if value}
 
@@ -138,10 +138,6 @@ def read(
     )
     motion = kind.made(robot, around, q, times, steps, report)
     return _as_it_ended(motion, values, report)
-
-
-def _or_none(value: float) -> float | None:
-    return None if math.isinf(value) else value
 
 
 def _read_steps(values: dict[str, Any], count: int, robot: Robot) -> Steps | None:

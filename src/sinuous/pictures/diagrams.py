@@ -158,19 +158,15 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     assert isinstance(again, SolvesAgain)
     options: Any = options_of(again.options.method)
     given = solution._given.reshape(-1, *solution.q.shape)
-    found: list[tuple[float, float]] = []
+    found: list[tuple[float | None, float | None]] = []
     for count in range(1, min(options.iterations, MOST_ITERATIONS) + 1):
         method = replace(options, iterations=count)
         one = again.solve(solution.problem, given[0] if len(given) else None, method=method, max_starts=1, routes=False)
-        found.append((_known(one.position_error), _known(one.angle_error)))
+        found.append((one.position_error, one.angle_error))
         if one.solved or one.iterations < count:
             break
-    position, angle = np.array(found).T
+    position, angle = np.array(found, np.float64).T  # where there is no error, NaN
     return position, angle
-
-
-def _known(error: float | None) -> float:
-    return np.nan if error is None else error
 
 
 def tidy(axes: Any, title: str, *, x: str, y: str) -> None:

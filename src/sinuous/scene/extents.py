@@ -41,8 +41,7 @@ def _of_samples(obstacle: Grid | Field) -> Floats | None:
         occupied, half = np.argwhere(obstacle.values), 0.5 * obstacle.spacing * np.abs(obstacle.axes).sum(axis=1)
         return _around(obstacle.points(occupied), half) if len(occupied) else None
     last = np.array(obstacle.values.shape) - 1
-    corners = obstacle.points(last * np.array(list(np.ndindex(2, 2, 2))))
-    return np.stack([corners.min(axis=0), corners.max(axis=0)])
+    return _around(obstacle.points(last * np.array(list(np.ndindex(2, 2, 2)))), 0.0)
 
 
 def _around(points: Floats, reach: Floats | float) -> Floats:

@@ -182,9 +182,8 @@ class Moving(Obstacle):
     def pose(self, t: Number | Stack) -> Floats:
         """Poses (..., 4, 4) of its frame at times (...)."""
         when = checks.stack("t", t, ())
-        result = np.zeros((when.size, 4, 4))
+        result = np.tile(np.eye(4), (when.size, 1, 1))
         result[:, :3, 3], result[:, :3, :3] = self.course.poses(when.reshape(-1))
-        result[:, 3, 3] = 1.0
         return result.reshape(*when.shape, 4, 4)
 
     def at(self, t: Number) -> Obstacle:

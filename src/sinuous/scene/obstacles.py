@@ -20,8 +20,7 @@ from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
 from sinuous.scene.reading import Origin
 
-IDENTITY = np.eye(3)
-IDENTITY.flags.writeable = False
+IDENTITY = checks.closed(np.eye(3))
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -48,9 +47,9 @@ class Obstacle(Frozen, ABC):
 
     @property
     def place(self) -> "tuple[Obstacle, Floats] | None":
-        """The obstacle that it was before it was moved, and by which pose (4, 4) it was; `None`: it never was.
+        """The obstacle before it was moved, and the pose (4, 4) that moved it; `None` for one that never was.
 
-        What was computed of that one serves for this one.
+        What was computed of the former serves for this one, too.
         """
         return vars(self).get("_place")
 

@@ -70,7 +70,7 @@ def _with_course(entry: dict[str, Any], moving: Moving) -> dict[str, Any]:
 def _whole(rest: Sequence[Obstacle], source: Origin) -> bool:
     """Whether obstacles begin with all parts of one file, and have the names that a reader gives them.
 
-    It names the parts, and what comes after several of them.
+    A reader names the parts of a file that was divided, and all obstacles after them.
     """
     together = rest[: source.parts]
     named = source.parts == 1 or all(each.name is not None for each in rest)

@@ -1,7 +1,7 @@
 """The best configuration within the limits near one where a search gave up: the residual of the targets is least there.
 
-A search gives up a start that gains little, and so short of the place where limits balance the targets. A few damped
-Gauss-Newton steps go on from there. Each is the solution of a small problem with all limits as linear inequalities:
+A search gives up a start that gains little, so it may stop short of the place where limits balance the targets. A few
+damped Gauss-Newton steps go on from there. Each solves a small problem with all limits as linear inequalities:
 least-distance programming.
 """
 

@@ -65,7 +65,7 @@ class LoadedResult(ReSolver):
     """Stands in where a solution was read from a file, which does not say with which options it was found."""
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
-        """It is not known how; see the class."""
+        """Return False: how they were chosen is not known."""
         return False
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:

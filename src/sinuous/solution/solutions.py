@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.arguments import Parameter
-from sinuous.checks import Floats
+from sinuous.checks import Floats, closed
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
 from sinuous.kernels import tables as t
@@ -71,8 +71,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     def __init__(
         self, problems: ManyProblems, answers: Floats, resolver: ReSolver, beyond: Mapping[int, Beyond] | None = None
     ) -> None:
-        answers.flags.writeable = False
-        self._set(_problems=problems, _answers=answers, _resolver=resolver, _beyond=dict(beyond or {}))
+        self._set(_problems=problems, _answers=closed(answers), _resolver=resolver, _beyond=dict(beyond or {}))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Solutions, (self._problems, self._answers, self._resolver, self._beyond)

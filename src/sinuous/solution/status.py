@@ -42,7 +42,7 @@ _SENTENCES = {
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
     Status.BLOCKED: "not solved: the best found overlaps an obstacle or itself",
     Status.LIMIT_BOUND: "not solved: limits stop the best found",
-    Status.RATE_BOUND: "not solved: as near as the changes that are allowed lead",
+    Status.RATE_BOUND: "not solved: the allowed changes lead no nearer",
     Status.STALLED: "not solved: no progress from any start",
     Status.TIME_LIMIT: "not solved within the time budget",
 }

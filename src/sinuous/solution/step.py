@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 
 from sinuous.arguments import StepConstraint, StepStatus
-from sinuous.checks import Floats
+from sinuous.checks import Floats, closed
 from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.velocity import query as t
@@ -267,5 +267,4 @@ class Step:
 
 
 def _restored(wanted: WantedStep, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:
-    initial.setflags(write=False)
-    return Step(wanted, initial, answer, observed)
+    return Step(wanted, closed(initial), answer, observed)

@@ -64,9 +64,9 @@ Aside = namedtuple("Aside", ["looks", "push", "margin"])
 joint is moved, as a share of what is missing to a clearance; and that clearance (length unit)."""
 
 
-def scratch_size(n: int) -> int:
-    """Numbers (float64) of the scratch for n segments, in any sections."""
-    return 6 * n + 16 * n + 7
+def scratch_size(segments: int) -> int:
+    """Numbers (float64) of the scratch for so many segments, in any sections."""
+    return 22 * segments + 7
 
 
 def carve(buffer: Array, n: int, sections: int) -> Work:
@@ -138,7 +138,7 @@ def descend(problem: Problem, check: Check, work: Work, most: int, aside: Aside)
 def follow(
     problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.methods.search`. The `options` (7,): see `laid_out`.
+    """Follow one start; see `sinuous.methods.search`. The `options` (7,): see `TOLD`.
 
     Where obstacles are avoided and the proof finds an overlap that was not seen, the margin doubles; there is as much
     patience for all of that as for nothing that is gained.
@@ -161,17 +161,8 @@ def follow(
 search = search_by(follow)
 
 
-def laid_out(
-    iterations: int,
-    pieces: int = 1,
-    taper: float = 0.0,
-    stretch: bool = False,
-    looks: int = 0,
-    push: float = 0.0,
-    margin: float = 0.0,
-) -> Floats:
-    """Options of the three methods as the kernel reads them (7,); a method has its fields, and these without them."""
-    return np.array([iterations, pieces, taper, stretch, looks, push, margin], np.float64)
+TOLD = {"iterations": 1, "pieces": 1, "taper": 0.0, "stretch": False, "looks": 0, "push": 0.0, "margin": 0.0}
+"""Options in the order in which the kernel reads them, each with its value for methods that do not have it."""
 
 
 class Fabrik(Options):
@@ -179,13 +170,11 @@ class Fabrik(Options):
 
     compiled_search = staticmethod(search)
 
-    def scratch(self, segments: int) -> int:
-        """Return the size of the scratch; see `Options.scratch`."""
-        return scratch_size(segments)
+    scratch = staticmethod(scratch_size)
 
     def told(self, robot: Robot, scene: Scene) -> Floats:
         """Return the options as the kernel reads them; see `Options.told`."""
-        return laid_out(**vars(self))
+        return np.array([getattr(self, name, other) for name, other in TOLD.items()], np.float64)
 
 
 @dataclass(frozen=True, repr=False)

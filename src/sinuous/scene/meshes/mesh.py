@@ -133,11 +133,10 @@ class Mesh(Obstacle):
             raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")
         if within and not solid:
             raise InputError("inside", "needs a watertight mesh", within, f"another mesh: {defects[-1]}")
-        clean.flags.writeable = used.flags.writeable = False
         self._keep(
             name,
-            _vertices=clean,
-            faces=used,
+            _vertices=checks.closed(clean),
+            faces=checks.closed(used),
             thickness=width,
             inside=within,
             watertight=solid,
@@ -221,7 +220,7 @@ class Mesh(Obstacle):
 
     @property
     def source(self) -> Origin | None:
-        """See `Obstacle.source`; None for a mesh that its file, read again, would be divided from."""
+        """See `Obstacle.source`; None where reading the file again would divide the mesh into several."""
         own = super().source
         return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own
 

@@ -102,7 +102,7 @@ def _compute(
 ) -> tuple[Floats, float]:
     """Sample by slabs, in threads: the kernel runs without the interpreter's lock. Return the seconds, too.
 
-    Neither compiling nor interpreting counts: they would have small arrays kept.
+    The time of compiling or interpreting does not count: otherwise small arrays would be kept, too.
     An interrupt waits for the slabs that are under way, and not for the others.
     """
     from sinuous.kernels.fields import solids  # noqa: PLC0415

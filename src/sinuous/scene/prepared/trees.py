@@ -141,7 +141,7 @@ def with_planes(corners: Floats) -> Floats:
 
 
 def balls(cloud: "PointCloud", like: LeafOrder | None = None) -> Pieces:
-    """Balls about the points of a cloud; in an order of as many balls, where these lie in about the same way."""
+    """Balls about the points of a cloud; in the order of as many earlier balls, if those lay in about the same way."""
     radii = cloud.radii[:, None]
     corners = cloud.points - radii, cloud.points + radii
     known = None if like is None or len(like.order) != len(cloud.points) else like

@@ -17,12 +17,12 @@ class Poisonous(ChunkSolver):
         super().__init__(sn.Solver(ROBOT, [BALL], **OPTIONS))
         self._folder, self._raising, self._killing, self._unlucky = folder, raising, killing, unlucky
 
-    def __call__(self, task: Chunk) -> Block:
+    def __call__(self, chunk: Chunk) -> Block:
         with (self._folder / "tried").open("a", encoding="utf-8") as out:
-            out.write(f"{task.number}\n")
-        if task.number == self._raising:
+            out.write(f"{chunk.number}\n")
+        if chunk.number == self._raising:
             raise RuntimeError("as asked")
-        tried = (self._folder / "tried").read_text(encoding="utf-8").split().count(str(task.number))
-        if task.number == self._killing or (task.number == self._unlucky and tried == 1):
+        tried = (self._folder / "tried").read_text(encoding="utf-8").split().count(str(chunk.number))
+        if chunk.number == self._killing or (chunk.number == self._unlucky and tried == 1):
             os.kill(os.getpid(), signal.SIGKILL)
-        return super().__call__(task)
+        return super().__call__(chunk)

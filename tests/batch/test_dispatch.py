@@ -18,14 +18,14 @@ from tests.batch.questions import points
 CHUNKS, ROWS = 7, 5
 
 
-def tasks() -> Iterator[Chunk]:
+def chunks() -> Iterator[Chunk]:
     for number in range(CHUNKS):
         yield Chunk(number, number * ROWS, {"positions": points(CHUNKS * ROWS)[number * ROWS : (number + 1) * ROWS]})
 
 
 def dispatch(engine: Engine) -> tuple[Dispatcher, list[int]]:
     kept: list[int] = []
-    dispatcher = Dispatcher(engine, tasks(), lambda task, block: kept.append(task.number))
+    dispatcher = Dispatcher(engine, chunks(), lambda chunk, block: kept.append(chunk.number))
     try:
         dispatcher.run()
     finally:
@@ -85,10 +85,10 @@ def test_an_executor_that_takes_no_more_is_lost(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_kept_ends_it(tmp_path: Path) -> None:
-    def keep(task: Chunk, block: Block) -> None:
+    def keep(chunk: Chunk, block: Block) -> None:
         raise OSError(28, "No space left on device")
 
     engine = Threads(Poisonous(tmp_path), 2)
     with pytest.raises(OSError, match="No space"):
-        Dispatcher(engine, tasks(), keep).run()
+        Dispatcher(engine, chunks(), keep).run()
     engine.close(now=True)

@@ -29,14 +29,14 @@ def test_what_goes_through_pipes_is_written_whole_or_not_at_all(tmp_path: Path) 
     """A worker that is killed half-way through an answer would leave the others waiting for the rest of it."""
     work = ChunkSolver(sn.Solver(sn.Robot.uniform(2, length=(0.8, 1.2), max_bend=2.0)))
     positions = np.random.default_rng(0).uniform((-0.3, -0.3, 1.5), (0.3, 0.3, 2.0), (200, 3))
-    task = Chunk(0, 0, {"positions": positions})
+    chunk = Chunk(0, 0, {"positions": positions})
     engines._take_work(pickle.dumps(work))
-    asked = to_file(task, str(tmp_path))
+    asked = to_file(chunk, str(tmp_path))
     answered = solve_file(asked)
     for message in (asked, answered):
         assert len(pickle.dumps(message)) < select.PIPE_BUF // 2
     block = from_file(answered)
-    assert pickle.dumps(block) == pickle.dumps(work(task))
+    assert pickle.dumps(block) == pickle.dumps(work(chunk))
     assert len(pickle.dumps(block)) > select.PIPE_BUF
 
 
@@ -53,7 +53,7 @@ def test_a_field_of_a_lambda_cannot_travel_and_that_is_said() -> None:
 
 def test_a_field_of_a_function_of_a_module_travels_and_what_comes_solves_alike() -> None:
     work = ChunkSolver(sn.Solver(ROBOT, [BALL, sn.Field(plane, LOW, HIGH, 10)], **OPTIONS))
-    task = Chunk(0, 0, {"positions": points(6)})
-    here, there = work(task), pickle.loads(pickled(work)).prepare()(task)
+    chunk = Chunk(0, 0, {"positions": points(6)})
+    here, there = work(chunk), pickle.loads(pickled(work)).prepare()(chunk)
     for name, column in here.items():
         np.testing.assert_array_equal(column, there[name])

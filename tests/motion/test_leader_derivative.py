@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.checks import Floats
 from sinuous.measures.following import line_in_front
-from sinuous.motion.leader_derivative import GROUPS, LaidRobot
+from sinuous.motion.leader_derivative import GROUPS, LeaderQuestion
 from tests.helpers import refused
 
 CURVE = sn.Curve.bezier([(0, 0, 0), (0, 0.1, 1.6), (2, 0, 1.3)], 7)
@@ -23,7 +23,7 @@ def entered() -> sn.Motion:
     return sn.follow_the_leader(STAGED, CURVE)
 
 
-def differences(question: LaidRobot, column: Any, near: Floats) -> Floats:
+def differences(question: LeaderQuestion, column: Any, near: Floats) -> Floats:
     """Of shapes near others, with two steps that the derivative does not take."""
     h = 4e-4 * column.scale
     ends = [column.changed(share * h).shapes(near) for share in (1.0, -1.0, 0.5, -0.5)]
@@ -34,7 +34,7 @@ def differences(question: LaidRobot, column: Any, near: Floats) -> Floats:
 def test_they_agree_with_differences() -> None:
     derivative = entered().derivative(CURVE, DEPTHS, tuple(GROUPS))
     assert derivative.regular
-    question = LaidRobot(STAGED, line_in_front(STAGED, CURVE), np.array(DEPTHS))
+    question = LeaderQuestion(STAGED, line_in_front(STAGED, CURVE), np.array(DEPTHS))
     for group in GROUPS:
         for i, column in enumerate(GROUPS[group](question)):
             wanted, own = differences(question, column, derivative.configurations), derivative.q[group]

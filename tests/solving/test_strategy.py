@@ -21,7 +21,7 @@ from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempt
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.growth import FIRST_WIDTH
-from sinuous.solving.routing.searches import RouteSearch, Searches
+from sinuous.solving.routing.searches import Searches, SearchPlan
 from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import Strategy, attempts_of, plans_of
 from tests.cases import with_each
@@ -136,7 +136,7 @@ def test_searches_through_other_passages_end_when_the_time_does(
     searched: list[int] = []
     routes = Passages.routes
 
-    def counted(self: Passages, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
+    def counted(self: Passages, closed: frozenset[int], plan: SearchPlan) -> tuple[list[Floats], int]:
         searched.append(len(closed))
         return routes(self, closed, plan)
 

@@ -43,10 +43,10 @@ def distributed() -> Any:
     return checks.needed("distributed", "cluster", "dask", "dask")
 
 
-def _solve(name: str, task: Chunk) -> Block:
+def _solve(name: str, chunk: Chunk) -> Block:
     """In a worker: solve a chunk with the work that it has."""
     work: ChunkSolver = distributed().get_worker().plugins[name].work
-    return work(task)
+    return work(chunk)
 
 
 def _plugin(data: bytes, name: str) -> Any:
@@ -111,11 +111,11 @@ class Dask(Engine):
         self._own.insert(0, client)
         return client
 
-    def submit(self, task: Chunk) -> "Future[Block]":
-        """Hand a task to a worker; a worker that dies is replaced by another one, up to three times."""
+    def submit(self, chunk: Chunk) -> "Future[Block]":
+        """Hand a chunk to a worker; a worker that dies is replaced by another one, up to three times."""
         if self._client.status != "running":
             raise LostError(self.gone)
-        return self._pool.submit(_solve, self._name, task)
+        return self._pool.submit(_solve, self._name, chunk)
 
     def restart(self) -> None:
         """Refuse: without a scheduler all is lost."""

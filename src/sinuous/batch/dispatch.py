@@ -1,4 +1,4 @@
-"""Tasks handed to an engine and answers taken back, until every chunk is solved or has failed three times."""
+"""Chunks handed to an engine and answers taken back, until every chunk is solved or has failed three times."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -22,16 +22,16 @@ WHY_LENGTH = 300
 class Dispatcher:
     """Keeps the workers of an engine busy.
 
-    A worker that dies takes all tasks in flight with it, and it is not known which of them killed it. So each of these
+    A worker that dies takes all chunks in flight with it, and it is not known which of them killed it. So each of these
     is tried again alone: what fails alone is to blame.
 
     Parameters
     ----------
     engine : Engine
-    tasks : iterator of Task
+    chunks : iterator of Chunk
         Made when they are handed out, so that only those in flight are in memory.
     keep : callable
-        Takes the answer to a task.
+        Takes the answer to a chunk.
 
     Attributes
     ----------
@@ -39,8 +39,8 @@ class Dispatcher:
         Chunks that were given up.
     """
 
-    def __init__(self, engine: Engine, tasks: Iterator[Chunk], keep: Callable[[Chunk, Block], None]) -> None:
-        self._engine, self._tasks, self._keep = engine, tasks, keep
+    def __init__(self, engine: Engine, chunks: Iterator[Chunk], keep: Callable[[Chunk, Block], None]) -> None:
+        self._engine, self._chunks, self._keep = engine, chunks, keep
         self._in_flight: dict[Future[Block], Chunk] = {}
         self._again: deque[Chunk] = deque()
         self._suspects: deque[Chunk] = deque()  # to be tried alone
@@ -48,7 +48,7 @@ class Dispatcher:
         self.failed: list[Failed] = []
 
     def run(self) -> None:
-        """Have all tasks done.
+        """Have all chunks done.
 
         Raises
         ------
@@ -67,25 +67,25 @@ class Dispatcher:
                 self._restart(error)
 
     def _hand_out(self) -> None:
-        """Hand out as many tasks as the engine takes; suspects one by one."""
+        """Hand out as many chunks as the engine takes; suspects one by one."""
         while len(self._in_flight) < (1 if self._suspects else self._engine.most_in_flight):
-            task = self._next()
-            if task is None:
+            chunk = self._next()
+            if chunk is None:
                 return
             try:
-                self._in_flight[self._engine.submit(task)] = task
+                self._in_flight[self._engine.submit(chunk)] = chunk
             except BaseException:
-                self._again.appendleft(task)
+                self._again.appendleft(chunk)
                 raise
 
     def _next(self) -> Chunk | None:
         if self._suspects:
             return self._suspects[0] if not self._in_flight else None
-        return self._again.popleft() if self._again else next(self._tasks, None)
+        return self._again.popleft() if self._again else next(self._chunks, None)
 
     def _take(self, future: "Future[Block]") -> None:
-        """Take the answer to a task, or count a try that failed."""
-        task = self._in_flight[future]
+        """Take the answer to a chunk, or count a try that failed."""
+        chunk = self._in_flight[future]
         try:
             block = future.result()
         except BrokenExecutor:
@@ -94,49 +94,49 @@ class Dispatcher:
             raise LostError(self._engine.gone) from None
         except Exception as error:
             del self._in_flight[future]
-            self._clear_of_suspicion(task)
-            if not self._give_up(task, error):
-                self._again.append(task)
+            self._clear_of_suspicion(chunk)
+            if not self._give_up(chunk, error):
+                self._again.append(chunk)
             return
         del self._in_flight[future]
-        self._clear_of_suspicion(task)
-        self._keep(task, block)
+        self._clear_of_suspicion(chunk)
+        self._keep(chunk, block)
 
-    def _clear_of_suspicion(self, task: Chunk) -> None:
-        """A task that was tried alone has ended, and its worker is alive."""
-        if self._suspects and self._suspects[0] is task:
+    def _clear_of_suspicion(self, chunk: Chunk) -> None:
+        """A chunk that was tried alone has ended, and its worker is alive."""
+        if self._suspects and self._suspects[0] is chunk:
             self._suspects.popleft()
 
-    def _give_up(self, task: Chunk, error: BaseException) -> bool:
+    def _give_up(self, chunk: Chunk, error: BaseException) -> bool:
         """Count a try that failed; return whether it was the last one."""
-        self._tries[task.number] = self._tries.get(task.number, 0) + 1
-        if self._tries[task.number] < MOST_TRIES:
+        self._tries[chunk.number] = self._tries.get(chunk.number, 0) + 1
+        if self._tries[chunk.number] < MOST_TRIES:
             return False
-        count = len(next(iter(task.raw.values())))
+        count = len(next(iter(chunk.raw.values())))
         why = f"{type(error).__name__}: {' '.join(str(error).split())}"[:WHY_LENGTH]
-        self.failed.append(Failed(task.number, task.first + 1, task.first + count, why))
+        self.failed.append(Failed(chunk.number, chunk.first + 1, chunk.first + count, why))
         return True
 
     def _restart(self, error: BrokenExecutor) -> None:
         """Begin anew after workers died."""
         self._engine.restart()
-        lost = [task for future, task in self._in_flight.items() if not self._rescued(future, task)]
+        lost = [chunk for future, chunk in self._in_flight.items() if not self._rescued(future, chunk)]
         self._in_flight.clear()
         if self._suspects and lost and self._suspects[0] is lost[0]:  # it was alone, so it killed its worker
-            task = self._suspects.popleft()
-            if not self._give_up(task, error):
-                self._suspects.append(task)
+            chunk = self._suspects.popleft()
+            if not self._give_up(chunk, error):
+                self._suspects.append(chunk)
             return
-        for task in lost:
-            self._tries[task.number] = self._tries.get(task.number, 0) + 1
+        for chunk in lost:
+            self._tries[chunk.number] = self._tries.get(chunk.number, 0) + 1
         self._suspects.extend(lost)
 
-    def _rescued(self, future: "Future[Block]", task: Chunk) -> bool:
+    def _rescued(self, future: "Future[Block]", chunk: Chunk) -> bool:
         """Take an answer that was finished before the workers died."""
         if not future.done() or future.cancelled() or future.exception() is not None:
             return False
-        self._clear_of_suspicion(task)
-        self._keep(task, future.result())
+        self._clear_of_suspicion(chunk)
+        self._keep(chunk, future.result())
         return True
 
 
@@ -175,8 +175,8 @@ def all_done(engine: Engine, chunks: Iterable[Block], undone: str) -> list[Block
     """
     found: dict[int, Block] = {}
 
-    def keep(task: Chunk, block: Block) -> None:
-        found[task.number] = block
+    def keep(chunk: Chunk, block: Block) -> None:
+        found[chunk.number] = block
 
     dispatcher = Dispatcher(engine, (Chunk(i, i, raw) for i, raw in enumerate(chunks)), keep)
     dispatcher.run()

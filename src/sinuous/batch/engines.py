@@ -33,17 +33,17 @@ class Engine(ABC):
     Attributes
     ----------
     most_in_flight : int
-        Most tasks that are handed out at the same time, so that no worker waits.
+        Most chunks that are handed out at the same time, so that no worker waits.
     gone : str
-        What has happened when tasks are cancelled that were not cancelled here.
+        What has happened when chunks are cancelled that were not cancelled here.
     """
 
     most_in_flight: int
     gone = "the workers are gone"
 
     @abstractmethod
-    def submit(self, task: Chunk) -> "Future[Block]":
-        """Hand a task to a worker.
+    def submit(self, chunk: Chunk) -> "Future[Block]":
+        """Hand a chunk to a worker.
 
         Raises
         ------
@@ -51,7 +51,7 @@ class Engine(ABC):
         """
 
     def restart(self) -> None:
-        """Begin anew after workers died; tasks in flight are forgotten.
+        """Begin anew after workers died; chunks in flight are forgotten.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class Engine(ABC):
 
     @abstractmethod
     def close(self, now: bool) -> None:
-        """End; with `now`, do not wait for tasks in flight."""
+        """End; with `now`, do not wait for chunks in flight."""
 
     def __enter__(self) -> Self:
         return self
@@ -81,16 +81,16 @@ class Threads(Engine):
         self._lock, self._busy = Lock(), set[int]()
         self.most_in_flight = workers + 1
 
-    def submit(self, task: Chunk) -> "Future[Block]":
-        """Hand a task to a thread."""
-        return self._pool.submit(self._do, task)
+    def submit(self, chunk: Chunk) -> "Future[Block]":
+        """Hand a chunk to a thread."""
+        return self._pool.submit(self._do, chunk)
 
-    def _do(self, task: Chunk) -> Block:
+    def _do(self, chunk: Chunk) -> Block:
         """Solve a chunk, in a thread that may be dismissed meanwhile."""
         with self._lock:
             self._busy.add(get_ident())
         try:
-            return self._work(task)
+            return self._work(chunk)
         finally:
             with self._lock:
                 self._busy.discard(get_ident())
@@ -127,10 +127,10 @@ class Processes(Engine):
             raise LostError(f"worker processes could not begin ({hint})") from None
         return pool
 
-    def submit(self, task: Chunk) -> "Future[Block]":
-        """Hand a task to a process."""
+    def submit(self, chunk: Chunk) -> "Future[Block]":
+        """Hand a chunk to a process."""
         answer: Future[Block] = Future()
-        name = to_file(task, self._folder.name)
+        name = to_file(chunk, self._folder.name)
         self._pool.submit(solve_file, name).add_done_callback(partial(_pass_on, answer))
         return answer
 
@@ -178,7 +178,7 @@ def from_file(name: str) -> Any:
 
 
 class GivenExecutor(Engine):
-    """An executor of the caller, who keeps it; the work travels with every task, unless it is one of threads."""
+    """An executor of the caller, who keeps it; the work travels with every chunk, unless it is one of threads."""
 
     def __init__(self, work: ChunkSolver, executor: Executor, workers: int) -> None:
         self._executor = executor
@@ -187,12 +187,12 @@ class GivenExecutor(Engine):
         self._name = hashlib.sha256(self._data).hexdigest()
         self.most_in_flight = PER_WORKER * max(workers, getattr(executor, "_max_workers", workers))
 
-    def submit(self, task: Chunk) -> "Future[Block]":
-        """Hand a task to the executor."""
+    def submit(self, chunk: Chunk) -> "Future[Block]":
+        """Hand a chunk to the executor."""
         try:
             if self._work is not None:
-                return self._executor.submit(self._work, task)
-            return self._executor.submit(_solve_with, self._name, self._data, task)
+                return self._executor.submit(self._work, chunk)
+            return self._executor.submit(_solve_with, self._name, self._data, chunk)
         except BrokenExecutor:
             raise
         except RuntimeError as error:
@@ -218,9 +218,9 @@ def solve_file(name: str) -> str:
     return to_file(_work[""](from_file(name)), str(Path(name).parent))
 
 
-def _solve_with(name: str, data: bytes, task: Chunk) -> Block:
+def _solve_with(name: str, data: bytes, chunk: Chunk) -> Block:
     """In a worker process: solve a chunk with the work that came with it."""
-    return _take_work(data, name)(task)
+    return _take_work(data, name)(chunk)
 
 
 def pickled(work: ChunkSolver) -> bytes:

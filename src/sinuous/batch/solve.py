@@ -154,18 +154,18 @@ def _solve(
 ) -> list[Failed]:
     """Solve chunks by an engine; return those that were given up."""
 
-    def keep(task: Chunk, block: Block) -> None:
-        results.write(task.number, block)
+    def keep(chunk: Chunk, block: Block) -> None:
+        results.write(chunk.number, block)
         bar.advance(len(block["row"]))
 
-    def tasks() -> Iterator[Chunk]:
+    def chunks() -> Iterator[Chunk]:
         for number in todo:
             first, last = results.span(number)
             yield Chunk(number, first, source.read(first, last))
 
     rows = sum(last - first for first, last in map(results.span, todo))
     with ProgressBar(rows if shown else 0, logged=shown) as bar, begin(engine, work, workers) as crew:
-        dispatcher = Dispatcher(crew, tasks(), keep)
+        dispatcher = Dispatcher(crew, chunks(), keep)
         dispatcher.run()
     return dispatcher.failed
 

@@ -68,11 +68,11 @@ class ChunkSolver:
         self._solver.solve_many(positions=np.empty((0, 3)), initial=self._initial, workers=1)
         return self
 
-    def __call__(self, task: Chunk) -> Block:
+    def __call__(self, chunk: Chunk) -> Block:
         """Solve a chunk in this thread alone."""
-        count = len(next(iter(task.raw.values())))
-        block = self.layout.nothing(task.first, count, INVALID)
-        rows, goals = valid(task.raw)
+        count = len(next(iter(chunk.raw.values())))
+        block = self.layout.nothing(chunk.first, count, INVALID)
+        rows, goals = valid(chunk.raw)
         if not len(rows):
             return block
         for part, initial in self._parts(goals, block["q"], rows):

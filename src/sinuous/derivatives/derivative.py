@@ -10,7 +10,7 @@ from sinuous import checks
 from sinuous.arguments import Parameter, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.derivatives.directional import Kept, least_motion
-from sinuous.derivatives.parameters import Request, circles_of, plan_for, read_wrt
+from sinuous.derivatives.parameters import DerivativePlan, circles_of, plan_for, read_wrt
 from sinuous.derivatives.preferred import Wish, follow_minimum
 from sinuous.derivatives.rows import KeptRows, fixed_lengths
 from sinuous.groups import PerGroup, check_asked, read_tangent
@@ -235,7 +235,7 @@ def _is_taut(elastic: Elastic, q: Floats, robot: Robot) -> bool:
     return bool(elastic.balance(q).short.max(initial=-np.inf) > -SAME_GAP * robot.mean_length)
 
 
-def direct_motion(plan: Request) -> Floats:
+def direct_motion(plan: DerivativePlan) -> Floats:
     """What parameters move by themselves (3 n, p)."""
     direct = fixed_lengths(plan)
     if plan.asked[a.INITIAL] >= 0:
@@ -283,7 +283,7 @@ def actuator_change(robot: Robot, q: Floats, changes: Mapping[Parameter, Floats]
     return drive.motors.speeds(change.T).T
 
 
-def clearance_change(problem: Problem, q: Floats, plan: Request, moved: Floats) -> Floats:
+def clearance_change(problem: Problem, q: Floats, plan: DerivativePlan, moved: Floats) -> Floats:
     """Derivatives (p,) of the least distance between body and obstacles; NaN where several places are the nearest."""
     robot = problem.robot
     points = robot.backbone(q, SAMPLES)

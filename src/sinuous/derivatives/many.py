@@ -11,7 +11,7 @@ from sinuous import checks
 from sinuous.arguments import Batch, Parameter
 from sinuous.checks import Floats
 from sinuous.derivatives.derivative import actuator_change, derivative_of, tip_twist
-from sinuous.derivatives.parameters import Request
+from sinuous.derivatives.parameters import DerivativePlan
 from sinuous.derivatives.preferred import Wish
 from sinuous.errors import InputError
 from sinuous.groups import PerGroup, read_tangent
@@ -162,13 +162,13 @@ def derivatives_of(
         raise InputError("wrt", "needs equally many targets of each answer", "target", "other groups, or one by one")
     q = q.copy()
     problem = problems.problem(0) if len(q) else _nothing_asked(problems)
-    plan = Request(problem, wrt)
+    plan = DerivativePlan(problem, wrt)
     moved, status = np.empty((len(q), 3 * q.shape[1], plan.columns)), np.empty(len(q))
     scene = problems.scene
     group = scene._kernel_group if len(scene) else None
     rows = []
     for first, last in runs:
-        own = plan if first == 0 else Request(problems.problem(first), wrt)
+        own = plan if first == 0 else DerivativePlan(problems.problem(first), wrt)
         rows.append(problems.target_sets.chunk(first, last))
         tables = own.group, group, own.settings, rows[-1], own.asked, own.lines
         workspace = np.empty(own.workspace.size + own.answer)

@@ -63,7 +63,7 @@ def read_wrt(wrt: Any) -> tuple[Parameter, ...]:
     return _KNOWN.setdefault(found, found)
 
 
-class Request:
+class DerivativePlan:
     """What kernels are asked for about answers of one robot, for some parameters; shared between answers.
 
     Attributes
@@ -224,9 +224,9 @@ def _limited(robot: Robot) -> tuple[int, ...]:
 _KEPT = threading.local()
 
 
-def plan_for(problem: Problem, wrt: tuple[Parameter, ...]) -> Request:
+def plan_for(problem: Problem, wrt: tuple[Parameter, ...]) -> DerivativePlan:
     """Return the plan for such problems and parameters; the last one of a thread is kept."""
-    kept: Request | None = getattr(_KEPT, "plan", None)
+    kept: DerivativePlan | None = getattr(_KEPT, "plan", None)
     if kept is None or not kept.fits(problem, wrt):
-        kept = _KEPT.plan = Request(problem, wrt)
+        kept = _KEPT.plan = DerivativePlan(problem, wrt)
     return kept

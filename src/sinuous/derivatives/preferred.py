@@ -13,7 +13,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.derivatives.directional import RANK, Kept, least_motion
-from sinuous.derivatives.parameters import Request
+from sinuous.derivatives.parameters import DerivativePlan
 from sinuous.derivatives.rows import KeptRows, fixed_lengths
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, RADIUS_OF
@@ -76,7 +76,7 @@ class Minimum(NamedTuple):
     moved: Floats
 
 
-def follow_minimum(problem: Problem, q: Floats, plan: Request, wish: Wish, rows: KeptRows) -> Minimum | None:
+def follow_minimum(problem: Problem, q: Floats, plan: DerivativePlan, wish: Wish, rows: KeptRows) -> Minimum | None:
     """Derive the minimum near `q` (n, 3); `None` where there is no derivative, or none is found.
 
     `rows` are those of `q`.
@@ -171,7 +171,7 @@ class _System:
         free[moves] = directions[rank:].T
         return free
 
-    def mixed(self, plan: Request) -> Floats:
+    def mixed(self, plan: DerivativePlan) -> Floats:
         """How the slope of the Lagrangian (3 n, p) changes with the parameters while the configuration stays."""
         robot, rows, asked = self._problem.robot, self._rows, plan.asked
         change = np.zeros((len(self.scale), plan.columns))

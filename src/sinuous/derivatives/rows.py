@@ -5,14 +5,14 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.derivatives.parameters import Request
+from sinuous.derivatives.parameters import DerivativePlan
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive, find_contacts
 from sinuous.packing import scales_of
 from sinuous.problem.problem import Problem
 
 
-def fixed_lengths(plan: Request) -> Floats:
+def fixed_lengths(plan: DerivativePlan) -> Floats:
     """Motions (3 n, p) of the lengths of segments that cannot stretch, by the parameters that say them."""
     direct = np.zeros((3 * len(plan.robot), plan.columns))
     if plan.asked[a.LENGTHS] >= 0:
@@ -27,7 +27,7 @@ class KeptRows:
     Attributes
     ----------
     problem : Problem
-    plan : Request
+    plan : DerivativePlan
     answer : ndarray
         As kernels fill it, see `sinuous.kernels.derivative.layout`.
     q : ndarray (n, 3)
@@ -36,11 +36,11 @@ class KeptRows:
 
     __slots__ = ("__dict__", "answer", "plan", "problem", "q")
 
-    def __init__(self, problem: Problem, plan: Request, answer: Floats, q: Floats) -> None:
+    def __init__(self, problem: Problem, plan: DerivativePlan, answer: Floats, q: Floats) -> None:
         self.problem, self.plan, self.answer, self.q = problem, plan, answer, q
 
     @classmethod
-    def found(cls, problem: Problem, plan: Request, q: Floats) -> "KeptRows":
+    def found(cls, problem: Problem, plan: DerivativePlan, q: Floats) -> "KeptRows":
         """Find what `q` (n, 3) keeps, and derive it as the nearest answer."""
         answer = np.empty(plan.answer)
         group = problem.scene._kernel_group if plan.obstacles else None
@@ -49,7 +49,7 @@ class KeptRows:
         return cls(problem, plan, answer, q)
 
     @classmethod
-    def near(cls, problem: Problem, plan: Request, q: Floats, keep: float) -> "KeptRows":
+    def near(cls, problem: Problem, plan: DerivativePlan, q: Floats, keep: float) -> "KeptRows":
         """Find the places of the body whose gaps to obstacles are at most about `keep`, which gaps count from."""
         answer, workspace = np.empty(plan.answer), np.empty(plan.workspace.size)
         own = plan.group, problem.scene._kernel_group, plan.settings, problem._rows, plan.asked, plan.lines

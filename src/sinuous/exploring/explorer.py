@@ -58,7 +58,7 @@ class TaskKind(IntEnum):
 
 
 class Explorer:
-    """Does tasks; may be pickled and sent to workers, as `sinuous.batch.work.Work` is.
+    """Does tasks; may be pickled and sent to workers, as `sinuous.batch.work.ChunkSolver` is.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ OFF = 1e-5
 """How far the tip may be off the curve, in lengths of the robot, where a motion follows it."""
 
 
-class LaidRobot(NamedTuple):
+class LeaderQuestion(NamedTuple):
     """What is laid: a robot, the curve from its base on, and depths (T,)."""
 
     robot: Robot
@@ -49,7 +49,7 @@ class LaidRobot(NamedTuple):
     depths: Floats
 
     @classmethod
-    def of(cls, robot: Robot, q: Floats, path: Curve, depths: Floats) -> "LaidRobot":
+    def of(cls, robot: Robot, q: Floats, path: Curve, depths: Floats) -> "LeaderQuestion":
         """Ask for shapes `q` (T, n, 3) that follow the curve.
 
         Raises
@@ -95,7 +95,7 @@ class LeaderDerivative(ByGroups[LeaderParameter]):
         Derivatives of the configurations.
     """
 
-    def __init__(self, question: LaidRobot, q: Floats, wrt: LeaderParameter | Iterable[LeaderParameter]) -> None:
+    def __init__(self, question: LeaderQuestion, q: Floats, wrt: LeaderParameter | Iterable[LeaderParameter]) -> None:
         self.depths, self.configurations = question.depths, question.shapes(q)
         columns = {name: tuple(GROUPS[name](question)) for name in read_names(wrt, GROUPS)}
         nothing = np.empty((*self.configurations.shape, 0))
@@ -118,17 +118,17 @@ class LeaderDerivative(ByGroups[LeaderParameter]):
         return change, bool(bent <= slight or bent < SMOOTH * wider)
 
 
-def _by_advance(question: LaidRobot) -> Iterator[Column]:
+def _by_advance(question: LeaderQuestion) -> Iterator[Column]:
     deeper = lambda h: question._replace(depths=question.depths + h)  # noqa: E731
     yield Column("advance", question.robot.mean_length, deeper)
 
 
-def _by_curve(question: LaidRobot) -> Iterator[Column]:
+def _by_curve(question: LeaderQuestion) -> Iterator[Column]:
     points = question.path.points
     for i in range(_held(question.path), len(points)):
         for axis, name in enumerate("xyz"):
 
-            def changed(h: float, i: int = i, axis: int = axis) -> LaidRobot:
+            def changed(h: float, i: int = i, axis: int = axis) -> LeaderQuestion:
                 moved = points.copy()
                 moved[i, axis] += h
                 return question._replace(path=Curve(moved, question.path.start))
@@ -141,8 +141,8 @@ def _held(path: Curve) -> int:
     return int(path.lead == 0.0)
 
 
-def _by_base(question: LaidRobot) -> Iterator[Column]:
-    def put(robot: Robot) -> LaidRobot:
+def _by_base(question: LeaderQuestion) -> Iterator[Column]:
+    def put(robot: Robot) -> LeaderQuestion:
         points, start = question.path.points.copy(), robot.base[:3, 3]
         points[: _held(question.path)] = start
         return question._replace(robot=robot, path=Curve(points, start))
@@ -150,20 +150,20 @@ def _by_base(question: LaidRobot) -> Iterator[Column]:
     return motions_of_base(question.robot, put)
 
 
-def _by_lengths(question: LaidRobot) -> Iterator[Column]:
+def _by_lengths(question: LeaderQuestion) -> Iterator[Column]:
     robot = question.robot
     for k, segment in enumerate(robot.segments):
         low, high = segment.length
         if low == high:
 
-            def changed(h: float, k: int = k) -> LaidRobot:
+            def changed(h: float, k: int = k) -> LeaderQuestion:
                 parts = [s.changed(length=s.length[0] + h) if j == k else s for j, s in enumerate(robot.segments)]
                 return question._replace(robot=robot.changed(segments=parts))
 
             yield Column(f"{robot.segment_names[k]}.length", robot.mean_length, changed)
 
 
-GROUPS: dict[LeaderParameter, Callable[[LaidRobot], Iterator[Column]]] = {
+GROUPS: dict[LeaderParameter, Callable[[LeaderQuestion], Iterator[Column]]] = {
     "advance": _by_advance,
     "curve": _by_curve,
     "base": _by_base,

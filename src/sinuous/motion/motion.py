@@ -365,14 +365,14 @@ class Motion(NotebookMixin, Frozen):
             load.
         """
         from sinuous.measures.following import line_in_front  # noqa: PLC0415
-        from sinuous.motion.leader_derivative import LaidRobot, LeaderDerivative  # noqa: PLC0415
+        from sinuous.motion.leader_derivative import LeaderDerivative, LeaderQuestion  # noqa: PLC0415
 
         self._refuse_empty()
         when = checks.increasing("depths", depths, None)
         if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
             raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
         q = tables.interpolate(self.times, self.q, when)
-        return LeaderDerivative(LaidRobot.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
+        return LeaderDerivative(LeaderQuestion.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
 
     def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
         """Write times, configurations and the values of all actuators as CSV.

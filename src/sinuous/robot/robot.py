@@ -477,10 +477,12 @@ class Robot(NotebookMixin, Frozen):
             When nothing has a stiffness, or no equilibrium was found for all of the load.
         """
         from sinuous.statics.equilibrium import find_equilibrium  # noqa: PLC0415
-        from sinuous.statics.response import Loading  # noqa: PLC0415
+        from sinuous.statics.response import EquilibriumQuestion  # noqa: PLC0415
 
         checked = checks.array("q", q, (len(self), 3))
-        return find_equilibrium(Loading(self, load_list("load", load, self.segment_names), "q", checked, None))
+        return find_equilibrium(
+            EquilibriumQuestion(self, load_list("load", load, self.segment_names), "q", checked, None)
+        )
 
     def equilibrium(
         self,
@@ -513,7 +515,7 @@ class Robot(NotebookMixin, Frozen):
             As for `shape`; or when neither or both of `actuators` and `tensions` are given.
         """
         from sinuous.statics.equilibrium import find_equilibrium  # noqa: PLC0415
-        from sinuous.statics.response import Loading  # noqa: PLC0415
+        from sinuous.statics.response import EquilibriumQuestion  # noqa: PLC0415
 
         loads = load_list("forces", forces, self.segment_names)
         if (actuators is None) == (tensions is None):
@@ -521,11 +523,11 @@ class Robot(NotebookMixin, Frozen):
         if tensions is not None:
             q = None if initial is None else checks.array("initial", initial, (len(self), 3))
             pulled = checks.array("tensions", tensions, (len(self.drive),))
-            return find_equilibrium(Loading(self, loads, "tensions", pulled, q))
+            return find_equilibrium(EquilibriumQuestion(self, loads, "tensions", pulled, q))
         self.from_actuators(actuators, initial)  # values that contradict each other are told
         given: Any = actuators
         values, reference = fitting(given, initial, [each.name for each in self.actuators], len(self))
-        return find_equilibrium(Loading(self, loads, "actuators", values, reference))
+        return find_equilibrium(EquilibriumQuestion(self, loads, "actuators", values, reference))
 
     def excess(self, q: Batch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.

@@ -17,6 +17,9 @@ from sinuous.robot.actuators import Chambers, Stage, Tendons
 from sinuous.robot.names import optional_name
 from sinuous.writing.plain import described, plain
 
+COORDINATES = ("bend_x", "bend_y", "length")
+"""Names of the numbers that a configuration has for a segment: rad, rad, and the length unit."""
+
 
 class Stiffness(Frozen):
     """Stiffness of a segment, as of a rod with one cross-section; force and length in the units of the robot.
@@ -216,9 +219,6 @@ class Segment(Frozen):
         ]
         driven = lines if self.stage is None else [*lines, "stage"]
         return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
-
-
-COORDINATES = ("bend_x", "bend_y", "length")
 
 
 def coordinate_names(segments: Sequence[str]) -> list[str]:

@@ -37,7 +37,7 @@ from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.searches import CELLS, RouteSearch, Searches
+from sinuous.solving.routing.searches import CELLS, Searches, SearchPlan
 from sinuous.solving.shapes import NEAREST
 from sinuous.solving.starts import Question, Scattered, StartBatch
 
@@ -362,7 +362,7 @@ class RouteAttempts:
             self._add_routes([route], finest=True)
         return iter(())
 
-    def _search(self, searches: list[tuple[float, RouteSearch]], first: bool) -> Iterator[StartBatch]:
+    def _search(self, searches: list[tuple[float, SearchPlan]], first: bool) -> Iterator[StartBatch]:
         """Search for routes over cells; add the next search."""
         candidates = self._candidates
         if first and candidates.known:
@@ -448,7 +448,7 @@ class RouteAttempts:
             self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts))
 
 
-def plans_of(searches: Searches) -> list[tuple[float, RouteSearch]]:
+def plans_of(searches: Searches) -> list[tuple[float, SearchPlan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
     first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]

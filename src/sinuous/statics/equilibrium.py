@@ -16,7 +16,7 @@ from sinuous.reprs import call
 from sinuous.robot.loads import Force, Load
 from sinuous.robot.segment import straight
 from sinuous.statics.body import KEPT, Tables, body_of, rolled, tables_of, unrolled
-from sinuous.statics.response import Loading, Response
+from sinuous.statics.response import EquilibriumQuestion, Response
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
@@ -59,7 +59,7 @@ class Equilibrium(Frozen):
         Moment about the base, and force, with which the base holds the robot; in world axes.
     iterations : int
         Newton steps.
-    question : Loading
+    question : EquilibriumQuestion
         What was asked: robot, loads and drive.
     """
 
@@ -71,11 +71,11 @@ class Equilibrium(Frozen):
     stable: bool
     reaction: Floats
     iterations: int
-    question: Loading
+    question: EquilibriumQuestion
     _begin: Any
     _pulls: Floats
 
-    def __init__(self, question: Loading, q: Floats, tables: Tables, found: FoundState) -> None:
+    def __init__(self, question: EquilibriumQuestion, q: Floats, tables: Tables, found: FoundState) -> None:
         from sinuous.kernels.statics import equilibrium as kernel  # noqa: PLC0415
 
         robot = question.robot
@@ -180,7 +180,7 @@ class Equilibrium(Frozen):
         """
         return Response(self, wrt)
 
-    def beside(self, question: Loading) -> "Equilibrium | None":
+    def beside(self, question: EquilibriumQuestion) -> "Equilibrium | None":
         """Return the equilibrium of another question that Newton's method finds from this one; `None` where none."""
         q, tables = driven(question)
         near = tables._replace(states=self.states, tensions=self._pulls)
@@ -221,7 +221,7 @@ def longest_body(robot: "Robot") -> "Robot":
     return body_robot(robot, longest[own.owners], 0.0)
 
 
-def find_equilibrium(question: Loading) -> Equilibrium:
+def find_equilibrium(question: EquilibriumQuestion) -> Equilibrium:
     """Return the equilibrium of a robot under load.
 
     Raises
@@ -250,7 +250,7 @@ def under_load(robot: "Robot", q: Floats) -> Equilibrium | None:
         return None
 
 
-def driven(question: Loading) -> tuple[Floats, Tables]:
+def driven(question: EquilibriumQuestion) -> tuple[Floats, Tables]:
     """Return the configuration (n, 3) that a drive makes without load, and the tables of the robot."""
     robot, loads, drive, values, initial = question
     if drive == "q":

@@ -32,7 +32,7 @@ ROUNDING = 1e-9
 STIFFNESSES = ("bend", "twist", "stretch")
 
 
-class Loading(NamedTuple):
+class EquilibriumQuestion(NamedTuple):
     """What an equilibrium is of: a robot, its loads beside its own, and its drive.
 
     Attributes
@@ -111,7 +111,7 @@ def _derive(found: "Equilibrium", column: Column) -> _Derived:
     return _Derived(change, bent <= ROUNDING + KINK * float(np.abs(ahead + behind).max()))
 
 
-def _beside(found: "Equilibrium", question: Loading) -> _State | None:
+def _beside(found: "Equilibrium", question: EquilibriumQuestion) -> _State | None:
     """The equilibrium of a question that differs a little; `None` where there is none nearby."""
     near = found.beside(question)
     if near is None:
@@ -130,7 +130,7 @@ def softest(robot: "Robot") -> float:
 
 
 def _entries(
-    names: Sequence[str], value: Floats, scale: float | Floats, put: Callable[[Floats], Loading]
+    names: Sequence[str], value: Floats, scale: float | Floats, put: Callable[[Floats], EquilibriumQuestion]
 ) -> Iterator[Column]:
     """Columns of the numbers of an array, of one scale or one each, which `put` puts into the question."""
     scales = np.broadcast_to(scale, value.size).tolist()
@@ -139,18 +139,21 @@ def _entries(
         yield Column(name, own, lambda h, unit=unit: put(value + h * unit))
 
 
-def _of_loads(question: Loading) -> Iterator[Column]:
+def _of_loads(question: EquilibriumQuestion) -> Iterator[Column]:
     return _of_each(question, "loads", question.loads, lambda loads: question._replace(loads=loads))
 
 
-def _of_payload(question: Loading) -> Iterator[Column]:
+def _of_payload(question: EquilibriumQuestion) -> Iterator[Column]:
     robot = question.robot
     put = lambda loads: question._replace(robot=robot.changed(payload=loads))  # noqa: E731
     return _of_each(question, "payload", robot.payload, put)
 
 
 def _of_each(
-    question: Loading, name: str, loads: Sequence[Load], put: Callable[[tuple[Any, ...]], Loading]
+    question: EquilibriumQuestion,
+    name: str,
+    loads: Sequence[Load],
+    put: Callable[[tuple[Any, ...]], EquilibriumQuestion],
 ) -> Iterator[Column]:
     robot, moment = question.robot, softest(question.robot)
     force = moment / robot.mean_length
@@ -161,14 +164,14 @@ def _of_each(
             value = np.atleast_1d(getattr(load, key))
             own = [f"{name}[{i}].{key}{axis}" for axis in (("_x", "_y", "_z") if value.size == 3 else ("",))]
 
-            def changed(other: Floats, i: int = i, load: Load = load, key: str = key) -> Loading:
+            def changed(other: Floats, i: int = i, load: Load = load, key: str = key) -> EquilibriumQuestion:
                 one = load.changed(**{key: other if other.size == 3 else float(other[0])})
                 return put((*loads[:i], one, *loads[i + 1 :]))
 
             yield from _entries(own, value, scales[key], changed)
 
 
-def _of_gravity(question: Loading) -> Iterator[Column]:
+def _of_gravity(question: EquilibriumQuestion) -> Iterator[Column]:
     robot = question.robot
     if robot.gravity is None:
         return
@@ -177,7 +180,7 @@ def _of_gravity(question: Loading) -> Iterator[Column]:
     yield from _entries(names, robot.gravity, scale, put)
 
 
-def _of_stiffness(question: Loading) -> Iterator[Column]:
+def _of_stiffness(question: EquilibriumQuestion) -> Iterator[Column]:
     robot = question.robot
     for k, segment in enumerate(robot.segments):
         for key in STIFFNESSES if segment.stiffness is not None else ():
@@ -185,7 +188,7 @@ def _of_stiffness(question: Loading) -> Iterator[Column]:
             value = own[STIFFNESSES.index(key)]
             if np.isfinite(value):
 
-                def changed(h: float, k: int = k, own: Floats = own, key: str = key) -> Loading:
+                def changed(h: float, k: int = k, own: Floats = own, key: str = key) -> EquilibriumQuestion:
                     more = own + h * (np.array(STIFFNESSES) == key)
                     one = Stiffness(*(float(each) if np.isfinite(each) else None for each in more))
                     parts = [s.changed(stiffness=one) if j == k else s for j, s in enumerate(robot.segments)]
@@ -194,7 +197,7 @@ def _of_stiffness(question: Loading) -> Iterator[Column]:
                 yield Column(f"{robot.segment_names[k]}.stiffness.{key}", float(value), changed)
 
 
-def _of_base(question: Loading) -> Iterator[Column]:
+def _of_base(question: EquilibriumQuestion) -> Iterator[Column]:
     return motions_of_base(question.robot, lambda robot: question._replace(robot=robot))
 
 
@@ -215,7 +218,7 @@ def motions_of_base(robot: "Robot", put: Callable[["Robot"], Any]) -> Iterator[C
         yield Column(f"base.{name}", 1.0 if i < 3 else robot.mean_length, changed)
 
 
-def _of_drive(question: Loading) -> Iterator[Column]:
+def _of_drive(question: EquilibriumQuestion) -> Iterator[Column]:
     robot, drive = question.robot, question.drive
     names, arm = [each.name for each in robot.actuators], 0.05 * robot.mean_length
     scale: float | Floats = softest(robot) / arm
@@ -227,7 +230,7 @@ def _of_drive(question: Loading) -> Iterator[Column]:
 
 
 DRIVES = "q", "actuators", "tensions"
-GROUPS: dict[LoadParameter, Callable[[Loading], Iterator[Column]]] = {
+GROUPS: dict[LoadParameter, Callable[[EquilibriumQuestion], Iterator[Column]]] = {
     "loads": _of_loads,
     "payload": _of_payload,
     "gravity": _of_gravity,

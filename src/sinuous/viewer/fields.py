@@ -200,6 +200,7 @@ class _Bound:
         self.handle, self.known, self._get = handle, handle.value, get
 
     def refresh(self) -> None:
+        """Show what the model says, where that has changed."""
         value = self._get()
         if self.known != value:
             self.handle.value = self.known = value

@@ -8,7 +8,7 @@ import re
 import threading
 import zipfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, ElementTree, indent
@@ -28,28 +28,24 @@ _WORDS = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"}
 """Texts that some version of YAML takes for something else."""
 
 
-@contextmanager
-def written(file: str | Path, key: str = "file") -> Iterator[None]:
+def written(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
     """Refuse a file, under `key`, when it turns out within that it cannot be written."""
-    wanted = "a file that can be written"
-    if "\0" in str(file):
-        raise InputError(key, "cannot be written: a null character in its name", str(file), wanted)
-    try:
-        yield
-    except OSError as error:
-        raise InputError(key, f"cannot be written: {error.strerror or error}", str(file), wanted) from None
+    return _usable(file, key, "written", "a file that can be written")
+
+
+def readable(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be read."""
+    return _usable(file, key, "read", "the name of a file that can be read")
 
 
 @contextmanager
-def readable(file: str | Path, key: str = "file") -> Iterator[None]:
-    """Refuse a file, under `key`, when it turns out within that it cannot be read."""
-    wanted = "the name of a file that can be read"
+def _usable(file: str | Path, key: str, use: str, expected: str) -> Iterator[None]:
     if "\0" in str(file):
-        raise InputError(key, "cannot be read: a null character in its name", str(file), wanted)
+        raise InputError(key, f"cannot be {use}: a null character in its name", str(file), expected)
     try:
         yield
     except OSError as error:
-        raise InputError(key, f"cannot be read: {error.strerror or error}", str(file), wanted) from None
+        raise InputError(key, f"cannot be {use}: {error.strerror or error}", str(file), expected) from None
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from sinuous.solving import strategy
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.classes.curves import ClassCurves
 from sinuous.solving.classes.passages import Passages
-from sinuous.solving.routing.searches import RouteSearch, Searches
+from sinuous.solving.routing.searches import Searches, SearchPlan
 from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import attempts_of
 from tests.helpers import Floats
@@ -96,9 +96,9 @@ def test_a_scene_is_not_copied_where_time_does_not_suffice(monkeypatch: pytest.M
 
 def test_what_is_probably_closed_comes_last_and_with_finer_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no search finds a route, each of them is made once, from the quickest on."""
-    plans: list[RouteSearch] = []
+    plans: list[SearchPlan] = []
 
-    def nothing(self: Passages, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
+    def nothing(self: Passages, closed: frozenset[int], plan: SearchPlan) -> tuple[list[Floats], int]:
         plans.append(plan)
         return [], 10
 
@@ -112,7 +112,7 @@ def test_passages_of_new_routes_come_before_finer_cells(monkeypatch: pytest.Monk
     asked: list[tuple[int, float]] = []
     routes = Passages.routes
 
-    def noted(self: Passages, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
+    def noted(self: Passages, closed: frozenset[int], plan: SearchPlan) -> tuple[list[Floats], int]:
         asked.append((len(closed), plan.cell))
         return routes(self, closed, plan)
 

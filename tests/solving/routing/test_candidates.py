@@ -12,7 +12,7 @@ from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.routing.candidates import ALIKE, Candidates
-from sinuous.solving.routing.searches import CELLS, FoundRoutes, RouteSearch, Searches
+from sinuous.solving.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
 from sinuous.solving.starts import Question, Scattered
 from sinuous.solving.strategy import attempts_of
 
@@ -47,9 +47,9 @@ def test_routes_that_are_alike_are_one_candidate() -> None:
 
 def test_a_table_that_is_too_small_is_made_larger_before_anything_else(monkeypatch: pytest.MonkeyPatch) -> None:
     searches, question, _ = asked()
-    plans: list[RouteSearch] = []
+    plans: list[SearchPlan] = []
 
-    def full(self: Searches, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
+    def full(self: Searches, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
         plans.append(plan)
         return FoundRoutes([], FULL, 10)
 
@@ -71,7 +71,7 @@ def test_a_leg_is_looked_for_around_edges_before_over_cells(monkeypatch: pytest.
         asked_for.append("edges")
         return np.linspace((0.0, 0.0, 0.0), (0.4, 0.0, 2.0), 20) if len(asked_for) == 1 else None
 
-    def found(problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
+    def found(problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
         asked_for.append("cells")
         return FoundRoutes([], FULL, plan.cells)
 
@@ -92,9 +92,9 @@ def test_a_leg_that_cuts_through_a_wall_is_looked_for_over_smaller_cells(
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 60)
     if wall:
         line[1] = IN_WALL
-    plans: list[RouteSearch] = []
+    plans: list[SearchPlan] = []
 
-    def found(problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
+    def found(problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
         plans.append(plan)
         return FoundRoutes([line], FOUND, plan.cells)
 
@@ -109,9 +109,9 @@ def test_a_leg_that_cuts_through_a_wall_is_looked_for_over_smaller_cells(
 def test_middle_cells_are_looked_at_where_no_clear_route_is_known(clear: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     searches, question, _ = asked()
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 60)
-    plans: list[RouteSearch] = []
+    plans: list[SearchPlan] = []
 
-    def found(self: Searches, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
+    def found(self: Searches, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
         plans.append(plan)
         return FoundRoutes([line if clear else line + IN_WALL], FOUND, plan.cells)
 

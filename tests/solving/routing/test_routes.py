@@ -14,7 +14,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
-from sinuous.solving.routing.searches import CELLS, MEMORY, FoundRoutes, RouteSearch, Searches
+from sinuous.solving.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
 from sinuous.solving.starts import Question, Scattered, StartBatch
 from sinuous.solving.strategy import CELLS_A_START, attempts_of, plans_of
 from tests.helpers import Floats
@@ -296,7 +296,7 @@ def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fail where a route is searched for, once a `Solver` is made."""
     find = Searches.find
 
-    def only_loading(self: Searches, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
+    def only_loading(self: Searches, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
         assert seconds == 0.0, "searched for a route"
         return find(self, problem, query, plan, seconds)
 

@@ -20,7 +20,7 @@ from sinuous.solving.classes.screens import Passage, ScreenBounds, passages, ref
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.candidates import Candidate, Candidates
 from sinuous.solving.routing.growth import FIRST_WIDTH
-from sinuous.solving.routing.searches import RouteSearch, Searches
+from sinuous.solving.routing.searches import Searches, SearchPlan
 from sinuous.solving.starts import Question, StartBatch
 
 THICK = 0.5
@@ -75,7 +75,7 @@ class Passages:
         self._known: list[Floats] = []
         self._seen = {frozenset[int]()}
 
-    def routes(self, closed: frozenset[int], plan: RouteSearch) -> tuple[list[Floats], int]:
+    def routes(self, closed: frozenset[int], plan: SearchPlan) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that are wide enough and lead through no closed passage, and how many cells they cost.
 
         `closed` are numbers of screens. Where there is no time for a copy of the scene nothing is found.
@@ -169,7 +169,7 @@ class Passages:
         return len(self._screens) - 1
 
 
-def _bounds(query: Floats, plan: RouteSearch) -> ScreenBounds:
+def _bounds(query: Floats, plan: SearchPlan) -> ScreenBounds:
     """What screens have to keep in the searches of a query (27,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell

@@ -29,7 +29,7 @@ from sinuous.solving.routing.detours import led_aside
 from sinuous.solving.routing.growth import FIRST_WIDTH, LEG_POINTS, arriving, divided, leg_queries
 from sinuous.solving.routing.halves import Halves
 from sinuous.solving.routing.roots import roots
-from sinuous.solving.routing.searches import CELLS, FoundRoutes, RouteSearch, Searches
+from sinuous.solving.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Question, StartBatch
 
@@ -136,7 +136,7 @@ class Candidates:
         off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
-    def over_cells_once(self, plan: RouteSearch) -> FoundRoutes:
+    def over_cells_once(self, plan: SearchPlan) -> FoundRoutes:
         """Search as a plan says; where a table is too small for a first route, with the next one at once.
 
         Returns what was found, with the cells of all tables, and without the routes that the same cells gave before.

@@ -59,7 +59,7 @@ MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
 one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
-class RouteSearch(NamedTuple):
+class SearchPlan(NamedTuple):
     """One search.
 
     Attributes
@@ -113,7 +113,7 @@ class Searches:
     Attributes
     ----------
     robot : Robot
-    coarse, middle, fine : RouteSearch
+    coarse, middle, fine : SearchPlan
         The quickest searches with coarse cells, with smaller ones, and with fine ones.
     proves : bool
         Whether fine cells prove that a room is closed: where no segment is thinner than the ball.
@@ -133,7 +133,7 @@ class Searches:
         self.proves = min(robot.needed_radii) >= self._radius
 
     @property
-    def single_plans(self) -> tuple[RouteSearch, ...]:
+    def single_plans(self) -> tuple[SearchPlan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
@@ -144,7 +144,7 @@ class Searches:
         return tuple(dict.fromkeys(plans))
 
     @property
-    def leg_plans(self) -> tuple[RouteSearch, ...]:
+    def leg_plans(self) -> tuple[SearchPlan, ...]:
         """Searches for the route from one target to the next, from the quickest to the most thorough."""
         many = CELLS[1]
         plans = self.coarse, self.middle, self.fine, self.fine._replace(cells=many)
@@ -154,7 +154,7 @@ class Searches:
         """Return what a route has to keep (27,); see `query_of`."""
         return query_of(self.groups(problem))
 
-    def find(self, problem: Problem, query: Floats, plan: RouteSearch, seconds: float) -> FoundRoutes:
+    def find(self, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
         """Search for routes, as one plan says, for at most so many seconds.
 
         Obstacles do not concern the backbone within its mount. Where the body can be so short that its end lies there,
@@ -308,7 +308,7 @@ def _wide_enough(radius: float, cell: float) -> float:
     return max(radius - 0.5 * cell, 0.25 * radius)
 
 
-def _plans_of(radius: float, length: float) -> tuple[RouteSearch, RouteSearch, RouteSearch]:
+def _plans_of(radius: float, length: float) -> tuple[SearchPlan, SearchPlan, SearchPlan]:
     """Searches for one route with coarse, middle and fine cells, for a ball of this radius and a robot of this length.
 
     Cells of half the radius and less cannot leak through a wall, however thin it is. Coarser ones miss narrow passages.
@@ -316,8 +316,8 @@ def _plans_of(radius: float, length: float) -> tuple[RouteSearch, RouteSearch, R
     fine = 0.5 * radius
     coarse = max(fine, length / COARSE)
 
-    def plan(cell: float) -> RouteSearch:
+    def plan(cell: float) -> SearchPlan:
         clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
-        return RouteSearch(cell, clearance, CELLS[0], 1, False)
+        return SearchPlan(cell, clearance, CELLS[0], 1, False)
 
     return plan(coarse), plan(math.sqrt(coarse * fine)), plan(fine)

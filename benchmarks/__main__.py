@@ -88,6 +88,10 @@ Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
 ]
 Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
+Record = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt: docs/results is shown on the site."),
+]
 Parts = Annotated[
     list[str] | None,
     typer.Option(
@@ -127,6 +131,7 @@ def run(
     anew: Anew = False,
     against: Against = None,
     save_baseline: Keep = None,
+    record: Record = None,
     piece: Parts = None,
     method: Method = None,
     only: Only = None,
@@ -150,7 +155,8 @@ def run(
         raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
-    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not piece)))
+    output = Output(out, json, anew, against, save_baseline, whole=not piece, record=record)
+    raise typer.Exit(_measure(chosen, output))
 
 
 def _measure(chosen: "Chosen", output: "Output") -> int:

@@ -94,8 +94,9 @@ Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
 ]
 Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
-Table = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Write the results there, too, as a page with its pictures beside.")
+Record = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt: docs/results is shown on the site."),
 ]
 Parts = Annotated[
     list[str] | None,
@@ -136,7 +137,7 @@ def run(
     anew: Anew = False,
     against: Against = None,
     save_baseline: Keep = None,
-    table: Table = None,
+    record: Record = None,
     piece: Parts = None,
     method: Method = None,
     only: Only = None,
@@ -160,7 +161,8 @@ def run(
         raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
-    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, table, whole=not piece)))
+    output = Output(out, json, anew, against, save_baseline, whole=not piece, record=record)
+    raise typer.Exit(_measure(chosen, output))
 
 
 def _measure(chosen: "Chosen", output: "Output") -> int:
@@ -171,8 +173,6 @@ def _measure(chosen: "Chosen", output: "Output") -> int:
             raise InputError(option, "is for " + ", ".join(OF_LINES), str(file), f"nothing with {chosen.name}")
     if output.save_baseline is not None:
         check_writable("--save-baseline", output.save_baseline)
-    if output.table is not None:
-        check_writable("--table", output.table)
     require()
     try:
         return conduct(chosen.experiment(), output)

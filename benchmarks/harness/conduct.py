@@ -10,7 +10,6 @@ from benchmarks.harness import machine
 from benchmarks.harness.baseline import Comparison, Figure, check, compare, load, save
 from benchmarks.harness.experiment import Experiment, Findings, Piece
 from benchmarks.harness.journal import Journal, code_version
-from benchmarks.harness.markdown import write_table
 from benchmarks.harness.report import Report
 from sinuous.errors import InputError
 from sinuous.files.results import json_line
@@ -50,10 +49,10 @@ class Output:
         Baseline to compare with.
     save_baseline : Path, optional
         Where to keep the figures as a baseline.
-    table : Path, optional
-        Where to write the results, too, as a page; its pictures lie beside it.
     whole : bool
         Whether the experiment is measured with all of its parts, so that a figure of the baseline may not be missing.
+    record : Path, optional
+        Folder of pages of results (`docs/results`), in which to keep what was found.
     """
 
     folder: Path | None = None
@@ -61,8 +60,8 @@ class Output:
     anew: bool = False
     against: Path | None = None
     save_baseline: Path | None = None
-    table: Path | None = None
     whole: bool = True
+    record: Path | None = None
 
 
 def require() -> None:
@@ -161,8 +160,7 @@ def _give(report: Report, folder: Path, output: Output, comparison: Comparison |
     """Write the results into the folder, and print them."""
     name = report.experiment.name
     for picture, drawn in report.findings.pictures.items():
-        for place in (folder, *([] if output.table is None else [output.table.parent])):
-            drawn.savefig(place / f"{picture}.png", bbox_inches="tight", pad_inches=0.15)
+        drawn.savefig(folder / f"{picture}.png", bbox_inches="tight", pad_inches=0.15)
     data, text = report.to_dict(), report.to_text()
     if comparison is not None and output.against is not None:
         data["against"] = comparison.to_dict()
@@ -170,8 +168,8 @@ def _give(report: Report, folder: Path, output: Output, comparison: Comparison |
     line = json_line(data) + "\n"
     (folder / f"{name}.json").write_text(line, encoding="utf-8")
     (folder / f"{name}.md").write_text(text, encoding="utf-8")
-    if output.table is not None:
-        write_table(output.table, f"benchmarks {name}", text)
+    if output.record is not None:
+        (output.record / f"{name}.txt").write_text(f"# {name}\n\n{text}", encoding="utf-8")
     sys.stdout.write(line if output.json else text)
     sys.stdout.flush()
     _say(f"results are in {folder}")

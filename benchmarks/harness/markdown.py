@@ -1,10 +1,7 @@
 """Tables in Markdown whose columns are also straight to the eye."""
 
 import math
-import shlex
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
@@ -21,12 +18,6 @@ def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
         cells = [cell.ljust(width) if first else cell.rjust(width) for cell, width, first in placed]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
-
-
-def write_table(file: Path, module: str, text: str) -> None:
-    """Write results as a page whose first line is the command that gave them."""
-    typed = shlex.join(word for word in sys.argv[1:] if word not in module.split())
-    file.write_text(f"<!-- written by `python -m {module} {typed}`; not typed -->\n\n{text}", encoding="utf-8")
 
 
 def figure(value: float, form: str = "g") -> str:

@@ -13,7 +13,6 @@ from scipy.linalg import expm
 from sinuous import packing
 from sinuous.errors import InputError
 from sinuous.kernels import problem as kernels
-from sinuous.kernels import tables
 from sinuous.kernels.body.rows import IDLE, Rows
 from sinuous.kernels.chain import kinematics as chain
 from sinuous.kernels.chain.arc import SERIES_END

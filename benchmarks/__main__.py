@@ -67,6 +67,12 @@ HOMES = {
 }
 """Where those are that take a plan and nothing else."""
 
+TOOLS = {
+    "trace": "how many files of the package run in a solve",
+    "rooms": "lines of code by room, circles of imports, public names",
+}
+"""What measures the code, not what it computes: modules with a command of their own."""
+
 INTERRUPTED = 130
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -261,13 +267,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Default: those of the process.
     """
     typed = sys.argv[1:] if arguments is None else arguments
+    if typed and typed[0] in TOOLS:
+        code: int = import_module(f"benchmarks.{typed[0]}").main(typed[1:])
+        return code
     app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
     return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 
 
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
-    listed = "\n".join(f"{name}: {about}" for name, about in ABOUT.items())
+    listed = "\n".join(f"{name}: {about}" for name, about in {**ABOUT, **TOOLS}.items())
     text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}"
     return f"{text}\n\nOnly verified answers count."
 

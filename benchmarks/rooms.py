@@ -13,12 +13,12 @@ from typing import Annotated, NamedTuple
 import typer
 
 from benchmarks.harness.command import command
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "src/sinuous"
 
-SPLIT = ("kernels", "solving", "motion")
+SPLIT = ("kernels", "solver", "motion", "studies", "view")
 """Rooms of which each inner room is counted by itself."""
 
 BESIDE = ("benchmarks", "tests")

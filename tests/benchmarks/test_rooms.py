@@ -41,7 +41,7 @@ def test_rooms_add_up() -> None:
 
 
 def test_a_table_is_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rooms, "PACKAGE", "src/sinuous/robot")
+    monkeypatch.setattr(rooms, "PACKAGE", "src/sinuous/model")
     monkeypatch.setattr(rooms, "BESIDE", ())
     assert main([]) == 0
     rows = capsys.readouterr().out.splitlines()

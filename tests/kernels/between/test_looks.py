@@ -23,7 +23,7 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.rates import RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE
 from sinuous.kernels.fields.distances import Scene
-from sinuous.packing import pose_row
+from sinuous.kernels.packing import pose_row
 from sinuous.scene.snapshot import Snapshot
 
 ROBOT = sn.Robot([sn.Segment(1.0, 2.0, radius=0.05)] * 2)

@@ -26,7 +26,7 @@ from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.fields.distances import read_scene
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_robot
-from sinuous.robot.robot import robot_group
+from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
 from tests.kernels.between.motions import Case, random_case, sampled, sampled_case, shape

@@ -17,8 +17,8 @@ from sinuous.kernels.body.rows import INNER, SOFT
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.fields.distances import coarseness
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene

@@ -8,7 +8,7 @@ import pytest
 
 from sinuous.kernels.body import glance as places
 from sinuous.kernels.problem import Problem
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.cases import with_each

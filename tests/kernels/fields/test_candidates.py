@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.fields.candidates import LISTED, listed
 from sinuous.kernels.fields.candidates import span as span_of
 from sinuous.kernels.fields.distances import beside

@@ -7,7 +7,7 @@ from sinuous.kernels.roadmap.sight import KEPT, STEPS, cuts, cutting, in_sight
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from sinuous.solving.routing.edges import walls_of
+from sinuous.solver.routing.edges import walls_of
 from tests.helpers import Floats, kernel_scene, vec
 from tests.kernels.freespace.places import RADIUS, grid
 

@@ -9,16 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
+from sinuous.answer.verification import verify
 from sinuous.kernels.fields import solids
 from sinuous.kernels.solve.preferences import Wishes, cost, prefer
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
-from sinuous.solution.verification import verify
 from tests.cases import with_each
 from tests.helpers import Floats, kernel_problem
 from tests.kernels.workspace import make_states, make_work, put

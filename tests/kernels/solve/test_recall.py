@@ -5,7 +5,7 @@ import numpy as np
 import sinuous as sn
 from sinuous.kernels.solve.recall import ANGLE_WEIGHT, compare, recall
 from sinuous.problem.target import target_table
-from sinuous.solving.shapes import poses_of
+from sinuous.solver.shapes import poses_of
 from tests.cases import with_each
 
 ROBOT = sn.Robot.uniform(3, (0.5, 1.5), max_bend=2.5)

@@ -8,10 +8,10 @@ from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.problem import read_problem
 from sinuous.kernels.step.states import STATES, carve, pick, workspace_size
+from sinuous.model.actuators import Tendons
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.actuators import Tendons
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from tests.helpers import kernel_groups, kernel_problem, random_pose
 from tests.kernels.workspace import make_states, make_work, same

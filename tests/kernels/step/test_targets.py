@@ -12,8 +12,8 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.body.rows import END
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.step import targets
-from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from tests.cases import with_each
 from tests.helpers import (

@@ -67,6 +67,12 @@ HOMES = {
 }
 """Where those are that take a plan and nothing else."""
 
+TOOLS = {
+    "trace": "how many files of the package run in a solve",
+    "rooms": "lines of code by room, circles of imports, public names",
+}
+"""What measures the code, not what it computes: modules with a command of their own."""
+
 INTERRUPTED = 130
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -88,6 +94,10 @@ Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
 ]
 Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
+Record = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt: docs/results is shown on the site."),
+]
 Parts = Annotated[
     list[str] | None,
     typer.Option(
@@ -127,6 +137,7 @@ def run(
     anew: Anew = False,
     against: Against = None,
     save_baseline: Keep = None,
+    record: Record = None,
     piece: Parts = None,
     method: Method = None,
     only: Only = None,
@@ -150,7 +161,8 @@ def run(
         raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
-    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not piece)))
+    output = Output(out, json, anew, against, save_baseline, whole=not piece, record=record)
+    raise typer.Exit(_measure(chosen, output))
 
 
 def _measure(chosen: "Chosen", output: "Output") -> int:
@@ -255,13 +267,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Default: those of the process.
     """
     typed = sys.argv[1:] if arguments is None else arguments
+    if typed and typed[0] in TOOLS:
+        code: int = import_module(f"benchmarks.{typed[0]}").main(typed[1:])
+        return code
     app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
     return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 
 
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
-    listed = "\n".join(f"{name}: {about}" for name, about in ABOUT.items())
+    listed = "\n".join(f"{name}: {about}" for name, about in {**ABOUT, **TOOLS}.items())
     text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}"
     return f"{text}\n\nOnly verified answers count."
 

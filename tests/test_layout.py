@@ -11,7 +11,7 @@ PACKAGE = Path(sinuous.__file__).parent
 
 DESIGN = Path(__file__).parents[1] / "docs" / "design.md"
 MAP = re.search(r"^## The map\n(.*?)^## |\Z", DESIGN.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-ROOMS = re.findall(r"^\| `(\w+)` \|", MAP[1] if MAP else "", re.MULTILINE)[::-1]
+ROOMS = re.findall(r"^\| `(\w+)` \|", MAP[1] if MAP else "", re.MULTILINE)
 """Rooms as docs/design.md lists them, the lowest first: each imports from those before it."""
 
 LOOSE = {"torch", "jax"}

@@ -12,7 +12,7 @@ from typing import Any
 
 from sinuous.base.notebook import NotebookMixin
 
-__version__ = "0.2.0.dev0"
+__version__ = "0.2.0"
 
 _STUB = pathlib.Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 _HOME = {name: home for home, name in re.findall(r"^from (sinuous\.\S+) import (\w+)", _STUB, re.MULTILINE)}

@@ -58,12 +58,6 @@ def test_what_overlaps_is_pushed_off() -> None:
     assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1e-2
 
 
-def test_a_body_without_thickness_is_drawn_too() -> None:
-    thin = Robot.uniform(6, length=1.0, max_bend=1.6)
-    goal = TIP[:3, 3] + [0.2, -0.1, 0.0]
-    assert np.linalg.norm(thin.tip(settled(Scene([]), Target(goal), robot=thin))[:3, 3] - goal) < 1e-2
-
-
 def test_without_time_it_takes_few_steps() -> None:
     found = settled(Scene([]), Target((0.0, 0.0, 0.0)), seconds=0.0)
     steps = math.ceil(STRIDE / (SEGMENT_LOOKS * len(ROBOT)))

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sinuous.base.errors import InputError
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
-from sinuous.errors import InputError
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
 
@@ -216,7 +216,7 @@ class Chosen:
         InputError
             That names the option.
         """
-        from sinuous import checks  # noqa: PLC0415
+        from sinuous.base import checks  # noqa: PLC0415
 
         if self.name not in BENCHMARKS:
             raise InputError("NAME", "", self.name, "one of " + ", ".join(BENCHMARKS))

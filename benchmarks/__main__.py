@@ -42,6 +42,11 @@ ABOUT = {
 }
 """What each one measures."""
 
+CORPUS = "corpus"
+"""The word that another command begins with, which measures nothing: `write FILE` and `compare FILE` follow."""
+
+BESIDE = f"{CORPUS}: some 5,000 problems with their answers, to hold a change of the code to the last bit"
+
 OF_LINES = ("speed", "clutter", "wild", "many", "motion", "derivatives", "design", "real")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
@@ -255,6 +260,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Default: those of the process.
     """
     typed = sys.argv[1:] if arguments is None else arguments
+    if typed and typed[0] == CORPUS:
+        from benchmarks.corpus.experiment import main as run_corpus  # noqa: PLC0415
+
+        return run_corpus(typed[1:])
     app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
     return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 
@@ -262,7 +271,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
     listed = "\n".join(f"{name}: {about}" for name, about in ABOUT.items())
-    text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}"
+    text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}\n\n\b\n{BESIDE}"
     return f"{text}\n\nOnly verified answers count."
 
 

@@ -44,9 +44,9 @@ class Differing(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """What came of a piece: how many problems there are, which differ, of which only words do, and seconds."""
+    """What came of a piece: the number of problems, which differ, of which only words do, and seconds."""
 
-    count: int
+    problems: int
     differing: list[Differing]
     reworded: list[Differing]
     seconds: float
@@ -101,8 +101,8 @@ def judged(problem: Problem, found: Any) -> bool | None:
 
 def lines_of(piece: str, one: Compared) -> Iterator[str]:
     """Say what differs in a piece."""
-    equal = one.count - len(one.differing)
-    yield f"{piece:<22}{one.count:>9}{equal:>9}{len(one.differing):>11}{len(one.reworded):>11}{one.seconds:>9.0f}"
+    equal = one.problems - len(one.differing)
+    yield f"{piece:<22}{one.problems:>9}{equal:>9}{len(one.differing):>11}{len(one.reworded):>11}{one.seconds:>9.0f}"
     rights = [each.right for each in one.differing if each.right is not None]
     if rights:
         yield f"    judges find {sum(rights)} of {len(rights)} that differ right"
@@ -179,7 +179,7 @@ def compare(file: File, piece: Pieces = None, processes: Processes = 2) -> None:
     typer.echo(f"{'piece':<22}{'problems':>9}{'equal':>9}{'different':>11}{'reworded':>11}{'seconds':>9}")
     total, differing = 0, 0
     for name, one in _compared_in(processes, {name: answers[name] for name in names}):
-        total, differing = total + one.count, differing + len(one.differing)
+        total, differing = total + one.problems, differing + len(one.differing)
         typer.echo("\n".join(lines_of(name, one)))
     typer.echo(f"{total} problems, {differing} different")
     raise typer.Exit(DIFFERS if differing else 0)

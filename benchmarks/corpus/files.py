@@ -68,7 +68,11 @@ def examples() -> Iterator[Problem]:
         what = "plan" if file.stem.startswith("plan") else "track" if file.stem.startswith("path") else "solve"
         yield Problem(f"{what} {file.name}", partial(_printed, [what, str(file), "--json", "--time", "20"]))
         yield Problem(f"check {file.name}", partial(_printed, ["check", str(file)]))
-        yield Problem(f"read {file.name}", lambda file=file: sn.load(file).to_dict(EXAMPLES))
+        yield Problem(f"read {file.name}", partial(_loaded, file))
+
+
+def _loaded(file: Path) -> Any:
+    return sn.load(file).to_dict(EXAMPLES)
 
 
 def _printed(arguments: list[str]) -> Any:
@@ -194,7 +198,7 @@ FILES: dict[str, str] = {
 def wrong() -> Iterator[Problem]:
     """Wrong arguments, wrong files, and wrong command lines."""
     for name, call in WRONG.items():
-        yield Problem(name, lambda call=call: type(call()).__name__)
+        yield Problem(name, partial(_kind_of, call))
     for name, text in FILES.items():
         yield Problem(f"file: {name}", partial(_read, text))
         yield Problem(f"command: {name}", partial(_read, text, by_command=True))
@@ -206,6 +210,10 @@ def wrong() -> Iterator[Problem]:
         ["solve", "--fast"],
     ):
         yield Problem("command " + " ".join(Path(each).name for each in arguments), partial(_printed, arguments))
+
+
+def _kind_of(call: Callable[[], Any]) -> str:
+    return type(call()).__name__
 
 
 def _read(text: str, by_command: bool = False) -> Any:

@@ -178,7 +178,8 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
     far = robot.base[:3, 3] + 5.0 * unit
     live = sn.Scene([sn.Sphere(far, 0.1 * unit, name="ball"), *scene.obstacles]) if ball else scene
     rates = sn.Rates(*(rng.uniform(0.1, 3.0, 2) * (1.0, unit))) if number % 2 else None
-    solver, found, kind = sn.Solver(robot, live, time=TIME, max_starts=4), [], number % 3
+    solver, kind = sn.Solver(robot, live, time=TIME, max_starts=4), number % 3
+    found: list[sn.Step] = []
     for _ in range(6):
         if ball:
             body = robot.backbone(found[-1].q if found else q)

@@ -126,7 +126,8 @@ def preferring() -> Iterator[Problem]:
         world = audit.units(2, number)
         rng = np.random.default_rng([31, number])
         robot, scene, unit, near = world.robot, world.scene, world.robot.mean_length, world.hidden[-1]
-        prefer = sn.Preferences(*(float(each) for each in rng.choice([0.0, 1.0], 2)), clearance=0.05 * unit)
+        start, bends = rng.choice([0.0, 1.0], 2).tolist()
+        prefer = sn.Preferences(start, bends, 0.05 * unit)
         ask = partial(sn.solve, robot, world.targets[0], scene)
         yield Problem(f"{number} preferring", partial(ask, initial=near, prefer=prefer, **FEW))
         yield Problem(f"{number} demanding", partial(ask, clearance=0.01 * unit, self_clearance=0.01 * unit, **FEW))

@@ -22,9 +22,10 @@ def calibrations() -> Iterator[Problem]:
     for name in ("v4", "v6"):
         robot = robot_of(name)
         rows = rows_of(robot, f"{name}_train")
-        for every in (12, 30):
-            given = rows.actuators[::every], rows.measured[::every]
-            yield Problem(f"{name} every {every}", partial(sn.calibrate, robot, *given))
+        given = rows.actuators[::40], rows.measured[::40]
+        for fit in (["offsets"], ["lengths", "angles"], ["stretch", "offsets", "circles"]):
+            yield Problem(f"{name}: {', '.join(fit)}", partial(sn.calibrate, robot, *given, fit=fit))
+        yield Problem(f"{name}: by choice", partial(sn.calibrate, robot, *(each[::3] for each in given)))
     for number in range(24):
         rng = np.random.default_rng([81, number])
         robot = odd.robot(rng)

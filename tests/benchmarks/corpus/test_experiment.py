@@ -35,7 +35,7 @@ def test_a_piece_is_equal_to_itself() -> None:
     answers, slow = written("small")
     assert not slow
     found = compared("small", json.loads(json.dumps(answers)))
-    assert (found.count, found.differing, found.reworded) == (5, [], [])
+    assert (found.problems, found.differing, found.reworded) == (5, [], [])
 
 
 def test_the_last_bit_of_a_number_counts_and_judges_say_that_the_answer_is_right() -> None:

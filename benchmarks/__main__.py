@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sinuous.base.errors import InputError
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
-from sinuous.errors import InputError
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
 
@@ -41,11 +41,6 @@ ABOUT = {
     "methods": "all methods on common random problems, with and without obstacles",
 }
 """What each one measures."""
-
-CORPUS = "corpus"
-"""The word that another command begins with, which measures nothing: `write FILE` and `compare FILE` follow."""
-
-BESIDE = f"{CORPUS}: some 5,000 problems with their answers, to hold a change of the code to the last bit"
 
 OF_LINES = ("speed", "clutter", "wild", "many", "motion", "derivatives", "design", "real")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
@@ -72,6 +67,13 @@ HOMES = {
 }
 """Where those are that take a plan and nothing else."""
 
+TOOLS = {
+    "trace": "how many files of the package run in a solve",
+    "rooms": "lines of code by room, circles of imports, public names",
+    "corpus": "some 5,000 problems with their answers, to hold a change of the code to the last bit",
+}
+"""What looks at the code, and takes no time: modules with a command of their own."""
+
 INTERRUPTED = 130
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -93,6 +95,10 @@ Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
 ]
 Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
+Record = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt: docs/results is shown on the site."),
+]
 Parts = Annotated[
     list[str] | None,
     typer.Option(
@@ -132,6 +138,7 @@ def run(
     anew: Anew = False,
     against: Against = None,
     save_baseline: Keep = None,
+    record: Record = None,
     piece: Parts = None,
     method: Method = None,
     only: Only = None,
@@ -155,7 +162,8 @@ def run(
         raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
-    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not piece)))
+    output = Output(out, json, anew, against, save_baseline, whole=not piece, record=record)
+    raise typer.Exit(_measure(chosen, output))
 
 
 def _measure(chosen: "Chosen", output: "Output") -> int:
@@ -209,7 +217,7 @@ class Chosen:
         InputError
             That names the option.
         """
-        from sinuous import checks  # noqa: PLC0415
+        from sinuous.base import checks  # noqa: PLC0415
 
         if self.name not in BENCHMARKS:
             raise InputError("NAME", "", self.name, "one of " + ", ".join(BENCHMARKS))
@@ -260,18 +268,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Default: those of the process.
     """
     typed = sys.argv[1:] if arguments is None else arguments
-    if typed and typed[0] == CORPUS:
-        from benchmarks.corpus.experiment import main as run_corpus  # noqa: PLC0415
-
-        return run_corpus(typed[1:])
+    if typed and typed[0] in TOOLS:
+        code: int = import_module(f"benchmarks.{typed[0]}").main(typed[1:])
+        return code
     app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
     return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 
 
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
-    listed = "\n".join(f"{name}: {about}" for name, about in ABOUT.items())
-    text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}\n\n\b\n{BESIDE}"
+    listed = "\n".join(f"{name}: {about}" for name, about in {**ABOUT, **TOOLS}.items())
+    text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}"
     return f"{text}\n\nOnly verified answers count."
 
 

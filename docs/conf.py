@@ -15,6 +15,7 @@ release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
 exclude_patterns = ["build"]
 root_doc = "index"
+source_suffix = {".md": "markdown", ".txt": "markdown"}  # pages of results are text that commands write
 
 myst_enable_extensions = ["colon_fence", "attrs_inline"]
 myst_heading_anchors = 3

@@ -13,3 +13,15 @@ An answer that differs is looked at by the judges of the other experiments, wher
 `answers` says what is kept of an answer and how two differ; `solves`, `motions`, `studies` and `files` hold the
 problems, by pieces; `experiment` asks them in processes, and writes or compares.
 """
+
+import os
+from collections.abc import Sequence
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line, by default that of the process, and return its exit code."""
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "IGL_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")  # read when NumPy is first imported
+    from benchmarks.corpus.experiment import run  # noqa: PLC0415
+
+    return run(arguments)

@@ -2,7 +2,6 @@
 
 import gzip
 import json
-import os
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
@@ -196,8 +195,6 @@ def _compared_in(processes: int, answers: Mapping[str, Answers]) -> Iterator[tup
             yield calls[call], call.result()
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Run a command line and return its exit code."""
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "IGL_NUM_THREADS"):
-        os.environ.setdefault(variable, "1")  # of the processes, which import NumPy anew
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line, by default that of the process, and return its exit code."""
     return execute(typer.main.get_command(app), "python -m benchmarks corpus", arguments)

@@ -11,7 +11,7 @@ from benchmarks.harness.baseline import Comparison, Figure, check, compare, load
 from benchmarks.harness.experiment import Experiment, Findings, Piece
 from benchmarks.harness.journal import Journal, code_version
 from benchmarks.harness.report import Report
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.results import json_line
 
 INTERRUPTED = 130
@@ -51,6 +51,8 @@ class Output:
         Where to keep the figures as a baseline.
     whole : bool
         Whether the experiment is measured with all of its parts, so that a figure of the baseline may not be missing.
+    record : Path, optional
+        Folder of pages of results (`docs/results`), in which to keep what was found.
     """
 
     folder: Path | None = None
@@ -59,6 +61,7 @@ class Output:
     against: Path | None = None
     save_baseline: Path | None = None
     whole: bool = True
+    record: Path | None = None
 
 
 def require() -> None:
@@ -165,6 +168,8 @@ def _give(report: Report, folder: Path, output: Output, comparison: Comparison |
     line = json_line(data) + "\n"
     (folder / f"{name}.json").write_text(line, encoding="utf-8")
     (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    if output.record is not None:
+        (output.record / f"{name}.txt").write_text(f"# {name}\n\n{text}", encoding="utf-8")
     sys.stdout.write(line if output.json else text)
     sys.stdout.flush()
     _say(f"results are in {folder}")

@@ -1,9 +1,8 @@
-"""Lines by room: code is counted without comments, docstrings and blanks; a commit that is not there is refused."""
+"""Lines by room: code is counted without comments, docstrings and blanks; circles are found, also those of types."""
 
 import pytest
 
-from benchmarks import rooms
-from benchmarks.rooms import Size, code_lines, main, sizes
+from benchmarks.rooms import between_rooms, circles, code_lines, imports, main, sizes
 
 SOURCE = '''"""A module.
 
@@ -23,6 +22,15 @@ def double(x: float) -> float:
     )
 '''
 
+PACKAGE = {
+    "src/sinuous/__init__.py": "from sinuous.model.arm import Arm\n",
+    "src/sinuous/robot/__init__.py": "",
+    "src/sinuous/robot/arm.py": "if TYPE_CHECKING:\n    from sinuous.scene.ball import Ball\n",
+    "src/sinuous/scene/ball.py": "def robot():\n    from sinuous.model import arm\n",
+    "src/sinuous/base/errors.py": SOURCE,
+    "tests/robot/test_arm.py": "from sinuous.base.errors import InputError\n",
+}
+
 
 def test_code_is_what_is_neither_comment_nor_docstring_nor_blank() -> None:
     assert code_lines(SOURCE) == 6
@@ -31,24 +39,20 @@ def test_code_is_what_is_neither_comment_nor_docstring_nor_blank() -> None:
 
 
 def test_rooms_add_up() -> None:
-    package = [("robot/robot.py", SOURCE), ("kernels/step/newton.py", "x = 1\n"), ("errors.py", "x = 1\ny = 2\n")]
-    found = sizes([("tests/robot/test_robot.py", "x = 1\n"), *((f"src/sinuous/{path}", own) for path, own in package)])
-    assert found["kernels/step"] == Size(1, 1, 1)
-    assert found["."] == Size(1, 2, 2)
-    assert list(found)[-2:] == ["all", "tests"]
-    assert found["tests"] == Size(1, 1, 1)
-    assert found["all"] == Size(3, 3 + len(SOURCE.splitlines()), 9)
+    assert sizes(PACKAGE) == {"package": 7, "robot": 2, "scene": 2, "tests": 1}
 
 
-def test_a_table_is_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rooms, "PACKAGE", "src/sinuous/robot")
-    monkeypatch.setattr(rooms, "BESIDE", ())
-    assert main([]) == 0
-    rows = capsys.readouterr().out.splitlines()
-    assert rows[0].startswith("| room |")
-    assert rows[-1].startswith("| all |")
+def test_circles_are_found_wherever_imports_stand() -> None:
+    edges = imports(PACKAGE)
+    assert edges["sinuous.scene.ball"] == {"sinuous.model", "sinuous.model.arm"}
+    assert circles(edges) == [["sinuous.model.arm", "sinuous.scene.ball"]]
+    assert circles(between_rooms(edges)) == [["sinuous.model", "sinuous.scene"]]
+    assert circles({"a": ["b"], "b": ["c"], "c": []}) == []
 
 
-def test_a_commit_that_is_not_there_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_commit_that_is_not_there_is_refused(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("benchmarks.rooms.here", dict)
     assert main(["--against", "no-such-commit"]) == 2
-    assert "--against" in capsys.readouterr().err
+    assert capsys.readouterr().err.startswith("--against")

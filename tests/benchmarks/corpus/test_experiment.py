@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.corpus import experiment
+from benchmarks.corpus import experiment, main
 from benchmarks.corpus.answers import Problem
-from benchmarks.corpus.experiment import compared, main, written
+from benchmarks.corpus.experiment import compared, written
 from benchmarks.corpus.pieces import PIECES
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.0, radius=4.0)

@@ -17,7 +17,7 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.reference import Look
 from benchmarks.pictures.style import new_figure, tidy
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 
 @pytest.fixture(autouse=True)
@@ -85,13 +85,14 @@ class Steps(OfLines):
 
 
 def test_results_are_written_and_say_where_they_come_from(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert conduct(Squares(Plan(7)), Output(tmp_path)) == 0
+    assert conduct(Squares(Plan(7)), Output(tmp_path, record=tmp_path)) == 0
     written = json.loads((tmp_path / "squares.json").read_text())
     assert written["squares"] == [0.0, 1.0, 4.0]
     assert written["seed"] == 7
     assert written["settings"] == {"count": 3}
     assert {"processor", "python", "numba", "sinuous"} <= set(written["machine"])
     text = (tmp_path / "squares.md").read_text()
+    assert (tmp_path / "squares.txt").read_text() == f"# squares\n\n{text}"
     assert "- processor: " in text
     assert "- seed: 7" in text
     assert "[0.0, 1.0, 4.0]" in text

@@ -2,9 +2,10 @@
 
 import gzip
 import json
+import multiprocessing
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from fnmatch import fnmatch
 from pathlib import Path
 from time import perf_counter, process_time
@@ -12,12 +13,11 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
+import sinuous as sn
 from benchmarks.corpus.answers import Difference, Problem, differences, plain
 from benchmarks.corpus.pieces import PIECES
 from benchmarks.harness.quiet import ignore_suspicions
 from sinuous.cli.app import execute
-from sinuous.errors import InputError
-from sinuous.processes import pool_of
 
 SLOW = 3.0
 """Seconds after which an answer is not kept: budgets are several times as long, so that no clock decides anything."""
@@ -128,7 +128,7 @@ def read(file: Path) -> dict[str, Answers]:
         with gzip.open(file, "rt", encoding="utf-8") as lines:
             return {entry["piece"]: entry["answers"] for entry in map(json.loads, lines)}
     except (OSError, ValueError, KeyError) as error:
-        raise InputError("FILE", f"cannot be read: {error}", str(file), "one that `corpus write` has made") from None
+        raise sn.InputError("FILE", f"cannot be read: {error}", str(file), "one that `corpus write` has made") from None
 
 
 def chosen(patterns: Sequence[str] | None) -> list[str]:
@@ -141,7 +141,7 @@ def chosen(patterns: Sequence[str] | None) -> list[str]:
     """
     for pattern in patterns or ():
         if not any(fnmatch(name, pattern) for name in PIECES):
-            raise InputError("--piece", "", pattern, "a pattern, or one of " + "; ".join(PIECES))
+            raise sn.InputError("--piece", "", pattern, "a pattern, or one of " + "; ".join(PIECES))
     return [name for name in PIECES if not patterns or any(fnmatch(name, pattern) for pattern in patterns)]
 
 
@@ -156,7 +156,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, help="Hold answer
 def write(file: File, piece: Pieces = None, processes: Processes = 2) -> None:
     """Write the answers of this code. Of pieces that FILE has already, drop from it what differs now."""
     known = read(file) if file.exists() else {}
-    with pool_of(processes, ignore_suspicions) as pool:
+    with _pool(processes) as pool:
         calls = {pool.submit(written, name): name for name in chosen(piece)}
         for call in as_completed(calls):
             name, (answers, dropped) = calls[call], call.result()
@@ -184,12 +184,17 @@ def compare(file: File, piece: Pieces = None, processes: Processes = 2) -> None:
     raise typer.Exit(DIFFERS if differing else 0)
 
 
+def _pool(processes: int) -> ProcessPoolExecutor:
+    spawn = multiprocessing.get_context("spawn")  # threads, as compiled code may have, are not safe to fork
+    return ProcessPoolExecutor(processes, spawn, ignore_suspicions)
+
+
 def _compared_in(processes: int, answers: Mapping[str, Answers]) -> Iterator[tuple[str, Compared]]:
     """Compare pieces, and yield each as soon as it is done; one process is this one."""
     if processes == 1:
         yield from ((name, compared(name, each)) for name, each in answers.items())
         return
-    with pool_of(processes, ignore_suspicions) as pool:
+    with _pool(processes) as pool:
         calls = {pool.submit(compared, name, each): name for name, each in answers.items()}
         for call in as_completed(calls):
             yield calls[call], call.result()

@@ -40,7 +40,8 @@ def calibrations() -> Iterator[Problem]:
 
 def _calibrated(robot: sn.Robot, shapes: Any, off: Any) -> Any:
     found = sn.calibrate(robot, robot.to_actuators(shapes), robot.tip(shapes)[:, :3, 3] + off)
-    return found, found.bound()
+    some = robot.to_actuators(shapes[:5]), robot.tip(shapes[:5])[:, :3, 3]
+    return found, found.bound(), found.predict(some[0]), found.for_motion(*some).to_dict()
 
 
 def designs() -> Iterator[Problem]:
@@ -105,10 +106,9 @@ def _table(ask: Callable[..., Any], kind: str) -> Any:
         counts = ask(out=out).counts
         if kind == "csv":
             head, *rows = [line.split(",") for line in out.read_text().splitlines()]
-            kept = [i for i, name in enumerate(head) if name != "seconds"]
-            return counts, [[row[i] for i in kept] for row in (head, *rows)]
+            return counts, [dict(zip(head, row, strict=True)) for row in rows]
         with np.load(out, allow_pickle=False) as table:
-            return counts, {name: table[name] for name in sorted(table.files) if name != "seconds"}
+            return counts, dict(table)
 
 
 def memories() -> Iterator[Problem]:

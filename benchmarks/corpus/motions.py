@@ -199,11 +199,15 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
 
 
 def intricate() -> Iterator[Problem]:
-    """Plans from the straight shape to the target of a place, and through the place by a memory."""
+    """Plans in intricate places, from the hidden shape to positions of the tip a fifth of the length away."""
     for family in ("spheres 12", "shelf", "plates", "lattice", "rubble", "two doors"):
         for seed in range(4):
-            place = make(family, seed)
-            yield Problem(f"{family} {seed}", partial(_out_of, place.robot, place.hidden_q, place.scene))
+            place, rng = make(family, seed), np.random.default_rng([76, seed])
+            for way in rng.normal(size=(2, 3)):
+                off = 0.2 * place.robot.mean_length * way / np.linalg.norm(way)
+                target = sn.Target(place.robot.tip(place.hidden_q)[:3, 3] + off)
+                ask = partial(sn.plan, place.robot, place.hidden_q, target, place.scene, time=0.5 * TIME, max_starts=6)
+                yield Problem(f"{family} {seed} by {off[0]:.3g}", ask, _right)
 
 
 def live() -> Iterator[Problem]:
@@ -232,11 +236,6 @@ def _live(robot: sn.Robot, scene: sn.Scene, shapes: Any, number: int) -> sn.Moti
             changing.move("ball", position=near - far)
 
     return sn.track(robot, path, changing, start=shapes[0], progress=move, time=TIME, max_starts=6)
-
-
-def _out_of(robot: sn.Robot, q: Any, scene: sn.Scene) -> sn.Motion:
-    """Draw back from a hidden shape to one whose bends are a twentieth smaller."""
-    return sn.plan(robot, q, q * (0.95, 0.95, 1.0), scene, time=TIME)
 
 
 PIECES: dict[str, Callable[[], Iterator[Problem]]] = {

@@ -9,10 +9,10 @@ from benchmarks.design.problems import DesignProblem, problem
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from sinuous.scene.scene import Scene
-from sinuous.studies.design.fields import Space
-from sinuous.studies.design.find import SOLVE_TIME, STARTS, design
-from sinuous.studies.design.judge import Judge
-from sinuous.studies.design.objectives import read_objectives
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.find import SOLVE_TIME, STARTS, design
+from sinuous.studies.designing.judge import Judge
+from sinuous.studies.designing.objectives import read_objectives
 from sinuous.studies.tasks.assess import assess
 from sinuous.studies.tasks.tasks import read_tasks
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from sinuous.base.errors import InputError
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
-from sinuous.errors import InputError
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
 
@@ -81,6 +81,7 @@ OF_LINES = tuple(name for name in KNOWN if name not in OF_METHODS)
 TOOLS = {
     "trace": ("trace", "how many files of the package run in a solve"),
     "rooms": ("rooms", "lines of code by room, circles of imports, public names"),
+    "corpus": ("corpus", "some 5,000 problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("clutter.ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "places": ("clutter.gallery", "one place again, or a picture of one of each kind"),
 }
@@ -220,7 +221,7 @@ class Asked:
         InputError
             That names the option.
         """
-        from sinuous import checks  # noqa: PLC0415
+        from sinuous.base import checks  # noqa: PLC0415
 
         checks.choice("NAME", self.name, tuple(KNOWN))
         checks.integer("--seed", self.seed, 0, 2**31 - 1)

@@ -10,17 +10,16 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from sinuous import packing
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
+from sinuous.kernels import packing
 from sinuous.kernels import problem as kernels
-from sinuous.kernels import tables
 from sinuous.kernels.body.rows import IDLE, Rows
 from sinuous.kernels.chain import kinematics as chain
 from sinuous.kernels.chain.arc import SERIES_END
 from sinuous.kernels.fields import distances
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
@@ -162,26 +161,8 @@ def kernel_groups(problem: Problem) -> tuple[Floats, Floats, Floats, Floats]:
 def kernel_problem(
     robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None, **changed: Any
 ) -> kernels.Problem:
-    """Make of one problem what `kernels.problem.read_problem` makes of its groups; fields can be changed by name."""
-    problem = Problem(robot, targets, scene, tolerance)
-    settings = settings_group(robot, problem.tolerance)
-    values: dict[str, Any] = {
-        "limits": robot.limits.copy(),
-        "actuation": robot.actuation.copy(),
-        "base": packing.pose_row(robot.base),
-        "tool": packing.pose_row(robot.tool),
-        "avoids_itself": robot.avoids_itself,
-        "scene": kernel_scene(problem.scene),
-        "targets": problem.rows.copy(),
-        "mount": float(settings[tables.MOUNT]),
-        "unit": float(settings[tables.UNIT]),
-        "margin": float(settings[tables.MARGIN]),
-        "position_tolerance": float(settings[tables.POSITION_TOLERANCE]),
-        "angle_tolerance": float(settings[tables.ANGLE_TOLERANCE]),
-        "look_depth": int(settings[tables.LOOK_DEPTH]),
-        "step_depth": int(settings[tables.STEP_DEPTH]),
-    }
-    return kernels.Problem(**{**values, **changed})
+    """One problem as kernels see it; fields can be changed by name."""
+    return kernels.read_problem(*kernel_groups(Problem(robot, targets, scene, tolerance)))._replace(**changed)
 
 
 def make_rows(segments: int, capacity: int) -> Rows:

@@ -6,9 +6,9 @@ from benchmarks.clutter.ways import LIMIT, PATIENCE, Row, timed
 from benchmarks.places import Place, make
 from benchmarks.places.place import right
 from sinuous.kernels.tables import ROUTE, SOURCES
-from sinuous.solving.attempts import ATTEMPTS
-from sinuous.solving.solver import Solver
-from sinuous.solving.strategy import OPENING
+from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.solver import Solver
+from sinuous.solver.strategy import OPENING
 
 EVERYTHING = "everything"
 

@@ -10,7 +10,7 @@ from benchmarks.clutter.ways import LIMIT, PATIENCE, Row, timed
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.places import make
 from benchmarks.places.place import right
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 AGAINST = {"as ever": "as ever", "a trace demanded": "as ever", "thicker": "thicker", "demanded": "thicker"}
 

@@ -14,7 +14,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places import FAMILIES
 from benchmarks.solvers.parallel import Abreast
-from sinuous.solving.attempts import read_without
+from sinuous.solver.attempts import read_without
 
 COUNT, QUICK, TOGETHER = 60, 2, 5
 """Places of a family: three times all robots; in a quick run; and of one share, which an interrupt costs a process."""
@@ -71,7 +71,7 @@ class Clutter(Abreast, OfLines):
         self._without: tuple[str, ...] = ()
 
     def switch_off(self, names: Sequence[str]) -> None:
-        """Measure without some attempts of the solver; see `sinuous.solving.attempts.ATTEMPTS`.
+        """Measure without some attempts of the solver; see `sinuous.solver.attempts.ATTEMPTS`.
 
         Raises
         ------

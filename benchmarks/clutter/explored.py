@@ -14,13 +14,13 @@ from benchmarks.clutter.ways import Row, timed
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.hidden import straight
 from benchmarks.places import Place, make
-from sinuous.checks import Floats
-from sinuous.exploring.explore import explore
+from sinuous.answer.status import Status
+from sinuous.base.checks import Floats
 from sinuous.motion.plan import Goal, Planner
 from sinuous.problem.target import Target
-from sinuous.solution.status import Status
-from sinuous.solving.memory import Memory
-from sinuous.solving.solver import Solver
+from sinuous.solver.memory import Memory
+from sinuous.solver.solver import Solver
+from sinuous.studies.exploring.explore import explore
 
 AGAINST = {"explored": "not explored", "not explored": "not explored"}
 

@@ -10,16 +10,16 @@ from benchmarks.clutter.trials import Task, examine
 from benchmarks.harness.command import command
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES, make
-from sinuous import checks
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
 from sinuous.cli.options import check_writable
-from sinuous.display.bounds import best_view
-from sinuous.display.captions import caption
-from sinuous.display.contents import gather
-from sinuous.pictures.files import check_picture
-from sinuous.pictures.plot import draw_contents
-from sinuous.pictures.space import axes_box, fill, new_figure
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
+from sinuous.view.display.bounds import best_view
+from sinuous.view.display.captions import caption
+from sinuous.view.display.contents import gather
+from sinuous.view.pictures.files import check_picture
+from sinuous.view.pictures.plot import draw_contents
+from sinuous.view.pictures.space import axes_box, fill, new_figure
 
 SHOWN = {
     **{"spheres 40": 6, "pipe 1.3": 1, "plates": 16, "drum": 1, "shelf": 1, "duct": 1},

@@ -13,8 +13,8 @@ from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places import Place, make
 from benchmarks.places.place import feasible, right
 from sinuous.problem.target import Target
-from sinuous.solving.memory import Memory
-from sinuous.solving.solver import Solver
+from sinuous.solver.memory import Memory
+from sinuous.solver.solver import Solver
 
 AGAINST = {"with a memory": "without", "without": "without"}
 

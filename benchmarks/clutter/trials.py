@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right
+from sinuous.answer.status import Status
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)
 """What no place may be called: there is the hidden shape."""

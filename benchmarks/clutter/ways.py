@@ -22,7 +22,7 @@ from benchmarks.harness.markdown import table
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES
 from benchmarks.solvers.parallel import in_processes
-from sinuous import checks
+from sinuous.base import checks
 from sinuous.cli.options import check_writable
 
 NAMES = {

@@ -8,8 +8,8 @@ from benchmarks.judges import self_collision
 from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 A_STEP = 50

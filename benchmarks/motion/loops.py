@@ -19,7 +19,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.judge import within_limits
 from benchmarks.judges.motions import overlap, too_fast
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 SEGMENTS, SPHERES, TICKS, LOOPS, DT = 5, 40, 1000, 12, 1e-3
 REPEATS = 5

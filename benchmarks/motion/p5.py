@@ -24,7 +24,7 @@ from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import peers
 from benchmarks.solvers.parallel import in_processes
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.motion.plan import Planner
 
 RADIUS = 0.05

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solving.between.steps import Prover
+from sinuous.solver.certificates.steps import Prover
 
 PLANNERS = ("RRTConnect", "BITstar")
 """Those to compare with; the second goes on to shorten the way until its time is over."""

@@ -11,8 +11,8 @@ from benchmarks.paper.entrants import Entrant, entrants
 from benchmarks.paper.pictures import Figure, draw_overview, draw_profiles
 from benchmarks.paper.scenes import FREE_BEND, PAPER_TOLERANCE
 from benchmarks.problems import ProblemSet, among_spheres, arm, direction_targets, random_configurations
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 BUDGET = 0.05

@@ -19,7 +19,7 @@ from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.statics.equilibrium import run
 
 DATA = Path(__file__).parent.parent / "data"

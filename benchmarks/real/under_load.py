@@ -12,7 +12,7 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.cosserat import shoot
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 SECTION = "inverse kinematics under gravity and payload, sections of 4 arcs"
 

@@ -10,7 +10,7 @@ from benchmarks.harness.times import Times
 from benchmarks.judges.kinematics import tip_poses, twist_norm
 from benchmarks.problems import PAPER_POSES, ProblemSet, full_poses, paper_poses
 from benchmarks.solvers.answers import Answers, solve_all
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 PAPER = "the paper's four targets: 5 segments of 45-70 mm, bends to 2.4, to 1e-6 mm and 1e-6 rad"
 POSES = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9, se(3) error below 1e-6"

@@ -21,14 +21,14 @@ from benchmarks.places.parts.surfaces import Surface, joined
 from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
 from benchmarks.wild.robots import TIGHTEST, robot_with_shapes, shapes_of
 from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked, standing
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.poses import pose
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.actuators import Tendons
+from sinuous.model.loads import Payload
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot, Uncertainty
+from sinuous.model.segment import Segment, Stiffness
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.actuators import Tendons
-from sinuous.robot.loads import Payload
-from sinuous.robot.robot import Robot, Uncertainty
-from sinuous.robot.segment import Segment, Stiffness
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere

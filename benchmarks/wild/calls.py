@@ -15,10 +15,10 @@ import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.wild import odd
 from benchmarks.wild.trials import named
-from sinuous.errors import InputError, SuspiciousInput
-from sinuous.robot.robot import Robot
+from sinuous.answer.solution import Solution
+from sinuous.base.errors import InputError, SuspiciousInput
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
 
 SECTION = "public calls of odd robots in odd scenes: whether each ends in an answer"
 

@@ -13,12 +13,12 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import body_points
 from benchmarks.wild.trials import named
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 MOST_DOORS = 4
 

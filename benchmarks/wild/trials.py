@@ -16,12 +16,12 @@ from benchmarks.judges.motions import GRACE
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import worlds
 from benchmarks.wild.worlds import LIMIT, World, standing
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.solver.solver import Solver
 from sinuous.statics.rest import bodies_at
 
 IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)

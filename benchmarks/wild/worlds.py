@@ -11,10 +11,10 @@ from benchmarks.judges.self_collision import Flags, surely_clear
 from benchmarks.problems import direction_targets, random_configurations
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import robot_with_shapes
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 LIMIT = 1.0

@@ -30,7 +30,7 @@ from benchmarks.harness.reference import Look
 from benchmarks.harness.times import Times, exponent
 from benchmarks.paper.pictures import new_figure
 from benchmarks.solvers.parallel import Abreast, in_processes
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.results import json_line
 from tests.cases import with_each
 
@@ -320,7 +320,8 @@ def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> N
 
 def test_times_are_summarised_and_written_in_the_unit_that_suits_them() -> None:
     times = Times.of(np.arange(1, 101))
-    assert (times.count, times.median, times.p95, times.worst) == (100, 50.5, pytest.approx(95.05), 100.0)
+    assert times.p95 == pytest.approx(95.05)
+    assert (times.count, times.median, times.worst) == (100, 50.5, 100.0)
     assert exponent((5, 10, 20), [3e-6 * n**1.3 for n in (5, 10, 20)]) == pytest.approx(1.3)
     told = {3e-9: "3 ns", 12.34e-6: "12.3 us", 999.9e-6: "1.00 ms", 0.172: "172 ms", 2.5: "2.50 s", math.inf: "none"}
     assert {seconds: span(seconds) for seconds in told} == told

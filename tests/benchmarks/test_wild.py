@@ -32,11 +32,11 @@ from benchmarks.wild.trials import (
     solutions_of,
 )
 from benchmarks.wild.worlds import World
-from sinuous.errors import InputError
+from sinuous.answer.solution import Solution
+from sinuous.base.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.problem.target import Tolerance
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from sinuous.statics.rest import bodies_at
 from tests.benchmarks.tampering import moved
 

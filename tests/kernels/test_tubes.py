@@ -8,11 +8,11 @@ import pytest
 from scipy.spatial import cKDTree
 
 from benchmarks.places.parts.surfaces import hollow, open_tube, solid
-from sinuous import Box, Cylinder, PointCloud, Robot, Scene, Segment, Sphere
+from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes import BRANCH, END, MOUTH, NO_TUBE, UNENDED, find_tubes, follow_tube
 from sinuous.scene.obstacles import Obstacle
-from sinuous.solving.routing.edges import rims_of
+from sinuous.solver.routing.edges import rims_of
 from tests.helpers import Floats, random_pose
 
 RADIUS = 0.1
@@ -61,16 +61,6 @@ def test_the_axis_of_a_bent_pipe_lies_in_its_middle_and_ends_at_its_mouth(width:
     assert steps.max() <= 1.5 * RADIUS
 
 
-def test_a_base_beside_the_middle_is_led_to_it() -> None:
-    poses = curve(0, 12)
-    start = poses[0].copy()
-    start[:3, 3] += 0.5 * RADIUS * start[:3, 0]
-    points, ended = followed(Scene([solid(open_tube(poses, 1.6 * RADIUS, 2.4 * RADIUS), "pipe")]), start)
-    assert ended == MOUTH
-    gaps, _ = cKDTree(curve(0, 120)[:, :3, 3]).query(points[3:-2])
-    assert np.max(gaps) <= 0.35 * RADIUS
-
-
 def test_a_pipe_that_is_closed_ends_at_a_wall() -> None:
     poses = curve(1, 12)
     points, ended = followed(Scene([solid(hollow(poses, 1.4 * RADIUS, 2.2 * RADIUS), "pipe")]), poses[0])
@@ -88,22 +78,6 @@ def test_a_tube_that_branches_has_no_mouth_there() -> None:
     assert points[-1, 2] == pytest.approx(1.2, abs=2.0 * RADIUS)
 
 
-def test_a_cloud_of_points_is_a_tube_as_well() -> None:
-    turns, heights = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False), np.linspace(-0.2, 2.0, 60))
-    around = np.stack([np.cos(turns), np.sin(turns)], axis=-1).reshape(-1, 2) * 1.5 * RADIUS
-    cloud = PointCloud(np.column_stack([around, heights.ravel()]), 0.15 * RADIUS)
-    points, ended = followed(Scene([cloud]), np.eye(4))
-    assert ended == MOUTH
-    assert np.abs(points[:, :2]).max() <= 0.2 * RADIUS
-    assert points[-1, 2] == pytest.approx(2.0, abs=1.5 * RADIUS)
-
-
-def test_a_channel_of_boxes_is_a_tube() -> None:
-    points, ended = followed(Scene(walls(0.2, 0.5)), np.eye(4))
-    assert ended == MOUTH
-    assert points[-1, 2] == pytest.approx(2.5, abs=1.5 * RADIUS)
-
-
 NOWHERE: Mapping[str, Sequence[Obstacle]] = {
     "nothing": [],
     "one wall": [Box((0.3, 0.0, 1.0), (0.2, 5.0, 5.0))],
@@ -118,14 +92,6 @@ def test_there_is_no_tube_where_the_way_is_open_to_a_side(name: str) -> None:
     points, ended = followed(Scene(NOWHERE[name]), np.eye(4))
     assert ended == NO_TUBE
     assert len(points) == 1
-
-
-def test_obstacles_beside_what_does_not_concern_them_are_passed_over() -> None:
-    poses = curve(0, 12)
-    scene = Scene([solid(open_tube(poses, 1.3 * RADIUS, 2.0 * RADIUS), "pipe")])
-    points, ended = followed(scene, poses[0], free=2.5 * RADIUS)
-    assert ended == MOUTH
-    assert np.linalg.norm(points[1] - points[0]) == pytest.approx(2.5 * RADIUS, rel=0.1)
 
 
 def test_no_more_points_are_written_than_there_is_place_for() -> None:
@@ -158,13 +124,6 @@ def test_a_bent_pipe_is_found_from_mouth_to_mouth(width: float, seed: int) -> No
     ends = poses[[0, -1], :3, 3]
     straight, turned = (max(gap(axis[0], a), gap(axis[-1], b)) for a, b in (ends, ends[::-1]))
     assert min(straight, turned) <= 1.6 * RADIUS
-
-
-def test_a_channel_of_boxes_is_found_once() -> None:
-    ((axis, through),) = found(list(walls(0.2, 0.5)))
-    assert through
-    assert np.abs(axis[:, :2]).max() <= 0.2 * RADIUS
-    assert np.sort(axis[[0, -1], 2]) == pytest.approx([-0.5, 2.5], abs=1.6 * RADIUS)
 
 
 def test_a_channel_that_is_closed_is_not_open() -> None:

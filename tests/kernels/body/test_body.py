@@ -1,7 +1,6 @@
 """Contacts of the body, and the proof that it has none, against dense sampling."""
 
 import math
-from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -9,20 +8,16 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body import proof
-from sinuous.kernels.body.contacts import PER_SEGMENT, SOFTNESS, Body, Look
+from sinuous.kernels.body.contacts import PER_SEGMENT, Body, Look
 from sinuous.kernels.body.contacts import contacts as kernel_contacts
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
-from sinuous.kernels.body.rows import INNER, SOFT
-from sinuous.kernels.chain.kinematics import body_point
-from sinuous.kernels.fields.distances import coarseness
+from sinuous.kernels.body.rows import INNER
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
-from tests.cases import with_each
 from tests.helpers import (
     Floats,
     columns_of,
@@ -35,7 +30,6 @@ from tests.helpers import (
 )
 from tests.kernels.step.test_targets import Case
 from tests.kernels.workspace import NEVER, make_clock
-from tests.scene import shapes
 
 SAMPLES = 120
 SLACK = 0.1
@@ -115,28 +109,8 @@ def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> Non
     assert verdicts.count(TOUCHING) >= 3
 
 
-def test_the_bound_comes_as_close_as_asked() -> None:
-    rng = np.random.default_rng(3)
-    compared = 0
-    for q in configurations(6, N, 40):
-        scene = random_scene(rng, 3.0)
-        verdict, finer, *_ = prove(q, scene, slack=1e-5)
-        for slack in (0.5, 0.1, 0.001) if verdict == CLEAR else ():
-            verdict, clearance, *_ = prove(q, scene, slack=slack)
-            compared += verdict == CLEAR
-            assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-5 * finer + FINEST
-    assert compared > 20
-
-
 def straight(length: float = 1.0) -> Floats:
     return np.array([[0.0, 0.0, length]] * N)
-
-
-def test_a_known_clearance() -> None:
-    """A straight body of radius 0.2 first, beside a plane at 0.3."""
-    verdict, clearance, where, _, which = prove(straight(), Scene([HalfSpace((0.3, 0, 0), (-1, 0, 0))]))
-    assert (verdict, where, which) == (CLEAR, 0, 0)
-    assert 0.09 <= clearance <= 0.1 + 1e-12
 
 
 def test_what_is_too_close_to_tell_is_not_called_clear() -> None:
@@ -152,47 +126,6 @@ def test_what_is_too_close_to_tell_is_not_called_clear() -> None:
         got, clearance, *_ = prove(straight(), Scene([HalfSpace((0.2 + gap, 0, 0), (-1, 0, 0))]))
         assert got == verdict
         assert clearance <= gap + 1e-15
-
-
-def beside(rng: np.random.Generator) -> list[Callable[[Floats], Obstacle]]:
-    """Every kind of convex obstacle, turned at random, by its place."""
-    axis, turn = rng.normal(size=3), random_rotation(rng)
-    return [
-        lambda p: Sphere(p, 0.4),
-        lambda p: Capsule(p - 0.4 * axis, p + 0.4 * axis, 0.2),
-        lambda p: Cylinder(p - 0.4 * axis, p + 0.4 * axis, 0.3),
-        lambda p: Box(p, (0.5, 0.3, 0.4), turn),
-        lambda p: HalfSpace(p, axis),
-    ]
-
-
-@pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4])
-def test_close_to_convex_obstacles_the_bound_is_true_and_as_close_as_asked(gap: float) -> None:
-    """Each is pushed along its gradient until so much room is left, by samples as close as their number tells."""
-    rng, count, closest = np.random.default_rng(17), 4000, 0
-    radii, places = np.repeat(RADII, count + 1), np.arange(N * (count + 1)) - np.arange(N).repeat(count + 1)
-    for q in configurations(12, N, 8):
-        points = ROBOT.backbone(q, count)[places]  # the end of a segment is the beginning of the next one, too
-        for make in beside(rng):
-            place = rng.normal(0.0, 2.0, 3)
-            for _ in range(12):
-                gaps = make_scene(make, place).distance(points) - radii
-                nearest = int(np.argmin(gaps))
-                place = place + (gaps[nearest] - gap) * make_scene(make, place).gradient(points[nearest])
-            verdict, clearance, *_ = prove(q, make_scene(make, place))
-            least = float((make_scene(make, place).distance(points) - radii).min())
-            if verdict == CLEAR:
-                assert clearance <= least + 1e-12
-                assert clearance >= (1.0 - SLACK) * (least - 0.5 * q[:, 2].max() / count) - FINEST
-                closest += abs(least - gap) < 0.1 * gap
-            else:
-                assert verdict == TOUCHING
-                assert least < 0.5 * q[:, 2].max() / count
-    assert closest > 13
-
-
-def make_scene(make: Callable[[Floats], Obstacle], place: Floats) -> Scene:
-    return Scene([make(place)])
 
 
 def test_a_needle_between_samples_is_found() -> None:
@@ -217,10 +150,6 @@ def test_obstacles_do_not_concern_what_sits_in_the_mount() -> None:
     assert prove(straight(), scene, mount=4.1)[:2] == (CLEAR, math.inf)
 
 
-def test_without_obstacles_the_body_is_clear() -> None:
-    assert prove(straight(), Scene())[:2] == (CLEAR, math.inf)
-
-
 def test_a_robot_of_no_length_is_a_ball() -> None:
     verdict, clearance, *_ = prove(straight(0.0), Scene([Sphere((0, 0, 1), 0.5)]))
     assert verdict == CLEAR
@@ -235,12 +164,6 @@ def test_a_proof_ends_with_the_time() -> None:
         assert prove(straight(), grazed)[0] == CLEAR
         assert prove(straight(), grazed, deadline=0)[0] == said
     assert prove(straight(), Scene([HalfSpace((0.1, 0, 0), (-1, 0, 0))]), deadline=0)[0] == TOUCHING
-
-
-def test_many_obstacles_are_many_looks() -> None:
-    far = Scene([Sphere((50.0, i, 0.0), 1.0) for i in range(300)])
-    assert prove(straight(), far)[0] == CLEAR
-    assert prove(straight(), far, deadline=0)[0] == UNDECIDED
 
 
 def contacts(
@@ -290,22 +213,6 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
     assert found > 30
 
 
-def test_samples_take_no_place_from_the_rows_beside_a_mesh() -> None:
-    mesh = Mesh(*shapes.ball(3), inside=True)
-    scene, found = Scene([mesh]), 0
-    assert coarseness(kernel_scene(scene)) > 0.0
-    for shape in configurations(3, N, 12):
-        q = 0.3 * shape
-        frames = frames_of(q)
-        for k in range(N):
-            places = [body_point(q, frames, k, (i + 0.5) / 8) for i in range(8)]
-            gaps = RADII[k] + 0.05 - scene.distance(places)
-            rows, at, _ = contacts(q, frames, scene, k, (0.05, 0.0), 3)
-            np.testing.assert_allclose(np.sort(rows.value[:at]) * 2.0, np.sort(gaps[gaps > 0.0]), atol=1e-9)
-            found += 0 < at < 8
-    assert found > 5
-
-
 def test_rows_are_never_more_than_there_is_room_for() -> None:
     q = straight()
     scene = Scene([Sphere((0.0, 0.0, 0.1 * i), 0.5) for i in range(12)])
@@ -315,19 +222,7 @@ def test_rows_are_never_more_than_there_is_room_for() -> None:
     assert (rows.value[:at] > 0).all()
 
 
-def test_wishes_for_clearance_become_soft_rows() -> None:
-    q = straight()
-    scene = Scene([HalfSpace((0.5, 0, 0), (-1, 0, 0)), HalfSpace((0, -0.21, 0), (0, 1, 0))])
-    frames = frames_of(q)
-    rows, at, _ = contacts(q, frames, scene, 0, (0.05, 0.0), 0)
-    assert at == 1
-    rows, at, _ = contacts(q, frames, scene, 0, (0.05, 0.4), 0)
-    assert rows.kind[:at].tolist() == [SOFT, INNER]
-    assert rows.value[0] == pytest.approx(SOFTNESS * 0.1 / 2.0)
-    assert rows.value[1] == pytest.approx(0.04 / 2.0)
-
-
-@with_each("seed", range(10))
+@pytest.mark.parametrize("seed", range(6))
 def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
     case = Case(seed, N)
     q = case.q

@@ -5,15 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.checks import Floats
-from sinuous.kernels.fields.candidates import LISTED, listed
-from sinuous.kernels.fields.candidates import span as span_of
+from sinuous.base.checks import Floats
 from sinuous.kernels.fields.distances import beside
-from sinuous.kernels.fields.grids import grid_of
-from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
+from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, SHAPE
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.prepared import parts, sampling, trees
-from sinuous.scene.prepared.sampling import CELLS
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import kernel_scene, random_pose, random_unit
@@ -61,26 +57,6 @@ def test_distances_by_lists_are_those_of_the_tree(name: str) -> None:
     np.testing.assert_allclose(one.distance(points), other.distance(points), rtol=1e-13, atol=1e-13)
 
 
-@pytest.mark.parametrize("name", MESHES)
-def test_a_list_is_in_order_and_begins_with_what_is_closest_to_the_middle(name: str) -> None:
-    """The distances of middles are asked of the tree."""
-    mesh = MESHES[name]
-    row, store = (part := parts.prepare(mesh, name)).row, part.store
-    plain = Snapshot((mesh,), [parts._of_pieces(trees.triangles(mesh))])
-    first, shape = int(row[FIRST_CELL]), row[SHAPE : SHAPE + 3].astype(int)
-    cells = store[first : first + 3 * shape.prod()].reshape(-1, 3)
-    span = span_of(grid_of(row[None].copy(), 0, FIRST_CELL))
-    for number in RNG.integers(0, len(cells), 200):
-        place = row[ORIGIN : ORIGIN + 3] + row[SPACING] * np.array(np.unravel_index(number, shape))
-        begin, count, distance = cells[number]
-        entries = np.array([listed(entry, span) for entry in store[first + int(begin) :][: abs(int(count))]])
-        assert (np.diff(entries[:, 1]) >= -2e-13 * span).all()
-        assert len(set(entries[:, 0])) == abs(count) <= LISTED
-        assert 0.0 <= abs(distance) - entries[0, 1] <= 3e-13 * span
-        sign = -1.0 if mesh.inside else 1.0
-        assert sign * (distance - 0.5 * mesh.thickness) == pytest.approx(float(plain.distance(place)), abs=1e-12)
-
-
 def test_lists_that_have_no_room_leave_it_to_the_tree(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where entries run out, lists end early, then are empty."""
     mesh = boxes(11)
@@ -94,12 +70,6 @@ def test_lists_that_have_no_room_leave_it_to_the_tree(monkeypatch: pytest.Monkey
     points = near_and_far(mesh)
     one, other = Snapshot((mesh,), [short]), Snapshot((mesh,), [plain])
     np.testing.assert_allclose(one.distance(points), other.distance(points), rtol=1e-13, atol=1e-13)
-
-
-def test_lists_keep_within_the_memory_that_samples_have() -> None:
-    ball = parts.prepare(MESHES["ball"], "ball")
-    assert ball.store.nbytes < 16e6
-    assert 0.5 * CELLS < ball.row[SHAPE : SHAPE + 3].prod() <= CELLS
 
 
 @pytest.mark.parametrize("name", MESHES)

@@ -7,7 +7,6 @@ import pytest
 
 from sinuous.kernels.fields import grids
 from sinuous.kernels.fields.grids import Grid
-from tests.cases import with_each
 from tests.helpers import Floats, vec
 
 LOW, SPACING, SHAPE = (0.5, -1.0, 2.0), 0.25, (5, 4, 6)
@@ -27,38 +26,6 @@ def points(seed: int, count: int = 100) -> Floats:
     return np.asarray(np.random.default_rng(seed).uniform(LOW, HIGH, (count, 3)))
 
 
-def test_linear_functions_are_met_exactly() -> None:
-    slope = np.array([0.3, -0.5, 0.2])
-    numbers = store(NODES @ slope)
-    for p in [*points(0), *NODES[::7]]:
-        corners, t, beyond = grids.look_up(numbers, grid(), vec(p))
-        assert beyond == (0.0, 0.0, 0.0)
-        assert grids.value(corners, t) == pytest.approx(p @ slope, abs=1e-12)
-        np.testing.assert_allclose(grids.slope(corners, t, SPACING), slope, atol=1e-12)
-
-
-def test_the_slope_is_that_of_the_interpolation() -> None:
-    numbers = store(np.random.default_rng(1).normal(size=SHAPE))
-    for p in points(2):
-        corners, t, _ = grids.look_up(numbers, grid(), vec(p))
-        slope = grids.slope(corners, t, SPACING)
-        for axis in range(3):
-            ahead = [*t]
-            ahead[axis] += 1e-6
-            change = grids.value(corners, vec(ahead)) - grids.value(corners, t)
-            assert change / (1e-6 * SPACING) == pytest.approx(slope[axis], abs=1e-6)
-
-
-def test_out_of_the_grid_the_border_answers() -> None:
-    numbers = store(np.random.default_rng(3).normal(size=SHAPE))
-    for p in np.random.default_rng(4).normal(size=(200, 3)) * 3.0:
-        inside = p.clip(LOW, HIGH)
-        corners, t, beyond = grids.look_up(numbers, grid(), vec(p))
-        np.testing.assert_allclose(p - inside, beyond, atol=1e-12)
-        again = grids.look_up(numbers, grid(), vec(inside))
-        assert grids.value(corners, t) == pytest.approx(grids.value(*again[:2]), abs=1e-9)
-
-
 def test_no_place_is_read_beyond_the_samples() -> None:
     numbers = store(np.zeros(SHAPE))
     for p in ((math.nan, 0.0, 0.0), (1e300, -1e300, math.inf), (-math.inf, math.nan, 1e18), HIGH):
@@ -67,13 +34,7 @@ def test_no_place_is_read_beyond_the_samples() -> None:
         assert all(0.0 <= x <= 1.0 for x in t)
 
 
-def test_a_grid_may_be_flat() -> None:
-    values = np.arange(5.0).reshape(5, 1, 1)
-    corners, t, _ = grids.look_up(store(values), grid((5, 1, 1)), (LOW[0] + 0.3 * SPACING, 9.0, -9.0))
-    assert grids.value(corners, t) == pytest.approx(0.3)
-
-
-@with_each("seed", range(6))
+@pytest.mark.parametrize("seed", range(6))
 def test_bounds_hold_for_distances_to_sets(seed: int) -> None:
     """The distance to a few points, some of them within the grid, and less a rounding."""
     rng = np.random.default_rng(seed)

@@ -10,7 +10,6 @@ from sinuous.kernels.fields import trees
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.prepared.trees import with_planes
-from tests.cases import with_each
 from tests.helpers import Floats, random_unit, vec
 from tests.kernels.fields.patches import patch_of, points_of
 
@@ -72,8 +71,8 @@ def gap(kind: int, items: Floats, points: Floats) -> float:
     return min(float(each(kind, items, p).min()) for p in points)
 
 
-@with_each("kind", KINDS)
-@with_each("count", [1, 2, 4, 5, 37, 200])
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("count", [1, 2, 4, 5, 37, 200])
 def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
     rng = np.random.default_rng(count)
     store, tree, items = planted(kind, draw(kind, count, rng))
@@ -120,35 +119,3 @@ def test_no_point_of_a_patch_is_nearer_than_its_bound(kind: int, count: int) -> 
             across = 0.3 * d * np.cross(g, random_unit(rng))
             low, _ = trees.beside(store, tree, patch_of(center, across, *still[1:]), math.inf)
             assert low == pytest.approx(d, rel=1e-9) if count == 1 else low > d - np.linalg.norm(across)
-
-
-def test_many_in_one_place_and_in_a_row() -> None:
-    for points in (np.zeros((50, 3)), np.arange(50.0)[:, None] * [1.0, 0.0, 0.0]):
-        store, tree, items = planted(CUBES, points)
-        for p in np.random.default_rng(4).normal(size=(20, 3)) * 20.0:
-            _, lifted = trees.closest(store, tree, vec(p), math.inf)
-            assert trees.unlift(lifted) == pytest.approx(each(CUBES, items, p).min())
-
-
-def test_nothing_is_never_found() -> None:
-    store, tree, _ = planted(BALLS, np.empty((0, 4)))
-    assert trees.closest(store, tree, (0.0, 0.0, 0.0), math.inf)[0] == -1
-
-
-def test_a_box_holds_what_is_below_it() -> None:
-    rng = np.random.default_rng(5)
-    items = draw(BALLS, 100, rng)
-    store, tree, kept = planted(BALLS, items)
-    nodes = store[: tree.items].reshape(-1, 6)
-    for node in range(1, 1 << tree.levels):
-        pair = nodes[2 * node : 2 * node + 2]
-        np.testing.assert_array_equal(nodes[node], [*pair[:, :3].min(axis=0), *pair[:, 3:].max(axis=0)])
-    lows, highs = corners(BALLS, kept)
-    np.testing.assert_array_equal(nodes[1], [*lows.min(axis=0), *highs.max(axis=0)])
-
-
-def test_lifting_keeps_the_order() -> None:
-    values = np.linspace(-2.0, 2.0, 41)
-    lifted = [trees.lift(x) for x in values]
-    assert lifted == sorted(lifted)
-    np.testing.assert_allclose([trees.unlift(x) for x in lifted], values, atol=1e-15)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import ASIDE, SIDES, distances_along, measure_line, respace_line, widths_across
+from sinuous.kernels.fitting.lines import ASIDE, SIDES, distances_along, measure_line, widths_across
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -55,17 +55,6 @@ def test_the_width_across_a_line_is_that_of_a_place_at_most_so_far_aside(seed: i
     assert (found[own >= enough] >= enough).all()
 
 
-def test_there_is_room_beside_a_wall_and_none_in_a_door() -> None:
-    wall = Box((0.0, 0.0, 0.0), (4.0, 4.0, 0.1))
-    along = np.linspace((-1.0, 0.0, 0.2), (1.0, 0.0, 0.2), 20)
-    assert (beside(Scene([wall]), along, 0.1, 0.25) >= 0.25).all()
-    door = [Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)]
-    through = np.linspace((0.0, 0.0, -1.0), (0.0, 0.0, 1.0), 21)
-    room = beside(Scene(door), through, 0.1, 0.25)
-    assert room[10] == pytest.approx(0.15)
-    assert room.argmin() in (9, 10, 11)
-
-
 def test_a_wall_between_two_points_is_not_stepped_over() -> None:
     door = Scene([Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)])
     coarse = np.array([(0.0, 0.0, z) for z in (-3.6, -2.1, -0.6, 0.9, 2.4)])
@@ -76,20 +65,9 @@ def test_a_wall_between_two_points_is_not_stepped_over() -> None:
     assert (beside(door, coarse, 0.0, 0.4) >= 0.4).all()
 
 
-def test_a_line_that_stays_at_a_place_has_the_room_of_that() -> None:
-    scene = Scene([Sphere((0.0, 0.0, 0.0), 0.5)])
-    np.testing.assert_allclose(beside(scene, np.full((3, 3), 0.4), 0.1, 9.0), 0.4 * np.sqrt(3.0) - 0.5)
-
-
 @pytest.mark.parametrize("count", [1, 2, 30])
 def test_the_length_of_a_line_is_that_of_its_steps(count: int) -> None:
     line, along = np.random.default_rng(count).normal(size=(count, 3)), np.empty(count)
     measure_line(line, along)
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     np.testing.assert_allclose(along, [steps[:i].sum() for i in range(count)], rtol=1e-14)
-
-
-def test_a_line_of_one_place_stays_there() -> None:
-    out = np.empty((5, 3))
-    respace_line(np.ones((3, 3)), out)
-    assert (out == 1.0).all()

@@ -10,10 +10,10 @@ from sinuous import pose
 from sinuous.kernels.fitting.query import ASSUMED, THINNEST, route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from tests.helpers import Floats, as_matrix, kernel_groups, random_pose
 
 ROBOT = Robot(
@@ -68,20 +68,10 @@ def test_only_segments_up_to_the_target_count() -> None:
     assert query.other_length == pytest.approx(1.0)
 
 
-def test_the_plan_is_left_alone() -> None:
-    _, query = asked(ROBOT, Target((0.0, 0.0, 2.0)))
-    assert (query[-5:] == 7.0).all()
-
-
 def test_without_a_position_nothing_is_asked() -> None:
     found, query = asked(ROBOT, Target(direction=(0, 0, 1)))
     assert not found
     assert (query == 7.0).all()
-
-
-def test_the_most_distal_position_is_the_goal() -> None:
-    targets = [Target((0.0, 0.0, 1.0), segment=2), Target((0.0, 0.1, 2.0)), Target((0.0, 0.0, 1.5), segment=3)]
-    assert read(ROBOT, targets).goal == (0.0, 0.1, 2.0)
 
 
 @pytest.mark.parametrize("seed", range(4))

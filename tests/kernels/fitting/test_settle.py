@@ -8,9 +8,9 @@ import pytest
 from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.settle import REACH, ROUNDS, settle_chain
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_groups
@@ -56,12 +56,6 @@ def test_what_overlaps_is_pushed_off() -> None:
     found = settled(wall, Target(TIP[:3, 3]))
     assert wall.distance(ROBOT.backbone(found, 40)).min() > 0.97 * RADIUS
     assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1e-2
-
-
-def test_a_body_without_thickness_is_drawn_too() -> None:
-    thin = Robot.uniform(6, length=1.0, max_bend=1.6)
-    goal = TIP[:3, 3] + [0.2, -0.1, 0.0]
-    assert np.linalg.norm(thin.tip(settled(Scene([]), Target(goal), robot=thin))[:3, 3] - goal) < 1e-2
 
 
 def test_without_time_it_takes_few_steps() -> None:

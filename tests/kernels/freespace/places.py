@@ -5,41 +5,27 @@ from typing import Any
 
 import numpy as np
 
-from sinuous import packing
+from sinuous.kernels import packing
 from sinuous.kernels import tables as t
+from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.freespace.cells import FIRST_SLOTS, LINE_POINTS, STACK, CellTable, Memory, Side
+from sinuous.kernels.freespace.cells import Memory, carve, clear, memory_size
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
-from tests.kernels.workspace import NEVER, make_clock
+from tests.kernels.workspace import NEVER
 
 CELL, RADIUS, REACH = 0.2, 0.25, 1.8
 GOAL = (0.8, 0.4, 0.6)
 
 
 def memory(most: int = 1 << 14, deadline: int = NEVER) -> Memory:
-    """An empty table, and arrays of their own; the deadline (ns) is that of its clock."""
-    sides = Side(
-        np.zeros((2, most), np.int32),
-        np.zeros((2, most)),
-        np.zeros((2, most), np.float32),
-        np.zeros((2, most, 3)),
-        np.zeros((2, most), np.uint8),
-        np.zeros((2, most)),
-        np.zeros((2, most), np.int32),
-        np.zeros((2, 2), np.int64),
-    )
-    table = CellTable(
-        np.zeros(most // 4, np.int32),
-        np.array([0, min(FIRST_SLOTS, most // 4), 0, 0]),
-        np.zeros(most // 8, np.int64),
-        np.zeros(most // 8, np.int32),
-        np.zeros(most),
-        np.zeros(most, np.uint8),
-    )
-    return Memory(table, sides, np.zeros((LINE_POINTS, 3)), np.zeros(STACK, np.int64), make_clock(deadline))
+    """Memory of a search that knows no cell yet; the deadline (ns) is that of its clock."""
+    work = carve(np.zeros(memory_size(most)), most)
+    clear(work)
+    work.clock[DEADLINE] = deadline
+    return work
 
 
 def grid(**changed: Any) -> Grid:

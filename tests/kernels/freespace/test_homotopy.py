@@ -105,13 +105,6 @@ def test_curves_that_are_not_drawn_tight_are_never_told_alike_when_they_are_not(
     assert all(one == other for one, other in found)
 
 
-def test_a_wire_is_not_passed_through() -> None:
-    wire = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 1e-6)])
-    left, right = (even(np.array([START, (0.0, y, 0.0), END])) for y in (0.5, -0.5))
-    assert not deform(wire, left, right)
-    assert deform(wire, left, even(np.array([START, (0.0, 1.0, 0.3), END])))
-
-
 def test_one_end_may_be_ahead_of_the_other() -> None:
     """Along a bent pipe, points at equal fractions of length cannot see each other when one curve is longer."""
     ring = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.9)])
@@ -130,13 +123,6 @@ def test_halfway_is_clear_and_leads_round() -> None:
     assert BALL.distance(middle).min() > SLACK * KEEP
     assert deform(BALL, up, middle)
     assert deform(BALL, middle, aside)
-
-
-def test_halfway_between_both_sides_of_a_pillar_is_nothing() -> None:
-    pillar = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.3)])
-    left, right = (even(np.array([START, (0.0, y, 0.0), END])) for y in (0.5, -0.5))
-    group = pillar.snapshot().group.copy()
-    assert not halfway(group, left, right, KEEP, math.inf, workspace(), np.empty_like(left))
 
 
 def test_lines_of_sight_end_where_they_come_near() -> None:
@@ -165,16 +151,3 @@ def test_without_time_nothing_is_told_alike_nor_drawn_tight() -> None:
     assert deform(many, curve, curve)
     assert not deform(many, curve, curve, 0.0)
     assert length(tight(many, curve)) < 1.01 * np.linalg.norm(END - START) < length(tight(many, curve, 0.0))
-
-
-def test_without_time_nobody_knows_how_far_lines_are_seen() -> None:
-    many = Scene([Sphere((x, 9.0, 0.0), 0.1) for x in range(200)]).snapshot().group.copy()
-    starts, ends = np.tile(START, (50, 1)), np.tile(END, (50, 1))
-    for seconds, expected in ((60.0, -1), (0.0, -2)):
-        lengths, which = np.full(50, np.nan), np.full(50, -9)
-        see(many, starts, ends, KEEP, seconds, workspace(), lengths, which)
-        assert which[-1] == expected
-        assert (lengths[-1] == np.linalg.norm(END - START)) == (expected == -1)
-    up, aside = (even(np.array([START, (0.0, y, 0.0), END])) for y in (1.0, 1.2))
-    assert halfway(many, up, aside, KEEP, 60.0, workspace(), np.empty_like(up))
-    assert not halfway(many, up, aside, KEEP, 0.0, workspace(), np.empty_like(up))

@@ -1,20 +1,32 @@
 """Cells of several sizes, against the finest ones that they stand for."""
 
-import math
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sinuous.kernels.freespace import octree
-from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, NONE, Memory, key_in
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, cell_at, middle
-from sinuous.kernels.freespace.keys import key_of, numbers_of
-from sinuous.scene.obstacles import Sphere
-from sinuous.scene.scene import Scene
+from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, NONE
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, middle
+from sinuous.kernels.freespace.keys import key_of, touch
 from tests.helpers import Floats, kernel_scene
-from tests.kernels.freespace.places import CELL, RADIUS, grid, memory, spheres
-from tests.kernels.freespace.test_keys import finest
+from tests.kernels.freespace.places import CELL, grid, spheres
+
+SMALL = st.tuples(st.integers(0, 3), *[st.integers(-9, 9)] * 3)
+
+
+def finest(cell: tuple[int, int, int, int]) -> Any:
+    """Numbers (m, 3) of the finest cells in a cell."""
+    edge = 1 << cell[0]
+    return edge * np.array(cell[1:]) + np.stack(np.meshgrid(*[np.arange(edge)] * 3, indexing="ij"), -1).reshape(-1, 3)
+
+
+@given(one=SMALL, other=SMALL)
+def test_cells_touch_where_two_of_their_finest_cells_are_neighbours(one: Any, other: Any) -> None:
+    between = np.abs(finest(one)[:, None] - finest(other)[None]).max(axis=-1).min()
+    assert touch(key_of(*one), key_of(*other)) == (between <= 1)
 
 
 def middles(where: Grid, cell: tuple[int, int, int, int]) -> Floats:
@@ -44,54 +56,3 @@ def test_all_finest_cells_of_a_cell_are_as_it_says(seed: int) -> None:
             assert (within >= (where.ample if cell[0] else where.clearance) - 1e-12).all()
             assert d == pytest.approx(scene.distance(np.array(middle(where, key_of(*cell)))))
     assert set(told) == {"blocked", "divided", "free"}
-
-
-def leaf_of(work: Memory, where: Grid, scene: Scene, p: Any) -> int:
-    return int(octree.leaf_at(work, where, kernel_scene(scene), cell_at(where, p)))
-
-
-def test_every_point_lies_in_one_leaf_whoever_asks_first() -> None:
-    scene, where = spheres(1), grid(levels=3)
-    rng = np.random.default_rng(0)
-    points = [tuple(p) for p in rng.uniform(-0.9, 0.9, (200, 3))]
-    told = []
-    for order in (points, points[::-1]):
-        work = memory()
-        leaves = {p: leaf_of(work, where, scene, p) for p in order}
-        told.append([key_in(work.table, leaves[p]) if leaves[p] != NONE else NONE for p in points])
-    assert told[0] == told[1]
-    for p, key in zip(points, told[0], strict=True):
-        if key != NONE:
-            edge = CELL * 2 ** numbers_of(key)[0]
-            assert np.abs(np.subtract(middle(where, key), p)).max() <= 0.5 * edge * (1 + 1e-9)
-    assert len({numbers_of(key)[0] for key in told[0] if key != NONE}) > 1
-
-
-def test_the_open_is_one_cell_and_a_full_table_is_none() -> None:
-    where, work = grid(levels=4, reach=100.0), memory(64)
-    assert len({leaf_of(work, where, Scene(), p) for p in np.random.default_rng(0).uniform(0.0, 3.0, (50, 3))}) == 1
-    ball = Scene([Sphere((0.0, 0.0, 0.0), 0.05)])
-    assert leaf_of(memory(16), where, ball, (0.0, 0.3, 0.3)) == NONE
-
-
-def test_a_known_leaf_is_found_and_nobody_is_asked() -> None:
-    where, work, ball = grid(levels=3, reach=100.0), memory(), Scene([Sphere((0.0, 0.0, 0.0), 0.1)])
-    scene, key = kernel_scene(ball), cell_at(where, (2.5, 0.1, 0.1))
-    assert octree.known_leaf(work, where, scene, key) == NONE
-    leaf = leaf_of(work, where, ball, (2.5, 0.1, 0.1))
-    assert octree.known_leaf(work, where, scene, key) == leaf
-    assert octree.known_leaf(work, where, scene, cell_at(where, (0.0, 0.0, 0.0))) == NONE
-
-
-def test_what_cannot_be_passed_is_blocked() -> None:
-    ball = kernel_scene(Scene([Sphere((0.4, 0.0, 0.0), 0.2)]))
-    where = grid(turn=0.5, axis=(0.0, 0.0, 1.0), reach=4.0)
-
-    def at(p: Any) -> float:
-        return float(octree.passable(where, ball, cell_at(where, p))[0])
-
-    assert at((0.0, 0.2, 0.6)) == pytest.approx(math.sqrt(0.16 + 0.04 + 0.36) - 0.2)
-    assert at((0.4, 0.0, 0.2)) == BLOCKED  # too near
-    assert at((0.0, 0.0, -0.4)) == BLOCKED  # behind the start
-    assert at((0.0, 0.0, -0.8)) > RADIUS
-    assert at((0.0, 0.0, -3.0)) == BLOCKED  # out of reach

@@ -6,13 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.bending import CLEARANCE, KEPT, Nearby, come_out
+from sinuous.kernels.growing.bending import KEPT, Nearby, come_out
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
-from tests.cases import with_each
 from tests.helpers import Floats, kernel_problem, mat, vec
 
 RADIUS = 0.1
@@ -41,14 +40,7 @@ def gap(scene: Scene, segment: Segment, arc: Floats) -> float:
 FREE = Segment((0.2, 2.0), 3.0, radius=RADIUS)
 
 
-@pytest.mark.parametrize("q", [(0.3, -0.2, 1.0), (0.0, 0.0, 1.5), (math.pi - 1e-6, 0.0, 2.0), (1e-9, 0.0, 1.0)])
-def test_an_arc_in_the_open_stays_as_it_is(q: tuple[float, float, float]) -> None:
-    arc, overlap = out(Scene([Sphere((9.0, 0.0, 0.0), 0.5)]), q, FREE)
-    assert tuple(arc) == q
-    assert overlap == 0.0
-
-
-@with_each("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: int) -> None:
     """Among random balls: near straight and near half a circle, with lengths that may and may not change."""
     rng = np.random.default_rng(seed)
@@ -94,15 +86,6 @@ def test_an_arc_in_a_tube_follows_it_beyond_its_end(bend: float) -> None:
     assert tube.distance(beyond).min() > 0.0  # as if it went on for one more radius
 
 
-def test_before_a_wall_an_arc_is_as_long_as_fits_or_none() -> None:
-    wall = Scene([Box((0.0, 0.0, 1.0), (9.0, 9.0, 0.2))])
-    arc, overlap = out(wall, (0.0, 0.0, 1.5), Segment((0.2, 2.0), 0.2, radius=RADIUS))
-    assert overlap <= KEPT
-    assert arc[2] < 1.5
-    assert gap(wall, FREE, arc) >= -KEPT - 0.1
-    assert out(wall, (0.0, 0.0, 1.5), Segment((1.4, 2.0), 0.2, radius=RADIUS))[1] == math.inf
-
-
 def test_a_rigid_link_is_not_bent_and_cut_before_what_is_across() -> None:
     link = Segment((0.2, 2.0), 0.0, radius=RADIUS)
     near = Scene([Box((0.17, 0.0, 1.0), (0.2, 1.0, 1.0))])
@@ -115,22 +98,6 @@ def test_a_rigid_link_is_not_bent_and_cut_before_what_is_across() -> None:
     assert 0.3 < arc[2] <= 0.5 - (1.0 - KEPT) * RADIUS
     assert overlap <= KEPT
     assert out(across, (0.0, 0.0, 1.5), Segment(1.5, 0.0, radius=RADIUS))[1] == math.inf
-
-
-def test_obstacles_do_not_concern_what_is_in_the_mount() -> None:
-    holder = Scene([Box((0.0, 0.0, 0.1), (2.0, 2.0, 0.4))])
-    q = 0.2, 0.0, 1.0
-    assert out(holder, q, FREE)[1] == math.inf
-    arc, overlap = out(holder, q, FREE, mount=0.45)
-    assert overlap == 0.0
-    assert arc[:2] == pytest.approx(q[:2], abs=0.1)
-
-
-def test_where_walls_are_near_a_clearance_is_kept() -> None:
-    wall = Scene([Box((0.62, 0.0, 1.0), (1.0, 4.0, 4.0))])
-    arc, _ = out(wall, (0.0, 0.0, 1.5), FREE)
-    line = Robot([FREE]).backbone(arc[None], 50)[10:]
-    assert (wall.distance(line) / RADIUS).min() > 1.0 + 0.5 * CLEARANCE
 
 
 @pytest.mark.parametrize("off", [-0.07, 0.07])

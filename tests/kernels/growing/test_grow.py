@@ -7,14 +7,12 @@ import pytest
 
 from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, DISTANCE, FRAME, LAST, PARENT
 from sinuous.kernels.growing.grow import grow_chains, growing_size
-from sinuous.poses import pose
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Cylinder
 from sinuous.scene.scene import Scene
-from sinuous.solving.polylines import respaced
+from sinuous.solver.polylines import respaced
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1
@@ -99,32 +97,6 @@ def test_no_chain_crosses_a_wall() -> None:
         assert ROBOT.backbone(q, 50)[:, 2].max() < 1.5
 
 
-def test_of_the_chains_none_ends_as_another_one_does() -> None:
-    chains = grown(ROBOT, Scene([]), [Target((1.2, 0.0, -2.0))], [BEHIND], count=8)
-    tips = np.stack([ROBOT.tip(q) for q in chains])
-    apart = np.abs(tips[:, None, :3, 3] - tips[:, :3, 3]).max(axis=-1)
-    turned = np.abs(tips[:, None, :3, 2] - tips[:, :3, 2]).max(axis=-1)
-    differ = (apart > 1e-9) | (turned > 1e-9)
-    assert len(chains) == 8
-    assert (differ | np.eye(8, dtype=bool)).all()
-
-
-def test_a_change_of_the_base_changes_nothing() -> None:
-    moved = pose((0.4, -2.0, 1.0), rotation=(0.3, 0.5, -0.2, 0.8))
-    robot = Robot(ROBOT.segments, base=moved)
-    route = BEHIND @ moved[:3, :3].T + moved[:3, 3]
-    boxes = [Box(moved[:3, :3] @ box.center + moved[:3, 3], box.size, moved[:3, :3]) for box in BOXES]
-    here = grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND], count=2)
-    there = grown(robot, Scene(boxes), [Target(route[-1])], [route], count=2)
-    gaps = [
-        np.linalg.norm(r.tip(q[0])[:3, 3] - goal)
-        for r, q, goal in ((ROBOT, here, BEHIND[-1]), (robot, there, route[-1]))
-    ]
-    # Cubes of like ends lie elsewhere, so the chains need not be the same.
-    assert max(gaps) < 0.5
-    assert overlap(robot, Scene(boxes), there[0]) <= KEPT + 0.05
-
-
 @pytest.mark.parametrize("unit", [0.01, 50.0])
 def test_the_unit_of_length_does_not_matter(unit: float) -> None:
     robot = Robot.uniform(6, length=unit, max_bend=1.6, radius=unit * RADIUS)
@@ -137,16 +109,6 @@ def test_the_unit_of_length_does_not_matter(unit: float) -> None:
         np.linalg.norm(robot.tip(there[0])[:3, 3] / unit - BEHIND[-1]),
     ]
     assert max(gaps) < 0.5
-
-
-def test_the_mirror_image_of_a_place_has_mirrored_chains() -> None:
-    """Arcs are tried on rays that a mirror maps to rays, for even segments: the ends are as near."""
-    mirror = np.diag([-1.0, 1.0, 1.0])
-    boxes = Scene([Box(mirror @ box.center, box.size) for box in BOXES])
-    one = grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND])
-    other = grown(ROBOT, boxes, [Target(mirror @ BEHIND[-1])], [BEHIND @ mirror])
-    assert len(one) == len(other)
-    assert np.linalg.norm(ROBOT.tip(other[0])[:3, 3] - mirror @ BEHIND[-1]) < 0.5
 
 
 def test_a_chain_goes_from_target_to_target() -> None:
@@ -167,25 +129,6 @@ def test_narrow_beams_follow_a_route_that_is_not_seen_as_far_as_a_segment_is_lon
     (q,) = grown(ROBOT, scene, [Target(route[-1])], [route], count=1)
     assert np.linalg.norm(ROBOT.tip(q)[:3, 3] - route[-1]) < RADIUS
     assert overlap(ROBOT, scene, q) < KEPT
-
-
-def test_stages_tools_and_mounts_count() -> None:
-    tool = pose((0.1, 0.0, 0.4), direction=(0.1, 0.0, 0.4))
-    segments = [Segment((0.0, 2.0), 0.0, radius=RADIUS), *ROBOT.segments]
-    robot = Robot(segments, tool=tool, mount=0.5)
-    holder = Scene([Box((side * 0.15, 0.0, 0.15), (0.2, 1.0, 0.3)) for side in (-1.0, 1.0)])  # closer than the radius
-    goal = np.array([2.0, 0.5, 5.0])
-    chains = grown(robot, holder, [Target(goal)], [np.linspace(np.zeros(3), goal, 30)])
-    assert len(chains) > 0
-    assert robot.excess(chains[0]) <= 1e-12
-    assert np.linalg.norm(robot.tip(chains[0])[:3, 3] - goal) < 0.5
-
-
-def test_a_body_without_thickness_keeps_off_walls_too() -> None:
-    thin = Robot.uniform(6, length=1.0, max_bend=1.6)
-    chains = grown(thin, WALLS, [Target(BEHIND[-1])], [BEHIND])
-    assert len(chains) > 0
-    assert min(WALLS.distance(thin.backbone(q, 50)).min() for q in chains) > -0.01
 
 
 def test_without_time_there_is_none() -> None:

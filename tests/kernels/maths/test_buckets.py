@@ -40,10 +40,3 @@ def test_pushing_and_popping_in_turn_gives_one_of_the_first_bucket(steps: list[f
             assert pop(queue) == -told.pop(0)[1]
         else:
             assert pop(queue) == -1
-
-
-def test_a_queue_of_no_width_is_a_stack() -> None:
-    queue = empty(1.0, 1.0)
-    for item, priority in enumerate([3.0, 1.0, 2.0]):
-        assert push(queue, priority, item)
-    assert [pop(queue) for _ in range(4)] == [2, 1, 0, -1]

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.maths import vectors as v
-from tests.cases import with_each
 from tests.helpers import mat, random_rotation, vec
 
 
-@with_each("seed", range(5))
+@pytest.mark.parametrize("seed", range(5))
 def test_products_are_those_of_numpy(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = rng.normal(size=(2, 3))
@@ -35,10 +34,3 @@ def test_across_makes_a_right_handed_frame(seed: int) -> None:
         frame = np.stack([x, y, a], axis=-1)
         np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-15)
         assert np.linalg.det(frame) > 0.0
-
-
-def test_tables_are_read_and_written_where_they_should() -> None:
-    table = np.arange(24.0).reshape(2, 12)
-    assert v.get_vec(table, 1, 9) == (21.0, 22.0, 23.0)
-    v.put_mat(table, 0, 2, mat(np.full((3, 3), -1.0)))
-    np.testing.assert_array_equal(table[0], [0, 1, *[-1] * 9, 11])

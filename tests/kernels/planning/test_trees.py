@@ -1,6 +1,7 @@
 """Trees of configurations: what is cut off hangs on one edge of a path, and what is left is clear."""
 
 import numpy as np
+import pytest
 
 import sinuous as sn
 from sinuous.kernels.planning.query import GLANCES
@@ -8,8 +9,7 @@ from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.scene.scene import Scene
-from sinuous.solving.between.steps import prove_steps
-from tests.cases import with_each
+from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
 from tests.kernels.between.motions import shape
 
@@ -36,7 +36,7 @@ def below(parents: list[int], node: int) -> set[int]:
     return found
 
 
-@with_each("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_what_hangs_on_an_edge_is_cut_off_and_nothing_else(seed: int) -> None:
     first, second = NODES - 1, NODES - 2
     path = np.zeros((2 * NODES, SEGMENTS, 3))

@@ -10,14 +10,13 @@ from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from sinuous.solving.routing.edges import walls_of
+from sinuous.solver.routing.edges import walls_of
 from tests.helpers import Floats
 from tests.kernels.freespace.places import query, room
+from tests.scene import shapes
 
 POINTS, RADIUS = 300, 0.1
-CORNERS = 0.5 * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)]
-FACES += [(2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+CORNERS, FACES = shapes.cube()
 
 
 def wall(height: float, door: tuple[float, float], half: float, thick: float = 0.08) -> list[Box]:
@@ -63,32 +62,11 @@ def test_a_route_leads_through_one_door_after_the_other() -> None:
     check(find(scene), scene)
 
 
-def test_of_two_doors_the_one_that_is_wide_enough_is_taken() -> None:
-    boxes = wall(1.0, (0.9, 0.0), 0.15)
-    narrow = [((-4.0, -4.0), (-0.05, 4.0)), ((0.05, -4.0), (0.75, 4.0))]
-    slit = [Box((0.5 * (a[0] + b[0]), 0.0, 1.0), (b[0] - a[0], 8.0, 0.08)) for a, b in narrow]
-    scene = Scene([*boxes[1:], *slit])
-    route = find(scene)
-    check(route, scene)
-    assert route[:, 0].max() > 0.75
-
-
 def test_a_wall_of_a_mesh_is_one_of_boxes() -> None:
     boxes = wall(1.0, (0.6, 0.2), 0.2)
     meshes = Scene([Mesh(CORNERS * (box.size - 1e-3) + box.center, FACES) for box in boxes])
     check(find(meshes), meshes)
     assert np.linalg.norm(find(meshes)[::10] - find(Scene(boxes))[::10], axis=1).max() < 0.1
-
-
-def test_where_the_goal_is_in_sight_no_place_is_looked_for() -> None:
-    scene, buffer = Scene(wall(1.0, (0.0, 0.0), 0.5)), np.full(roadmap_size(POINTS), np.nan)
-    route = np.empty((POINTS, 3))
-    group, walls = scene.snapshot().group.copy(), walls_of(scene.snapshot())
-    count = find_by_edges(group, query(longest=9.0), *walls, 60.0, buffer, route)
-    assert np.abs(route[:count, :2]).max() < 1e-9
-    assert np.isfinite(buffer[:6]).all()  # both ends
-    assert np.isnan(buffer[6:9]).all()
-    check(route[:count], scene)
 
 
 def test_a_closed_room_has_no_route() -> None:

@@ -8,20 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import sinuous as sn
-from sinuous.kernels.fields import solids
-from sinuous.kernels.solve.preferences import Wishes, cost, prefer
-from sinuous.kernels.step import newton
+from sinuous.answer.verification import verify
+from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
-from sinuous.solution.verification import verify
-from tests.cases import with_each
-from tests.helpers import Floats, kernel_problem
-from tests.kernels.workspace import make_states, make_work, put
+from tests.helpers import Floats
 
 ROBOT = Robot.uniform(5, (0.7, 1.3), 2.5, radius=0.05)
 UNIT = 1.0
@@ -99,38 +94,7 @@ def test_in_the_end_hardly_a_small_motion_is_better(wish: Preferences, share: fl
     assert np.mean(count) < steps
 
 
-@with_each(("number", "seed"), [(0, 12), (0, 38), (0, 125), (1, 177), (2, 56), (2, 88), (2, 197), (2, 300)])
-def test_steps_that_end_at_limits_of_lengths_are_not_led_away_from_them(number: int, seed: int) -> None:
-    """They stopped, after many small steps, where 30 to 65 % of the gradient was left."""
-    wish, q, reference = PREFERENCES[number], shape(seed, 0.9), shape(seed + 1, 0.9)
-    best, *_ = preferred(problem_at(q), wish, q, reference, most=300)
-    assert free_gradient(wish, best, reference) < 0.05 * free_gradient(wish, q, reference)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_lengths_at_their_limit_do_not_hold_back_what_bends_wish(seed: int) -> None:
-    """A near target holds all lengths at their least; then the gradient by bends alone is taken up by the target."""
-    q = shape(seed, 0.9)
-    tip = 1.5 * UNIT * np.array([math.sin(seed), math.cos(seed), 0.5])
-    problem = Problem(ROBOT, Target(tip))
-    solved = sn.solve(ROBOT, Target(tip), initial=q)
-    assert solved.solved
-    best, *_ = preferred(problem, PREFERENCES[0], solved.q, solved.q, most=300)
-    np.testing.assert_allclose(best[:, 2], ROBOT.limits[0, 0], atol=1e-9)
-    lines = ROBOT.jacobian(best)[3:].reshape(3, 5, 3)[..., :2].reshape(3, -1)
-    bends = best[:, :2].ravel()
-    left = bends - np.linalg.pinv(lines) @ (lines @ bends)
-    assert np.linalg.norm(left) < 0.02 * np.linalg.norm(bends)
-
-
-@given(st.integers(0, 10**6))
-def test_who_prefers_what_is_there_stays(seed: int) -> None:
-    q = shape(seed)
-    best, *_ = preferred(problem_at(q), Preferences(start=1.0), q, q)
-    np.testing.assert_allclose(best, q, atol=1e-9)
-
-
-@with_each("seed", range(5))
+@pytest.mark.parametrize("seed", range(5))
 def test_without_time_nothing_is_changed(seed: int) -> None:
     q = shape(seed)
     best, used, off, *_ = preferred(problem_at(q), PREFERENCES[0], q, q, seconds=-1.0)
@@ -167,30 +131,3 @@ def test_what_is_not_solved_is_not_taken() -> None:
     best, _, *kept = preferred(problem, PREFERENCES[0], q, q)
     np.testing.assert_array_equal(best, q)
     assert kept == [0.125, 0.25, 0.5, 0.75]
-
-
-@with_each("seed", range(6))
-def test_the_cost_is_as_it_is_said(seed: int) -> None:
-    q, reference = shape(seed), shape(seed + 1)
-    wish = Preferences(start=0.7, bends=0.3)
-    problem = kernel_problem(ROBOT, Target((0.0, 1.0, 3.0)))
-    state = put(make_states(problem), 0, q)
-    newton.linearise(problem, state, make_work(problem), 3, solids.EXACT, 0.0, False)
-    assert cost(problem, state, Wishes(0.7, 0.3, 0.0, reference)) == pytest.approx(disliked(wish, q, reference))
-
-
-def test_a_wish_for_clearance_ends_when_it_is_met_to_a_hundredth() -> None:
-    """The way there halves what is missing, or better, each time; it never becomes nothing."""
-    counted = 0
-    for seed in range(16):
-        q = shape(seed, 0.3)
-        away = np.random.default_rng(seed).normal(size=3)
-        ball = Sphere(ROBOT.backbone(q, 10)[25] + 0.4 * away / np.linalg.norm(away), 0.2)
-        problem = problem_at(q, [ball])
-        best, used, *_ = preferred(problem, Preferences(clearance=0.3), q, q)
-        points = ROBOT.backbone(best, 200).reshape(-1, 3)
-        clear = float(problem.scene.distance(points).min()) - max(ROBOT.radii)
-        if 0.29 < clear < 0.4:
-            counted += 1
-            assert used < 10
-    assert counted > 3

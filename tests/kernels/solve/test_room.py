@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.answer.verification import verify
+from sinuous.base.checks import Floats
 from sinuous.kernels import tables
 from sinuous.kernels.clock import DEADLINE, LOOKS, STRIDE
 from sinuous.kernels.solve.room import GRAZING, STEPS, take_room
 from sinuous.problem.problem import Problem
-from sinuous.solution.verification import verify
 from tests.helpers import kernel_problem
-from tests.kernels.workspace import NEVER, make_states, make_work
+from tests.kernels.workspace import NEVER, make_workspace
 
 ROBOT = sn.Robot.uniform(5, (45.0, 70.0), 2.4, radius=4.0)
 SCENE = sn.Scene([sn.Sphere((60.0, 0.0, 110.0), 30.0), sn.Sphere((-70.0, 10.0, 130.0), 35.0)])
@@ -35,10 +35,10 @@ def taken(
     target: sn.Target, q: Floats, clearance: float, room: float, *, late: bool = False
 ) -> tuple[Floats, int, Any]:
     problem = kernel_problem(ROBOT, target, SCENE)
-    best, work = q.copy(), make_work(problem)
+    best, (states, work) = q.copy(), make_workspace(problem)
     known = 0.125, 0.25, clearance, 0.75, 0.5  # no values that are found again
     work.clock[DEADLINE], work.clock[LOOKS] = (0, STRIDE) if late else (NEVER, 0)
-    used, after = take_room(problem, make_states(problem), work, room, known, best)
+    used, after = take_room(problem, states, work, room, known, best)
     return best, used, after
 
 

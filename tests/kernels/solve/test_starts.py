@@ -8,12 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve import starts
-from sinuous.packing import pose_row
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from tests.cases import with_each
 from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
 
 MIXED = Robot(
@@ -33,18 +32,13 @@ def test_chord_angle_solves_its_equation(ratio: float) -> None:
     assert starts.chord_angle(ratio) == pytest.approx(expected, abs=1e-6)
 
 
-def test_a_chord_as_long_as_its_arc_is_straight() -> None:
-    assert starts.chord_angle(1.0) == 0.0
-    assert starts.chord_angle(1.5) == 0.0
-
-
 def single_arc(robot: Robot, goal: Floats, tip: int, base: Floats) -> Floats:
     q = np.full((len(robot), 3), np.nan)
     starts.single_arc(robot.limits, frames_of(np.zeros((len(robot), 3)), base), tip, vec(goal), q)
     return q
 
 
-@with_each("seed", range(30))
+@pytest.mark.parametrize("seed", range(10))
 def test_the_single_arc_ends_at_the_goal_where_lengths_and_bends_allow(seed: int) -> None:
     rng = np.random.default_rng(seed)
     base = random_pose(rng)
@@ -58,17 +52,7 @@ def test_the_single_arc_ends_at_the_goal_where_lengths_and_bends_allow(seed: int
     assert q[: tip + 1, 2].sum() == pytest.approx(3.0)
 
 
-def test_too_near_a_goal_bows_the_robot() -> None:
-    """Straight ahead at half the robot's length: the arc of that chord, which only points elsewhere."""
-    robot = Robot.uniform(4, 1.0, max_bend=3.0)
-    for ahead in (0.5, 2.0, 3.9):
-        q = single_arc(robot, np.array([0.0, 0.0, ahead]), 3, np.eye(4))
-        end = expm_chain(q)[-1][:3, 3]
-        assert np.linalg.norm(end) == pytest.approx(ahead, abs=0.05)
-        assert (np.hypot(q[:, 0], q[:, 1]) > 0.0).all()
-
-
-@with_each("seed", range(30))
+@pytest.mark.parametrize("seed", range(10))
 def test_every_start_keeps_the_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     goals = [rng.normal(size=3) * s for s in (1e-9, 0.5, 5.0, 100.0)] + [
@@ -94,15 +78,6 @@ def sequence(seed: int, count: int, robot: Robot = MIXED, most: float = math.pi)
     return out
 
 
-def test_shapes_repeat_for_a_seed_and_differ_between_seeds() -> None:
-    np.testing.assert_array_equal(sequence(3, 20), sequence(3, 20))
-    assert len(np.unique(np.concatenate([sequence(seed, 20)[:, 0, 0] for seed in range(20)]))) == 400
-
-
-def test_every_other_start_may_bend_beyond_half_a_turn() -> None:
-    assert [starts.widest(number) for number in range(1, 6)] == [math.pi, 2.0 * math.pi] * 2 + [math.pi]
-
-
 @pytest.mark.parametrize("most", [math.pi, 2.0 * math.pi])
 def test_shapes_bend_as_far_as_they_may_and_no_farther(most: float) -> None:
     """The squares of bends are even up to the smaller of limit and cap."""
@@ -113,11 +88,6 @@ def test_shapes_bend_as_far_as_they_may_and_no_farther(most: float) -> None:
         assert bends[:, k].max() <= cap
         quantiles = np.linspace(0.05, 0.95, 19)
         np.testing.assert_allclose(np.quantile((bends[:, k] / cap) ** 2, quantiles), quantiles, atol=0.04)
-
-
-def test_robots_that_bend_by_half_a_turn_at_most_have_the_same_starts_under_both_caps() -> None:
-    robot = Robot.uniform(4, (0.5, 1.5), max_bend=math.pi, max_curvature=4.0)
-    np.testing.assert_array_equal(sequence(5, 200, robot), sequence(5, 200, robot, 2.0 * math.pi))
 
 
 def test_shapes_cover_the_limits_evenly() -> None:
@@ -147,22 +117,7 @@ def beside(frame: Floats, place: Floats, goal: Floats) -> tuple[float, float]:
     return float(local[0] * aim[1] - local[1] * aim[0]), float(local[:2] @ aim)
 
 
-@with_each("seed", range(10))
-def test_face_turns_the_end_to_the_side_of_the_goal(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    before = configurations(seed, 4, 1)[0] + [0.3, 0.1, 0.5]
-    base, tool, goal = random_pose(rng), random_pose(rng, 0.1), rng.normal(size=3)
-    tip = int(rng.integers(0, 4))
-    q = faced(before, base, tool, [Target(goal, segment=tip + 1)])
-    np.testing.assert_allclose(np.hypot(q[:, 0], q[:, 1]), np.hypot(before[:, 0], before[:, 1]))
-    np.testing.assert_array_equal(q[:, 2], before[:, 2])
-    if tip < 3:  # a tool turns about the base's tangent with the tip only as far as it lies along the tip's frame
-        across, along = beside(base, expm_chain(q, base)[tip + 1][:3, 3], goal)
-        assert abs(across) < 1e-9
-        assert along > 0.0
-
-
-@with_each("seed", range(10))
+@pytest.mark.parametrize("seed", range(6))
 def test_face_turns_every_stage_to_the_side_of_its_goal(seed: int) -> None:
     """Whatever the order in which the targets are listed; what is asked without a position turns nothing."""
     rng = np.random.default_rng(seed)
@@ -177,8 +132,3 @@ def test_face_turns_every_stage_to_the_side_of_its_goal(seed: int) -> None:
         across, along = beside(frames[first], frames[end + 1][:3, 3], goal)
         assert abs(across) < 1e-9
         assert along > 0.0
-
-
-def test_without_a_position_face_turns_nothing() -> None:
-    q = configurations(0, 4, 1)[0]
-    np.testing.assert_array_equal(faced(q, np.eye(4), np.eye(4), [Target(direction=(1.0, 0.0, 0.0))]), q)

@@ -1,16 +1,15 @@
 """Limits of tendons and chambers: kept by every way of moving, met exactly by a bound step."""
 
-import math
 from typing import Any
 
 import numpy as np
+import pytest
 
 from sinuous.kernels.body.rows import END, HARD, IDLE
 from sinuous.kernels.step import actuation, limits, sweeps
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from tests.cases import with_each
+from sinuous.model.actuators import Chambers, Tendons
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from tests.helpers import Floats, columns_of, make_rows
 
 
@@ -49,7 +48,7 @@ def draw_within(rng: np.random.Generator) -> Floats:
     return q
 
 
-@with_each("seed", range(20))
+@pytest.mark.parametrize("seed", range(10))
 def test_straighten_bends_less_until_all_limits_are_kept(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q = draw(rng, rng.choice([0.01, 0.3, 3.0]))
@@ -65,7 +64,7 @@ def test_straighten_bends_less_until_all_limits_are_kept(seed: int) -> None:
         assert excess(np.concatenate([1.0001 * held[:, :2], q[:, 2:]], axis=1)) > 0.0  # no less than needed
 
 
-@with_each("seed", range(30))
+@pytest.mark.parametrize("seed", range(10))
 def test_share_is_the_last_place_on_the_way_that_keeps_all_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, aim = draw_within(rng), draw(rng, rng.choice([0.05, 0.5, 5.0]))
@@ -81,17 +80,6 @@ def test_share_is_the_last_place_on_the_way_that_keeps_all_limits(seed: int) -> 
     np.testing.assert_allclose(held, q + t * (aim - q), atol=1e-11)
     assert excess(held) <= 1e-12
     assert t < 1.0 or np.array_equal(held, aim)
-
-
-def test_a_robot_without_actuators_is_left_alone() -> None:
-    rng = np.random.default_rng(0)
-    q, aim = draw(rng, 3.0), draw(rng, 3.0)
-    none = TABLE[:0]
-    assert actuation.share(none, q, aim) == 1.0
-    before = aim.copy()
-    actuation.hold_back(none, q, aim)
-    actuation.straighten(none, aim, np.empty_like(q))
-    np.testing.assert_array_equal(aim, before)
 
 
 def reserve(rows: Any, at_tip: int) -> None:
@@ -122,7 +110,7 @@ def test_every_limit_gets_an_idle_row_on_its_last_segment() -> None:
     np.testing.assert_allclose(seen, ROBOT.to_actuators(q), atol=1e-14)
 
 
-@with_each("seed", range(20))
+@pytest.mark.parametrize("seed", range(10))
 def test_a_bound_step_moves_up_to_the_limits_and_not_beyond(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q = draw_within(rng)
@@ -147,15 +135,3 @@ def test_a_bound_step_moves_up_to_the_limits_and_not_beyond(seed: int) -> None:
     assert excess(q + step) <= 1e-5
     actuation.release(rows)
     np.testing.assert_array_equal(rows.kind, [IDLE] * len(TABLE) + [END] * 3)
-
-
-def test_a_step_within_the_limits_binds_nothing() -> None:
-    rows: Any = make_rows(N, len(TABLE))
-    reserve(rows, 0)
-    q = np.tile([0.0, 0.0, 1.0], (N, 1))
-    assert actuation.bind(TABLE, q, np.full((N, 3), 1e-4), rows) == 0
-    pull = np.zeros((N, 3))
-    pull[0, 0] = 1.5  # 0.075 of the first tendon, which may be pulled by 0.05, and of those that end later
-    assert actuation.bind(TABLE, q, pull, rows) > 0
-    assert rows.kind[0] == HARD
-    assert math.isclose(rows.value[0], 0.05)

@@ -11,9 +11,8 @@ from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, self_
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import couple
-from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
-from tests.helpers import Floats, columns_of, configurations, expm_chain, frames_of, random_pose
+from tests.helpers import Floats, columns_of, configurations, frames_of, random_pose
 from tests.kernels.body.test_self_proof import curled, sampled, table_of
 from tests.kernels.step.test_sweeps import SIZES, dense_step, random_rows
 
@@ -57,18 +56,6 @@ def test_self_contacts_give_the_dense_step(n: int, mu: float, hard: bool) -> Non
         # A HARD row weighs some 1e10 in the dense system, which loses digits by it.
         exact = 3e-8 if hard else 1e-9
         np.testing.assert_allclose(step, expected, atol=exact * (1.0 + np.abs(expected).max()))
-
-
-def test_a_system_is_solved() -> None:
-    rng = np.random.default_rng(0)
-    for m in range(1, MOST_PAIRS + 1):
-        root = rng.normal(size=(m, m + 2))
-        system = np.zeros((MOST_PAIRS, MOST_PAIRS + 1))
-        system[:m, :m], right = root @ root.T, rng.normal(size=m)
-        system[:m, m] = right
-        expected = np.linalg.solve(root @ root.T, right)
-        solve_symmetric(system, m)
-        np.testing.assert_allclose(system[:m, m], expected, atol=1e-9 * np.abs(expected).max())
 
 
 def found(q: Floats, radii: Floats, margin: float, unit: float = 1.0, base: Floats | None = None) -> Any:
@@ -126,25 +113,3 @@ def test_weights_are_the_derivative_of_the_distance() -> None:
 def least_gap(q: Floats, radii: Floats) -> float:
     """By matrix exponentials."""
     return sampled(q, radii)[0]
-
-
-def test_a_single_arc_is_opened() -> None:
-    q = np.array([[0.0, 5.2, 1.0]])
-    pairs, low = found(q, np.array([0.14]), 0.01)
-    assert len(pairs) == 1
-    assert low < 0.0
-    ends = [pose[:3, 3] for pose in expm_chain(q)]
-    chord = float(np.linalg.norm(ends[1] - ends[0]))
-    assert pairs[0, VALUE] == pytest.approx(0.01 + 0.28 - chord)
-    for k, step in enumerate(np.eye(3) * 1e-6):
-        moved = [float(np.linalg.norm(expm_chain(q + sign * step)[1][:3, 3])) for sign in (1.0, -1.0)]
-        assert pairs[0, WEIGHTS + k] == pytest.approx((moved[0] - moved[1]) / 2e-6, abs=1e-6)
-
-
-def test_of_many_contacts_the_deepest_are_kept() -> None:
-    """A body wound around itself has more pairs of segments that overlap than there is room for."""
-    q = np.tile([2.0, 0.0, 1.0], (12, 1))
-    radii = np.full(12, 0.3)
-    pairs, _ = found(q, radii, 0.05)
-    assert len(pairs) == MOST_PAIRS
-    assert pairs[:, VALUE].min() > 0.5

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body.rows import END, INNER, SOFT
-from sinuous.kernels.step.dense import MOST_ROWS, MOST_SEGMENTS, are_few, carve_dense, dense_size, dense_step, see
-from tests.helpers import columns_of, configurations, make_rows
+from sinuous.kernels.step.dense import MOST_SEGMENTS, are_few, carve_dense, dense_size, dense_step, see
+from tests.helpers import columns_of, configurations
 from tests.kernels.step.test_sweeps import dense_step as expected_step
 from tests.kernels.step.test_sweeps import random_rows
 
@@ -33,21 +33,3 @@ def test_few_rows_give_the_step(n: int, mu: float, bound: bool) -> None:
             np.testing.assert_allclose(step, expected, atol=1e-9 * (1.0 + np.abs(expected).max()))
         met += 1
     assert met >= 5
-
-
-def test_no_row_leaves_the_mean() -> None:
-    mean = np.arange(6.0).reshape(2, 3)
-    sights, system = carve_dense(np.full(dense_size(2), np.nan), 2)
-    step = np.full((2, 3), np.nan)
-    rows = make_rows(2, 0)
-    see(columns_of(np.ones((2, 3))), rows, sights)
-    dense_step(sights, np.tile(np.eye(3).ravel(), (2, 1)), mean, rows, 1e-3, system, step)
-    np.testing.assert_array_equal(step, mean)
-
-
-def test_many_rows_and_many_segments_are_left_to_sweeps() -> None:
-    few, many = make_rows(2, MOST_ROWS), make_rows(2, MOST_ROWS + 1)
-    few.start[2], many.start[2] = MOST_ROWS, MOST_ROWS + 1
-    assert are_few(few, 2)
-    assert not are_few(many, 2)
-    assert not are_few(make_rows(MOST_SEGMENTS + 1, 0), MOST_SEGMENTS + 1)

@@ -18,6 +18,9 @@ from benchmarks.wild import audit, odd, worlds
 TIME = 20.0
 """Seconds of a plan, or of a waypoint; those that take more than a fraction of it are not kept."""
 
+FEW = 30
+"""Segments times obstacles of a motion that is verified step by step, which is slow."""
+
 
 def plans() -> Iterator[Problem]:
     """From one shape to another: among spheres, in known places, and to the targets of intricate ones."""
@@ -111,7 +114,7 @@ def _timed(robot: sn.Robot, scene: sn.Scene, shapes: Any, rng: np.random.Generat
     t = np.linspace(0.0, found.duration, 12)
     return (
         motion,
-        motion.verify(),
+        motion.verify() if len(robot) * (1 + len(scene)) < FEW else None,
         motion.reversed(),
         found.duration,
         found.stops,
@@ -194,16 +197,43 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
 
 
 def intricate() -> Iterator[Problem]:
-    """Plans from the straight shape to the target of a place, and through the place by a memory."""
+    """Plans in intricate places, from the hidden shape to positions of the tip a fifth of the length away."""
     for family in ("spheres 12", "shelf", "plates", "lattice", "rubble", "two doors"):
         for seed in range(4):
-            place = make(family, seed)
-            yield Problem(f"{family} {seed}", partial(_out_of, place.robot, place.hidden_q, place.scene))
+            place, rng = make(family, seed), np.random.default_rng([76, seed])
+            for way in rng.normal(size=(2, 3)):
+                off = 0.2 * place.robot.mean_length * way / np.linalg.norm(way)
+                target = sn.Target(place.robot.tip(place.hidden_q)[:3, 3] + off)
+                ask = partial(sn.plan, place.robot, place.hidden_q, target, place.scene, time=0.5 * TIME, max_starts=6)
+                yield Problem(f"{family} {seed} by {off[0]:.3g}", ask, _right)
 
 
-def _out_of(robot: sn.Robot, q: Any, scene: sn.Scene) -> sn.Motion:
-    """Draw back from a hidden shape to one whose bends are a twentieth smaller."""
-    return sn.plan(robot, q, q * (0.95, 0.95, 1.0), scene, time=TIME)
+def live() -> Iterator[Problem]:
+    """Tracks in a scene that changes under way, and plans under load."""
+    for number in range(20):
+        world = audit.units(9, number)
+        yield Problem(f"live {number}", partial(_live, world.robot, world.scene, world.hidden, number))
+    for number in range(12):
+        hanging = loaded.make(2, number)
+        ends = hanging.hidden[0], hanging.hidden[-1]
+        yield Problem(f"under load {number}", partial(sn.plan, hanging.robot, *ends, hanging.scene, time=TIME))
+
+
+def _live(robot: sn.Robot, scene: sn.Scene, shapes: Any, number: int) -> sn.Motion:
+    rng, unit = np.random.default_rng([75, number]), robot.mean_length
+    ends = robot.tip(shapes[0])[:3, 3], robot.tip(shapes[-1])[:3, 3]
+    path = [sn.Target((1.0 - t) * ends[0] + t * ends[1]) for t in np.linspace(0.0, 1.0, 8)]
+    far, body = robot.base[:3, 3] + 5.0 * unit, robot.backbone(shapes[0])
+    near = body[rng.integers(len(body))] + 0.15 * unit * rng.normal(size=3)
+    changing = sn.Scene([sn.Sphere(far, 0.1 * unit, name="ball"), *scene.obstacles])
+    seen: list[sn.Solution] = []
+
+    def move(solution: sn.Solution) -> None:
+        seen.append(solution)
+        if len(seen) == number % 7 + 1:
+            changing.move("ball", position=near - far)
+
+    return sn.track(robot, path, changing, start=shapes[0], progress=move, time=TIME, max_starts=6)
 
 
 PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
@@ -211,6 +241,7 @@ PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
     "plans in places": intricate,
     "plans in time": in_time,
     "tracks": tracks,
+    "live and loaded": live,
     "times": timed,
     "leader": led,
     "control steps": steps,

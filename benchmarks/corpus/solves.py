@@ -212,8 +212,13 @@ def kinematics() -> Iterator[Problem]:
 def _kinematics(robot: sn.Robot, scene: sn.Scene, q: Any) -> Any:
     pulled = robot.to_actuators(q)
     geometry = robot.forward(q), robot.tip(q), robot.jacobian(q), robot.backbone(q, 4), robot.to_dict()
-    still = scene if not scene.snapshot().moves else scene.at(0.0)
-    return geometry, pulled, robot.from_actuators(pulled, q), sn.check(robot, 1.1 * q, still), robot.undetermined
+    return (
+        geometry,
+        pulled,
+        robot.from_actuators(pulled, q),
+        sn.check(robot, 1.1 * q, scene.at(0.0)),
+        robot.undetermined,
+    )
 
 
 def odd_solves() -> Iterator[Problem]:
@@ -221,7 +226,7 @@ def odd_solves() -> Iterator[Problem]:
     for number in range(500):
         rng = np.random.default_rng([62, number])
         robot = odd.robot(rng)
-        scene, target, tolerance = odd.scene(robot, rng), odd.target(robot, rng), odd.tolerance(robot, rng)
+        scene, target, tolerance = odd.scene(robot, rng).at(0.0), odd.target(robot, rng), odd.tolerance(robot, rng)
         initial = odd.shape(robot, rng) if number % 3 == 0 else None
         ask = partial(sn.solve, robot, target, scene, initial=initial, tolerance=tolerance, time=30.0, max_starts=4)
         yield Problem(f"{number}", ask)

@@ -214,7 +214,7 @@ def live() -> Iterator[Problem]:
         world = audit.units(9, number)
         yield Problem(f"live {number}", partial(_live, world.robot, world.scene, world.hidden, number))
     for number in range(12):
-        hanging = loaded.make(2, number)
+        hanging = audit.loaded(2, number)
         ends = hanging.hidden[0], hanging.hidden[-1]
         yield Problem(f"under load {number}", partial(sn.plan, hanging.robot, *ends, hanging.scene, time=TIME))
 

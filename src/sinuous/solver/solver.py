@@ -63,6 +63,9 @@ FEW = 10
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
 
+FEW_TARGETS = 32
+"""Targets up to which many are solved without waiting for machine code: interpreted, as soon as it would be there."""
+
 OWN_METHOD = "newton"
 """The method that goes on from where limits balance the targets."""
 
@@ -384,12 +387,12 @@ class Solver:
         if self._load is not None:
             seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
             questions = ManyProblems(self.robot, asked, self.scene.snapshot(), self.tolerance, given)
-            with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
+            with code_first(len(asked) > FEW_TARGETS), ProgressBar(len(asked) if shown else 0) as bar:
                 return self._many_under_load(self._load, questions, seconds, threads, bar)
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
-        with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
+        with code_first(len(asked) > FEW_TARGETS), ProgressBar(len(asked) if shown else 0) as bar:
             many = Many(questions, self._prepared, self._strategy, threads, self.options.most_starts, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
-from benchmarks.motion.judged import collides
+from benchmarks.judges.motions import wrong_in
 from sinuous.motion.planning.local_planner import ENOUGH, LOOSE, QueryEnds
 from sinuous.motion.planning.rrt_connect import RRTConnect, _joined, rrt_connect
 from sinuous.scene.obstacles import Sphere
@@ -29,7 +29,7 @@ def test_what_is_near_to_contact_gets_room_by_a_clear_motion(gap: float) -> None
     chain = QueryEnds(query(scene, OUTSIDE, INSIDE)).with_clearance(INSIDE)
     assert len(chain) == 2
     np.testing.assert_array_equal(chain[0], INSIDE)
-    assert collides(ROBOT, scene, np.stack(chain)) == ""
+    assert wrong_in(ROBOT, scene, np.stack(chain)) == ""
     before, after = least_clearance(ROBOT, scene, np.stack(chain))
     assert before < 1.1 * gap
     assert after > ENOUGH * RADIUS
@@ -66,7 +66,7 @@ def test_paths_lead_on_from_ends_with_room_into_the_ends_themselves() -> None:
     path = _joined(asked, ends, trees, [ends.start], 0, (0, 0, 64))
     assert path is not None
     np.testing.assert_array_equal(path.q[[0, -1]], [OUTSIDE, OUTSIDE])
-    assert collides(ROBOT, scene, path.q) == ""
+    assert wrong_in(ROBOT, scene, path.q) == ""
 
 
 def test_trees_leave_contact_in_the_second_round() -> None:
@@ -76,4 +76,4 @@ def test_trees_leave_contact_in_the_second_round() -> None:
     paths = rrt_connect(asked, QueryEnds(asked), RRTConnect(ROBOT, scene.snapshot()))
     path = next(path for path in (next(paths) for _ in range(4)) if path is not None)
     np.testing.assert_array_equal(path.q[[0, -1]], [start, INSIDE])
-    assert collides(ROBOT, scene, path.q) == ""
+    assert wrong_in(ROBOT, scene, path.q) == ""

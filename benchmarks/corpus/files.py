@@ -100,7 +100,8 @@ def _with_results(given: str) -> Any:
 
 def _content(file: Path) -> Any:
     if file.suffix == ".json":
-        return [json.loads(line) for line in file.read_text().splitlines()]
+        text = file.read_text()
+        return [json.loads(each) for each in (text.splitlines() if text.startswith('{"') else [text])]
     if file.suffix == ".csv":
         head, *rows = [line.split(",") for line in file.read_text().splitlines()]
         return [[each for name, each in zip(head, row, strict=True) if name not in CLOCKED] for row in (head, *rows)]

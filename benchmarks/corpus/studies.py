@@ -10,11 +10,14 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.corpus.answers import Problem
-from benchmarks.design.problems import problem
+from benchmarks.design import problem
 from benchmarks.real.calibration import robot_of, rows_of
 from benchmarks.wild import audit, odd, worlds
 
 BUDGET: dict[str, Any] = {"time": 20.0, "max_starts": 6}
+
+TASKS = 8
+"""Of a robot that is assessed."""
 
 
 def calibrations() -> Iterator[Problem]:
@@ -26,12 +29,14 @@ def calibrations() -> Iterator[Problem]:
         for fit in (["offsets"], ["lengths", "angles"], ["stretch", "offsets", "circles"]):
             yield Problem(f"{name}: {', '.join(fit)}", partial(sn.studies.calibrate, robot, *given, fit=fit))
         yield Problem(f"{name}: by choice", partial(sn.studies.calibrate, robot, *(each[::3] for each in given)))
-    for number in range(24):
+    for number in range(16):
         rng = np.random.default_rng([81, number])
-        robot = odd.robot(rng)
-        shapes = np.stack([odd.shape(robot, rng) for _ in range(20)])
-        off = 1e-3 * odd.size(robot) * rng.normal(size=(20, 3))
-        yield Problem(f"odd {number}", partial(_calibrated, robot, shapes, off))
+        drive: Any = sn.Tendons(3, radius=4.0) if number % 2 else sn.Chambers(3, radius=4.0)
+        kind = {"tendons": drive} if number % 2 else {"chambers": drive}
+        robot = sn.Robot.uniform(2, 60.0 if number % 2 else (50.0, 70.0), max_bend=1.6, radius=5.0, **kind)
+        bends = rng.uniform(-0.8, 0.8, (16, 2, 2))
+        shapes = np.concatenate([bends, np.full((16, 2, 1), 60.0)], axis=2)
+        yield Problem(f"drawn {number}", partial(_calibrated, robot, shapes, rng.normal(0.0, 0.3, (16, 3))))
     for i in range(4):
         tendons = sn.Tendons(3, radius=4.0, displacement=(-8.0, 8.0))
         arm = sn.Robot.uniform(2 + i % 2, 60.0, max_bend=1.6, radius=5.0, tendons=tendons)
@@ -58,13 +63,15 @@ def designs() -> Iterator[Problem]:
 
 def assessments() -> Iterator[Problem]:
     """Variations of a robot, and odd robots, that do several kinds of tasks."""
-    for number in range(6):
+    for number in range(8):
         asked = problem(number, np.random.default_rng([83, number]))
+        if len(asked.tasks) < TASKS:
+            continue
         robots = sn.studies.sweep(asked.template, {"segments.length": [90.0, 110.0], "radius": [3.0, 4.0]})
         tasks = {
             "one": asked.tasks[0],
             "path": sn.studies.Follow(asked.tasks[1:4]),
-            "all": sn.studies.Cover(asked.tasks[4:8], share=0.5),
+            "all": sn.studies.Cover(asked.tasks[4:TASKS], share=0.5),
         }
         yield Problem(asked.name, partial(sn.studies.assess, robots, tasks, asked.scene, **BUDGET))
     for number in range(30):

@@ -8,7 +8,7 @@ __getattr__, __dir__, __all__ = entrance(
         "sinuous.answer.derivatives.derivative": "Derivative",
         "sinuous.answer.derivatives.many": "Derivatives",
         "sinuous.answer.explanation": "Explanation",
-        "sinuous.answer.observed": "Observed",
+        "sinuous.answer.observer": "Observed",
         "sinuous.answer.step": "Active Step",
         "sinuous.answer.verification": "Verification Verifications",
     },

@@ -125,35 +125,35 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
             ["nothing"],
             f"NAME: expected one of {', '.join(BENCHMARKS)}, got 'nothing'\n",
         ),
-        (["speed", "--method", "dls"], "--method: expected nothing with speed, got ['dls'] (is for table1, tracking, "),
-        (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),
+        (["speed", "--method", "dls"], "--method: is for table1, tracking, "),
+        (["clutter", "--method", "dls"], "--method: is for table1, "),
         (
             ["table1", "--piece", "p3"],
-            "--piece: expected nothing with table1, got ['p3'] (is for " + LINES + ", view)",
+            "--piece: is for " + LINES + ", view; expected nothing with ",
         ),
         (
             ["table1", "--rounds", "2"],
-            "--rounds: expected nothing with table1, got 2 (is for " + LINES + ")",
+            "--rounds: is for " + LINES + "; expected nothing with ",
         ),
         (
             ["table1", "--against", "a.json"],
-            "--against: expected nothing with table1, got 'a.json' (is for " + LINES + ")",
+            "--against: is for " + LINES + "; expected nothing with ",
         ),
         (
             ["table1", "--save-baseline", "a.json"],
-            "--save-baseline: expected nothing with table1, got 'a.json' (is for " + LINES + ")",
+            "--save-baseline: is for " + LINES + "; expected nothing with ",
         ),
         (["speed", "--rounds", "0"], "--rounds"),
         (
             ["speed", "--against", "nowhere.json"],
-            "--against: expected a file that --save-baseline wrote, got 'nowhere.json' (cannot be read: ",
+            "--against: cannot be read: ",
         ),
         (
             ["speed", "--save-baseline", "/nowhere/speed.json"],
-            "--save-baseline: expected a file that can be written, got '/nowhere/speed.json' (",
+            "--save-baseline: cannot be written: ",
         ),
         (["table1", "--seed", "-1"], "--seed"),
-        (["table1", "--method", "magic"], "method: expected one of newton, opti_path, dls, "),
+        (["table1", "--method", "magic"], "method: unknown method 'magic'; expected one of newton, opti_path, dls, "),
         (["clutter", "--piece", "labyrinth"], "--piece: expected a pattern like 'P5*', or one of spheres 12; spheres "),
         (["speed", "--fast"], "python -m benchmarks: No such option: --fast"),
         ([], "python -m benchmarks: Missing argument 'NAME'"),
@@ -173,12 +173,12 @@ def test_what_cannot_be_meant_is_said(
 def test_a_folder_that_is_a_file_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "speed.json").touch()
     assert main(["speed", "--out", str(tmp_path / "speed.json")]) == 2
-    assert capsys.readouterr().err.startswith("--out: expected a folder, got '")
+    assert capsys.readouterr().err.startswith("--out: is a file; expected a folder, got '")
 
 
 def test_problems_to_look_at_are_for_wild_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["speed", "--only", "3.1"]) == 2
-    assert capsys.readouterr().err.startswith("--only: expected nothing with speed, got ['3.1'] (is for wild)")
+    assert capsys.readouterr().err.startswith("--only: is for wild; expected nothing with speed, got ['3.1']")
     assert main(["wild", "--only", "3.1", "--seed", "0"]) == 0
     assert "3.1: " in capsys.readouterr().out
     assert main(["wild", "--only", "three"]) == 2

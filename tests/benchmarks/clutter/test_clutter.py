@@ -215,7 +215,7 @@ def test_attempts_can_be_switched_off(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main([*arguments, "gates,hops"]) == 2
     assert "'hops'" in capsys.readouterr().err
     assert main(["wild", "--without", "gates"]) == 2
-    assert capsys.readouterr().err.startswith("--without: expected nothing with wild")
+    assert capsys.readouterr().err.startswith("--without: is for clutter; expected nothing with wild")
     assert main([*arguments, "gates,cells"]) == 0
     journal = next(tmp_path.glob("*.jsonl")).read_text().splitlines()[0]
     assert '"without": "cells,gates"' in journal.replace('":"', '": "')

@@ -19,7 +19,7 @@ def test_a_place_is_solved_again(capsys: pytest.CaptureFixture[str], tmp_path: P
     [
         (["labyrinth", "0"], "FAMILY: expected one of spheres 12, "),
         (["shelf", "--", "-1"], "NUMBER: expected "),
-        (["shelf", "0", "--picture", "/nowhere/a.png"], "--picture: expected a file that can be written"),
+        (["shelf", "0", "--picture", "/nowhere/a.png"], "--picture: cannot be written: "),
     ],
 )
 def test_what_cannot_be_meant_is_one_line(

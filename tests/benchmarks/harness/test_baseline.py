@@ -156,9 +156,7 @@ def test_a_baseline_comes_back_as_it_was_kept(tmp_path: Path) -> None:
 @pytest.mark.parametrize("content", ["", "{}", '{"figures": [{}]}', '{"figures": [3]}', "[]"])
 def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str) -> None:
     file = tmp_path / "some.json"
-    with pytest.raises(
-        InputError, match=r"^--against: expected a file that --save-baseline wrote, .*\(cannot be read: No such file"
-    ):
+    with pytest.raises(InputError, match=r"^--against: cannot be read: No such file"):
         load(file, "--against")
     file.write_text(content)
     with pytest.raises(

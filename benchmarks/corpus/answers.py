@@ -1,8 +1,10 @@
 """What is kept of an answer, as plain values to the last bit, and how two of them differ."""
 
 import dataclasses
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import Enum
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,6 +42,9 @@ CLOCKED = ("seconds", "prepare_seconds")
 
 WORDS = ("sentence", "misses", "untried", "notes", "note", "words", "deciding")
 """Keys of what is said in words, and may be said in others."""
+
+CHANGING = re.compile(rf"/[^\s']*/tmp\w{{8}}|{re.escape(str(Path(__file__).parents[2]))}|0x[0-9a-f]+")
+"""What texts hold of one run: a folder for the time being, where the repository is, an address."""
 
 
 class Problem(NamedTuple):
@@ -93,16 +98,17 @@ def plain(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, Enum):
         value = value.value
-    if value is None or isinstance(value, bool | int | float | str):
+    if isinstance(value, str):
+        return CHANGING.sub("...", value)
+    if value is None or isinstance(value, bool | int | float):
         return value
-    if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items() if key not in CLOCKED}
     names = _names(value)
     if names is not None:
         return {name: plain(getattr(value, name)) for name in names}
     if isinstance(value, list | tuple):
         return [plain(each) for each in value]
-    return plain(value.to_dict())
+    entries: Mapping[Any, Any] = value if isinstance(value, Mapping) else value.to_dict()
+    return {str(key): plain(each) for key, each in entries.items() if key not in CLOCKED}
 
 
 def _names(value: Any) -> Sequence[str] | None:

@@ -57,7 +57,7 @@ def answer(problem: Problem) -> tuple[Any, Any]:
         found = problem.ask()
         return found, plain(found)
     except Exception as error:  # that too has to stay as it is
-        return None, {"raises": type(error).__name__, "words": str(error)}
+        return None, {"raises": type(error).__name__, "words": plain(str(error))}
 
 
 def written(piece: str) -> tuple[Answers, list[str]]:
@@ -180,7 +180,8 @@ def compare(file: File, piece: Pieces = None, processes: Processes = 2) -> None:
     for name, one in _compared_in(processes, {name: answers[name] for name in names}):
         total, differing = total + one.problems, differing + len(one.differing)
         typer.echo("\n".join(lines_of(name, one)))
-    typer.echo(f"{total} problems, {differing} different")
+    absent = [name for name in chosen(piece) if name not in answers]
+    typer.echo(f"{total} problems, {differing} different{'; not in FILE: ' if absent else ''}{'; '.join(absent)}")
     raise typer.Exit(DIFFERS if differing else 0)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from benchmarks.corpus.answers import CLOCKED, Problem
+from benchmarks.corpus.answers import CHANGING, CLOCKED, Problem
 from benchmarks.wild import odd
 from sinuous.cli.app import main
 
@@ -30,6 +30,7 @@ def written() -> Iterator[Problem]:
         yield Problem(f"{number} problem", partial(_saved, sn.Job(robot, target, scene), sn.Job, "job.yaml"))
         yield Problem(f"{number} robot", partial(_saved, robot, sn.Robot, "robot.json"))
         yield Problem(f"{number} joints", partial(_exported, robot, q))
+        yield Problem(f"{number} scene", partial(_saved, scene, sn.Scene, "scene.yaml"))
         if not scene.snapshot().moves:
             motion = sn.Motion(robot, [q, other, q])
             yield Problem(f"{number} motion", partial(_tables, motion))
@@ -39,7 +40,8 @@ def _saved(value: Any, kind: type[Any], name: str) -> Any:
     with TemporaryDirectory() as folder:
         file = Path(folder) / name
         value.save(file)
-        return file.read_text(), sn.load(file, kind).to_dict()
+        again = sn.load(file, kind)
+        return file.read_text(), again.entries(folder) if isinstance(again, sn.Scene) else again.to_dict()
 
 
 def _exported(robot: sn.Robot, q: Any) -> Any:
@@ -63,30 +65,61 @@ def _tables(motion: sn.Motion) -> Any:
 
 
 def examples() -> Iterator[Problem]:
-    """Files of the examples, by the command line: solved, planned and tracked, with what is printed as JSON."""
+    """Files of the examples, by the command line, with what is printed as JSON."""
     for file in sorted(EXAMPLES.glob("*.yaml")):
         what = "plan" if file.stem.startswith("plan") else "track" if file.stem.startswith("path") else "solve"
-        yield Problem(f"{what} {file.name}", partial(_printed, [what, str(file), "--json", "--time", "20"]))
-        yield Problem(f"check {file.name}", partial(_printed, ["check", str(file)]))
+        yield Problem(f"{what} {file.name}", partial(_printed, f"{what} {file} --json --time 20"))
+        yield Problem(f"check {file.name}", partial(_printed, f"check {file} --json"))
         yield Problem(f"read {file.name}", partial(_loaded, file))
+    for given in COMMANDS:
+        yield Problem(given, partial(_with_results, given))
+
+
+COMMANDS = (
+    *(f"solve pose.yaml --method {name} --json" for name in ("dls", "fabrikc", "opti_path", "slinki", "monte_carlo")),
+    "solve pose.yaml --all 4 --json --max-starts 40 --time 20",
+    "solve insertion_room.yaml --why --json --time 20 --max-starts 40",
+    "solve four_poses_a.yaml --seed 3 --clearance 1 --csv OUT.csv --out OUT.json --time 20",
+    "plan plan.yaml --csv OUT.csv --out OUT.json --seed 2 --time 20",
+    "plan plan_past_a_gate.yaml --csv OUT.csv --time 20",
+    "track path_through_spheres.yaml --csv OUT.csv --no-routes --time 20",
+    "batch pose.yaml --targets path_through_spheres.csv --out OUT.csv --json --time 20 --workers 1 --max-starts 4",
+    "reach pose.yaml --spacing 60 --directions 6 --json --time 20 --workers 1",
+    "explore pose.yaml --memory OUT.memory --rounds 1 --max-starts 2 --time 600 --workers 1 --json",
+    "calibrate ../benchmarks/data/v4.yaml measured.csv --fit offsets --json --out OUT.yaml",
+)
+"""What is typed, in the folder of the examples; `OUT` is a file for the time being."""
+
+
+def _with_results(given: str) -> Any:
+    """Run a command; return what it prints, and what it writes, without columns and keys of seconds."""
+    with TemporaryDirectory() as folder, contextlib.chdir(EXAMPLES):
+        printed = _printed(given.replace("OUT", f"{folder}/out"))
+        return printed, {file.suffix: _content(file) for file in sorted(Path(folder).iterdir())}
+
+
+def _content(file: Path) -> Any:
+    if file.suffix == ".json":
+        text = file.read_text()
+        return [json.loads(each) for each in (text.splitlines() if text.startswith('{"') else [text])]
+    if file.suffix == ".csv":
+        head, *rows = [line.split(",") for line in file.read_text().splitlines()]
+        return [[each for name, each in zip(head, row, strict=True) if name not in CLOCKED] for row in (head, *rows)]
+    return file.read_text() if file.suffix == ".yaml" else None
 
 
 def _loaded(file: Path) -> Any:
     return sn.load(file).to_dict(EXAMPLES)
 
 
-def _printed(arguments: list[str]) -> Any:
+def _printed(typed: str) -> Any:
     out, error = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-        code = main(arguments)
+        code = main(typed.split())
     lines = out.getvalue().splitlines()
     told = [json.loads(line) for line in lines if line.startswith("{")]
     said = [line for line in lines if not line.startswith("{")]
-    return {"code": code, "told": [_timeless(each) for each in told], "words": [*said, error.getvalue()]}
-
-
-def _timeless(told: dict[str, Any]) -> dict[str, Any]:
-    return {key: each for key, each in told.items() if key not in CLOCKED}
+    return {"code": code, "told": told, "words": [*said, error.getvalue()]}
 
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.0, radius=4.0, tendons=sn.Tendons(3, radius=3.0))
@@ -154,15 +187,17 @@ WRONG: dict[str, Callable[[], Any]] = {
     "actuators by no name": lambda: ARM.from_actuators({"left": 1.0}),
     "actuators too many": lambda: ARM.from_actuators(np.zeros(17)),
     "load on a rigid body": lambda: ARM.shape(Q, sn.Force((0, 0, 1))),
-    "calibrate one row": lambda: sn.calibrate(ARM, np.zeros((1, 2)), np.zeros((1, 3))),
-    "design of nothing": lambda: sn.design(ARM, [], vary={"radius": (1.0, 2.0)}, minimise="length"),
-    "design field": lambda: sn.design(ARM, [(0, 0, 150)], vary={"colour": (1.0, 2.0)}, minimise="length"),
-    "design objective": lambda: sn.design(ARM, [(0, 0, 150)], vary={"radius": (1.0, 2.0)}, minimise="price"),
-    "sweep field": lambda: sn.sweep(ARM, {"colour": [1, 2]}),
-    "reach spacing": lambda: sn.reach(ARM, spacing=0.0),
-    "batch of text": lambda: sn.solve_batch(ARM, "nowhere.csv"),
-    "batch out": lambda: sn.solve_batch(ARM, {"positions": [[0, 0, 150]]}, out="results.doc"),
-    "explore moving": lambda: sn.explore(ARM, sn.Moving(sn.Sphere((0, 0, 0), 1.0), [0, 1], [(0, 99, 0), (0, 99, 9)])),
+    "calibrate one row": lambda: sn.studies.calibrate(ARM, np.zeros((1, 2)), np.zeros((1, 3))),
+    "design of nothing": lambda: sn.studies.design(ARM, [], vary={"radius": (1.0, 2.0)}, minimise="length"),
+    "design field": lambda: sn.studies.design(ARM, [(0, 0, 150)], vary={"colour": (1.0, 2.0)}, minimise="length"),
+    "design objective": lambda: sn.studies.design(ARM, [(0, 0, 150)], vary={"radius": (1.0, 2.0)}, minimise="price"),
+    "sweep field": lambda: sn.studies.sweep(ARM, {"colour": [1, 2]}),
+    "reach spacing": lambda: sn.studies.reach(ARM, spacing=0.0),
+    "batch of text": lambda: sn.studies.solve_batch(ARM, "nowhere.csv"),
+    "batch out": lambda: sn.studies.solve_batch(ARM, {"positions": [[0, 0, 150]]}, out="results.doc"),
+    "explore moving": lambda: sn.studies.explore(
+        ARM, sn.Moving(sn.Sphere((0, 0, 0), 1.0), [0, 1], [(0, 99, 0), (0, 99, 9)])
+    ),
     "memory of another": lambda: sn.solve(ARM, (0, 0, 150), memory=sn.Memory(sn.Robot.uniform(2, 1.0))),
     "load nothing": lambda: sn.load("nowhere.yaml"),
     "derivative of": lambda: sn.solve(ARM, (0, 0, 150)).derivative("weather"),  # type: ignore[arg-type]
@@ -202,14 +237,8 @@ def wrong() -> Iterator[Problem]:
     for name, text in FILES.items():
         yield Problem(f"file: {name}", partial(_read, text))
         yield Problem(f"command: {name}", partial(_read, text, by_command=True))
-    for arguments in (
-        ["solve"],
-        ["solve", "nowhere.yaml"],
-        ["magic"],
-        ["plan", str(EXAMPLES / "pose.yaml")],
-        ["solve", "--fast"],
-    ):
-        yield Problem("command " + " ".join(Path(each).name for each in arguments), partial(_printed, arguments))
+    for typed in ("solve", "solve nowhere.yaml", "magic", f"plan {EXAMPLES / 'pose.yaml'}", "solve --fast", "track 3"):
+        yield Problem(f"command {CHANGING.sub('', typed)}", partial(_printed, typed))
 
 
 def _kind_of(call: Callable[[], Any]) -> str:
@@ -221,7 +250,7 @@ def _read(text: str, by_command: bool = False) -> Any:
         file = Path(folder) / "job.yaml"
         file.write_text(text)
         if by_command:
-            return _printed(["solve", str(file), "--time", "5"])["code"]
+            return _printed(f"solve {file} --time 5")
         return sn.load(file, sn.Job).to_dict()
 
 

@@ -9,28 +9,29 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.corpus.answers import Problem
-from benchmarks.motion import leader, pairs
-from benchmarks.motion.in_time import moving
-from benchmarks.motion.judged import collides
-from benchmarks.motion.places import known
+from benchmarks.judges.motions import wrong_in
+from benchmarks.motion import known, leader, moving, p5
 from benchmarks.paper.scenes import path_through
 from benchmarks.places import make
-from benchmarks.wild import audit, loaded, odd, worlds
+from benchmarks.wild import audit, odd, worlds
 
 TIME = 20.0
 """Seconds of a plan, or of a waypoint; those that take more than a fraction of it are not kept."""
+
+FEW = 30
+"""Segments times obstacles of a motion that is verified step by step, which is slow."""
 
 
 def plans() -> Iterator[Problem]:
     """From one shape to another: among spheres, in known places, and to the targets of intricate ones."""
     for segments, count in ((3, 24), (4, 16), (6, 8)):
         for number in range(count):
-            pair = pairs.draw(segments, 1, number, 0)
+            pair = p5.draw(segments, 1, number, 0)
             ask = partial(sn.plan, pair.robot, pair.start, pair.goal, pair.scene, time=TIME)
             yield Problem(f"{segments} segments {number}", ask, _right)
             yield Problem(f"{segments} segments {number}, shortened", partial(ask, shortcuts=5), _right)
     for number in range(8):
-        pair = pairs.draw(4, 1, number, 1)
+        pair = p5.draw(4, 1, number, 1)
         target = sn.Target(pair.robot.tip(pair.goal)[:3, 3])
         yield Problem(
             f"to a target {number}", partial(sn.plan, pair.robot, pair.start, target, pair.scene, time=TIME), _right
@@ -43,7 +44,7 @@ def plans() -> Iterator[Problem]:
 
 
 def _right(motion: sn.Motion) -> bool:
-    return motion.solved and not collides(motion.robot, sn.Scene.of(motion.scene), motion.q)
+    return motion.solved and not wrong_in(motion.robot, sn.Scene.of(motion.scene), motion.q)
 
 
 def in_time() -> Iterator[Problem]:
@@ -51,7 +52,7 @@ def in_time() -> Iterator[Problem]:
     for seed in range(24):
         robot, scene, start, goal = moving.draw(seed)
         ask = partial(sn.plan, robot, start, goal, scene, time=TIME)
-        yield Problem(f"{seed} with rates", partial(ask, rates=moving.RATES), _right_in_time)
+        yield Problem(f"{seed} with rates", partial(ask, rates=sn.Rates(moving.BEND, moving.LENGTH)), _right_in_time)
         yield Problem(f"{seed} for a duration", partial(ask, duration=moving.DURATION), _right_in_time)
         ends = robot.tip(np.stack([start, goal]))[:, :3, 3]
         path = [sn.Target((1.0 - share) * ends[0] + share * ends[1]) for share in np.linspace(0.0, 1.0, 7)[1:]]
@@ -90,7 +91,7 @@ def _tracked(robot: sn.Robot, path: Any, scene: Any, **options: Any) -> Any:
 
 
 def _right_steps(motion: sn.Motion) -> bool:
-    return motion.between != "proved" or not collides(motion.robot, sn.Scene.of(motion.scene), motion.q)
+    return motion.between != "proved" or not wrong_in(motion.robot, sn.Scene.of(motion.scene), motion.q)
 
 
 def timed() -> Iterator[Problem]:
@@ -113,7 +114,7 @@ def _timed(robot: sn.Robot, scene: sn.Scene, shapes: Any, rng: np.random.Generat
     t = np.linspace(0.0, found.duration, 12)
     return (
         motion,
-        motion.verify(),
+        motion.verify() if len(robot) * (1 + len(scene)) < FEW else None,
         motion.reversed(),
         found.duration,
         found.stops,
@@ -161,7 +162,7 @@ def steps() -> Iterator[Problem]:
             f"{number}", partial(_ticks, world.robot, world.scene, world.hidden[0], world.targets[-1], number)
         )
     for number in range(20):
-        hanging = loaded.make(1, number)
+        hanging = audit.loaded(1, number)
         yield Problem(
             f"under load {number}",
             partial(_ticks, hanging.robot, hanging.scene, hanging.hidden[0], hanging.targets[-1], number),
@@ -179,7 +180,7 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
     live = sn.Scene([sn.Sphere(far, 0.1 * unit, name="ball"), *scene.obstacles]) if ball else scene
     rates = sn.Rates(*(rng.uniform(0.1, 3.0, 2) * (1.0, unit))) if number % 2 else None
     solver, kind = sn.Solver(robot, live, time=TIME, max_starts=4), number % 3
-    found: list[sn.Step] = []
+    found: list[sn.answer.Step] = []
     for _ in range(6):
         if ball:
             body = robot.backbone(found[-1].q if found else q)
@@ -196,16 +197,43 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
 
 
 def intricate() -> Iterator[Problem]:
-    """Plans from the straight shape to the target of a place, and through the place by a memory."""
+    """Plans in intricate places, from the hidden shape to positions of the tip a fifth of the length away."""
     for family in ("spheres 12", "shelf", "plates", "lattice", "rubble", "two doors"):
         for seed in range(4):
-            place = make(family, seed)
-            yield Problem(f"{family} {seed}", partial(_out_of, place.robot, place.hidden_q, place.scene))
+            place, rng = make(family, seed), np.random.default_rng([76, seed])
+            for way in rng.normal(size=(2, 3)):
+                off = 0.2 * place.robot.mean_length * way / np.linalg.norm(way)
+                target = sn.Target(place.robot.tip(place.hidden_q)[:3, 3] + off)
+                ask = partial(sn.plan, place.robot, place.hidden_q, target, place.scene, time=0.5 * TIME, max_starts=6)
+                yield Problem(f"{family} {seed} by {off[0]:.3g}", ask, _right)
 
 
-def _out_of(robot: sn.Robot, q: Any, scene: sn.Scene) -> sn.Motion:
-    """Draw back from a hidden shape to one whose bends are a twentieth smaller."""
-    return sn.plan(robot, q, q * (0.95, 0.95, 1.0), scene, time=TIME)
+def live() -> Iterator[Problem]:
+    """Tracks in a scene that changes under way, and plans under load."""
+    for number in range(20):
+        world = audit.units(9, number)
+        yield Problem(f"live {number}", partial(_live, world.robot, world.scene, world.hidden, number))
+    for number in range(12):
+        hanging = audit.loaded(2, number)
+        ends = hanging.hidden[0], hanging.hidden[-1]
+        yield Problem(f"under load {number}", partial(sn.plan, hanging.robot, *ends, hanging.scene, time=TIME))
+
+
+def _live(robot: sn.Robot, scene: sn.Scene, shapes: Any, number: int) -> sn.Motion:
+    rng, unit = np.random.default_rng([75, number]), robot.mean_length
+    ends = robot.tip(shapes[0])[:3, 3], robot.tip(shapes[-1])[:3, 3]
+    path = [sn.Target((1.0 - t) * ends[0] + t * ends[1]) for t in np.linspace(0.0, 1.0, 8)]
+    far, body = robot.base[:3, 3] + 5.0 * unit, robot.backbone(shapes[0])
+    near = body[rng.integers(len(body))] + 0.15 * unit * rng.normal(size=3)
+    changing = sn.Scene([sn.Sphere(far, 0.1 * unit, name="ball"), *scene.obstacles])
+    seen: list[sn.Solution] = []
+
+    def move(solution: sn.Solution) -> None:
+        seen.append(solution)
+        if len(seen) == number % 7 + 1:
+            changing.move("ball", position=near - far)
+
+    return sn.track(robot, path, changing, start=shapes[0], progress=move, time=TIME, max_starts=6)
 
 
 PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
@@ -213,6 +241,7 @@ PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
     "plans in places": intricate,
     "plans in time": in_time,
     "tracks": tracks,
+    "live and loaded": live,
     "times": timed,
     "leader": led,
     "control steps": steps,

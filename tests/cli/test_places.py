@@ -93,7 +93,7 @@ def test_a_memory_is_filled_and_a_plan_walks_in_it(run: Run, monkeypatch: pytest
 
 def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
-        interrupt(patch, sn.Reach, "save")
+        interrupt(patch, sn.studies.Reach, "save")
         told = run(f"{REACH} --out map.npz", 130).err
     assert told == "sinuous: interrupted; what was found is kept, the same command goes on\n"
     assert run(f"{REACH} --directions 3 --out map.npz", 2).err.startswith("--directions: ")
@@ -102,7 +102,7 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
         said = run(f"{REACH} --out map.npz --plot map.html").out  # all is there
         assert run(REACH, 130).err == "sinuous: interrupted; nothing is written\n"
     assert said.startswith("mapped.yaml: 5 x 5 x 5 voxels of 60, 6 directions each")
-    found = sn.Reach.load("map.npz")
+    found = sn.studies.Reach.load("map.npz")
     assert found.voxels.shape == (5, 5, 5)
     assert Path("map.html").exists()
     told = json.loads(run(f"{REACH} --json --workers 1").out)

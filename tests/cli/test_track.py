@@ -117,7 +117,7 @@ def test_a_path_moves(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
 
     from sinuous.view.pictures import report
 
-    monkeypatch.setattr(report, "animate", partial(sn.animate, seconds=0.4))
+    monkeypatch.setattr(report, "animate", partial(sn.view.animate, seconds=0.4))
     run("track path.yaml --plot motion.gif")
     with Image.open("motion.gif") as image:
         assert image.n_frames == 6  # type: ignore[attr-defined]

@@ -21,11 +21,11 @@ def test_a_map_is_told_written_and_drawn(capsys: pytest.CaptureFixture[str]) -> 
     own = ["reach", "arm.yaml", "--spacing", "60", "--directions", "6"]
     assert main([*own, "--out", "map.npz", "--plot", "map.html"]) == 0
     assert capsys.readouterr().out.startswith("arm.yaml: 5 x 5 x 5 voxels of 60, 6 directions each")
-    assert sn.Reach.load("map.npz").voxels.shape == (5, 5, 5)
+    assert sn.studies.Reach.load("map.npz").voxels.shape == (5, 5, 5)
     assert Path("map.html").exists()
     assert main([*own, "--json", "--workers", "1"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["volumes"]["reachable"]["found"] == sn.Reach.load("map.npz").volume().found
+    assert told["volumes"]["reachable"]["found"] == sn.studies.Reach.load("map.npz").volume().found
     assert main(["reach", "robot.yaml", "--spacing", "60", "--directions", "1", "--max-starts", "3"]) == 0
 
 
@@ -34,7 +34,7 @@ def test_interrupted_it_goes_on_where_there_is_a_file(
 ) -> None:
     own = ["reach", "arm.yaml", "--spacing", "60", "--directions", "6"]
     with monkeypatch.context() as patch:
-        patch.setattr(sn.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(sn.studies.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
         assert main([*own, "--out", "map.npz"]) == 130
         assert capsys.readouterr().err == "sinuous: interrupted; what was found is kept, the same command goes on\n"
     assert main([*own, "--directions", "3", "--out", "map.npz"]) == 2

@@ -201,7 +201,7 @@ def test_a_path_moves(problem: Write, tmp_path: Path, monkeypatch: pytest.Monkey
 
     from sinuous.view.pictures import report
 
-    monkeypatch.setattr(report, "animate", partial(sn.animate, seconds=0.4))
+    monkeypatch.setattr(report, "animate", partial(sn.view.animate, seconds=0.4))
     file = tmp_path / "motion.gif"
     assert main(["track", problem("path.yaml"), "--plot", str(file)]) == 0
     with Image.open(file) as image:

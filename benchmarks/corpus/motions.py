@@ -155,17 +155,11 @@ def _led(curve: Any, load: dict[str, Any], gap: float | None) -> Any:
 
 
 def steps() -> Iterator[Problem]:
-    """Control loops of some ticks with a twist, a target, or measurements, while a ball comes near; also under load."""
+    """Control loops of some ticks with a twist, a target, or measurements, while a ball comes near."""
     for number in range(80):
         world = audit.units(5, number)
         yield Problem(
             f"{number}", partial(_ticks, world.robot, world.scene, world.hidden[0], world.targets[-1], number)
-        )
-    for number in range(20):
-        hanging = audit.loaded(1, number)
-        yield Problem(
-            f"under load {number}",
-            partial(_ticks, hanging.robot, hanging.scene, hanging.hidden[0], hanging.targets[-1], number),
         )
     for number in range(120):
         rng = np.random.default_rng([73, number])

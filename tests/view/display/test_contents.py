@@ -46,8 +46,8 @@ def test_obstacles_are_where_they_are_at_a_share_of_the_motion() -> None:
     [
         ((), "things: expected something to draw"),
         ((ROBOT, ["x"]), r"things\[1\]\[0\]: expected a robot, scene"),
-        ((np.zeros((2, 3)),), r"things\[0\]: expected an array of configurations right after its robot"),
-        ((ROBOT, np.zeros((3, 3))), r"things\[1\]: expected"),
+        ((np.zeros((2, 3)),), r"things\[0\]: has no robot; expected an array of configurations right after its robot"),
+        ((ROBOT, np.zeros((3, 3))), r"things\[1\]: shape \(3, 3\); expected"),
         ((sn.Target(direction=(0, 0, 1)),), "a robot before a target without a position"),
         (([ROBOT] * 101,), r"len\(robots\): expected"),
     ],

@@ -58,7 +58,9 @@ def test_a_film(track: sn.Motion, tmp_path: Path) -> None:
 
 def test_without_ffmpeg_it_says_so(track: sn.Motion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda _: None)
-    with pytest.raises(sn.InputError, match=r"path: expected ffmpeg installed, or a name that ends in \.gif"):
+    with pytest.raises(
+        sn.InputError, match=r"path: needs the program ffmpeg; expected ffmpeg installed, or a name that ends in \.gif"
+    ):
         sn.view.animate(track, path=tmp_path / "track.mp4")
 
 
@@ -77,7 +79,7 @@ def test_when_ffmpeg_fails_it_says_what(track: sn.Motion, tmp_path: Path, monkey
         ("x.png", {}, r"path: expected a name that ends in \.gif, \.mp4"),
         ("x.gif", {"fps": 0}, "fps: expected"),
         ("x.gif", {"seconds": 0}, "seconds: expected"),
-        ("no/x.gif", {"seconds": 0.1, "fps": 10}, "path: expected a file that can be written"),
+        ("no/x.gif", {"seconds": 0.1, "fps": 10}, "path: cannot be written: "),
     ],
 )
 def test_wrong_arguments_are_named(tmp_path: Path, file: str, wrong: dict[str, float], message: str) -> None:

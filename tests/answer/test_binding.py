@@ -8,10 +8,10 @@ import pytest
 from scipy.optimize import minimize
 
 import sinuous as sn
-from sinuous.answer.binding import Binding, find_binding
+from sinuous.answer.binding import find_binding
 from sinuous.answer.constraints import limits_of
 from sinuous.answer.residual import residual_of
-from sinuous.answer.widening import Widening, plain
+from sinuous.answer.widening import Widening
 from sinuous.answer.widening import limits_of as limits_to_widen
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
@@ -52,22 +52,6 @@ def test_the_tendon_that_binds_is_named_and_its_opposite_too() -> None:
         assert "limits stop the best found: displacement of s1.t1 and s1.t3" in text
 
 
-def test_where_no_limit_is_found_to_bind_the_status_alone_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sn.Solution, "_find_binding", lambda _: ())
-    robot = sn.Robot.uniform(1, (0.9, 1.1), 3.0, tendons=sn.Tendons(4, 0.1, displacement=(-0.1, 0.1)))
-    solution = sn.solve(robot, sn.Target(direction=(np.sin(1.3), 0, np.cos(1.3))))
-    assert solution.status is sn.Status.LIMIT_BOUND
-    assert solution.sentence == sn.Status.LIMIT_BOUND.sentence
-
-
-def test_the_chamber_that_binds_is_named() -> None:
-    robot = sn.Robot.uniform(1, 1.0, 3.0, chambers=sn.Chambers(3, 0.1, length=(0.9, 1.2)))
-    solution = sn.solve(robot, sn.Target(direction=(1, 0, -0.5)))
-    assert ("actuator", 1, "s1.c1") in named(solution)
-    first = next(each for each in solution.binding if each.actuator == "s1.c1")
-    assert (first.key, first.limit) == ("chambers.length[0]", 0.9)
-
-
 def test_a_wall_in_the_way_is_first() -> None:
     robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
     wall = sn.Box((0, 1, 1.5), (8, 0.2, 8), name="wall")
@@ -94,12 +78,6 @@ def test_the_obstacle_of_a_proof_is_first(target: Any, obstacle: Any, status: sn
     first = solution.binding[0]
     assert (first.constraint, first.obstacle) == ("clearance", obstacle.name)
     assert first.value == pytest.approx(solution.reason.available - solution.reason.needed)
-
-
-def test_what_is_solved_is_not_held() -> None:
-    solution = sn.solve(ROBOT, sn.Target((0, 0, 2.7)))
-    assert solution.binding == ()
-    assert solution.to_dict()["binding"] == []
 
 
 def best_of(problem: sn.Problem, start: Any) -> tuple[Any, float]:
@@ -163,9 +141,3 @@ def wider(problem: sn.Problem, segment: int | None, key: str | None) -> sn.Probl
     assert limits is not None
     ends = frozenset({int(end[0]) if end else 0})
     return problem.changed(robot=Widening(name, (segment,), limits, ends).applied(problem.robot, 1e-3))
-
-
-def test_entries_are_plain_values_in_order() -> None:
-    entry = Binding("actuator", 2, None, 0.1, 0.1, "s2.t1", "tendons.displacement[1]").to_dict()
-    assert list(entry) == ["constraint", "segment", "obstacle", "value", "limit", "actuator", "other_segment"]
-    assert plain((0.1, 0.1)) == 0.1

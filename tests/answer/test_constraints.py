@@ -43,19 +43,3 @@ def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
             more, less = (list(limits_of(ROBOT, q + sign * step))[i].slack for sign in (1.0, -1.0))
             numbers.append((less - more) / (2.0 * h))
         np.testing.assert_allclose(normal(limit, unit), numbers, atol=1e-8)
-
-
-def test_values_slack_and_names_fit_together() -> None:
-    q = random_q(1)
-    gains: dict[str | None, float] = {
-        each.name: gain for each, gain in zip(ROBOT.actuators, ROBOT.drive.scales, strict=True)
-    }
-    for limit in limits_of(ROBOT, q):
-        lower = limit.key.endswith("[0]")
-        if limit.constraint != "curvature":
-            gain = gains.get(limit.actuator, 1.0)
-            assert limit.slack == pytest.approx((limit.value - limit.limit) * (1.0 if lower else -1.0) / gain)
-    names = [limit.actuator for limit in limits_of(ROBOT, q) if limit.actuator is not None]
-    assert names == [each.name for each in ROBOT.actuators for _ in range(2)]
-    values = {each.name: value for each, value in zip(ROBOT.actuators, ROBOT.to_actuators(q), strict=True)}
-    assert {limit.value for limit in limits_of(ROBOT, q) if limit.actuator == "s4.t2"} == {values["s4.t2"]}

@@ -55,12 +55,6 @@ def test_gradients_are_derivatives_of_the_clearance(seed: int) -> None:
         assert along == pytest.approx(1.0, abs=0.25)
 
 
-def test_far_obstacles_and_empty_scenes_have_none() -> None:
-    q = random_q(0)
-    assert contacts_of(Problem(ROBOT, Target((0, 0, 0))), q) == []
-    assert contacts_of(Problem(ROBOT, Target((0, 0, 0)), [Sphere((50, 0, 0), 1.0)]), q) == []
-
-
 def test_what_sits_in_the_mount_is_no_contact() -> None:
     base = [Sphere(ROBOT.base[:3, 3], 0.03, name="socket")]
     q = np.array([[0.0, 0.0, 0.8]] * 4)

@@ -73,13 +73,6 @@ def test_a_wrong_time_is_refused(time: Any) -> None:
     refused("time", lambda: solution.explain(time=time))
 
 
-def test_outside_a_room_it_is_outside_and_not_deep_in_it() -> None:
-    cabin = sn.Box((0, 0, 1), (2.4, 2.4, 2.4), inside=True, name="cabin")
-    text = str(sn.solve(ROBOT, sn.Target((0, 0.2, 2.6)), [cabin]).explain(time=0.0))
-    assert "outside cabin" in text
-    assert "deep" not in text
-
-
 def test_a_rotation_is_said_by_its_angle_and_axis() -> None:
     flipped = sn.Target((0, 0, 2.9), rotation=(0, 1, 0, 0))
     text = str(sn.solve(ROBOT, flipped, max_starts=30).explain(time=60.0))

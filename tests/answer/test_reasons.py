@@ -121,13 +121,6 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     )
 
 
-def test_what_is_solved_has_no_reason() -> None:
-    solution = Solver(ROBOT).solve(Target((0, 0.3, 2.6)))
-    assert solution.solved
-    assert solution.reason is None
-    assert solution.to_dict()["reason"] is None
-
-
 WALL = Box((0, 0, 150), (400, 400, 10), name="wall")
 """Of finite size, in the open: a longer body gets around it."""
 

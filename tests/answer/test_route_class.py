@@ -1,7 +1,5 @@
 """Classes of routes: their words, and there and back as plain values."""
 
-import json
-
 import pytest
 
 from sinuous.answer.route_class import Passing, RouteClass
@@ -19,12 +17,6 @@ def test_words() -> None:
         "class 3: past pillar on its -y side and through wall at [12.3, 0, -80]"
     )
     assert str(RouteClass(4, (PILLAR,) * 7)).endswith("past pillar on its -y side and 3 more")
-
-
-@pytest.mark.parametrize("passes", [(), (PILLAR,), (WALL, PILLAR)])
-def test_plain_values_there_and_back(passes: tuple[Passing, ...]) -> None:
-    own = RouteClass(3, passes)
-    assert RouteClass.from_dict(json.loads(json.dumps(own.to_dict()))) == own
 
 
 GOOD = {"number": 1, "passes": [{"obstacle": "wall", "side": None, "at": [0, 0, 1]}]}

@@ -31,23 +31,6 @@ def test_the_jacobian_is_the_geometric_one(seed: int) -> None:
     np.testing.assert_allclose(found, np.concatenate([moving, turning]) * scale, atol=1e-12)
 
 
-@pytest.mark.parametrize("count", [1, 3, 5, 6])
-def test_the_damped_system_is_solved(count: int) -> None:
-    rng = np.random.default_rng(count)
-    for mu in (1e-9, 0.1, 10.0):
-        jacobian, x = rng.normal(size=(6, 12)), rng.normal(size=6)
-        expected = np.linalg.solve(jacobian[:count] @ jacobian[:count].T + mu * np.eye(count), x[:count])
-        dls.solve_damped(jacobian, count, mu, np.full((6, 6), np.nan), x)
-        np.testing.assert_allclose(x[:count], expected, rtol=1e-9)
-
-
-def test_a_singular_jacobian_is_no_trouble() -> None:
-    """A straight robot cannot move ahead by bending."""
-    jacobian, x = np.zeros((6, 6)), np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    dls.solve_damped(jacobian, 6, 0.01, np.zeros((6, 6)), x)
-    np.testing.assert_allclose(x, [100.0, 0, 0, 0, 0, 0])
-
-
 def test_the_papers_four_poses() -> None:
     solver = sn.Solver(laws.ARM, method="dls", tolerance=sn.Tolerance(1e-3, 1e-4))
     assert laws.solved_and_verified(solver, laws.PAPER) == 4

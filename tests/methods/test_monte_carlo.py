@@ -58,18 +58,6 @@ def test_draws_stay_in_their_range_and_within_the_limits(share: float) -> None:
     assert (np.abs(found[..., 0]).max(axis=0) >= 0.5 * reach).all()
 
 
-def test_draws_keep_the_limits_of_tendons() -> None:
-    robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, tendons=sn.Tendons(count=3, radius=0.1, displacement=(-0.1, 0.1)))
-    found = scattered(robot, np.array([[0.0, 0.0, 1.0]] * 3), 1.0, 200)
-    assert robot.excess(found) <= 1e-12
-    assert np.abs(found[..., :2]).max() > 0.1
-
-
-def test_the_papers_first_two_poses() -> None:
-    solver = sn.Solver(laws.ARM, method="monte_carlo", tolerance=LOOSE, time=10.0)
-    assert laws.solved_and_verified(solver, laws.PAPER[:2]) == 2
-
-
 @pytest.mark.parametrize("kind", ["position", "direction", "rotation"])
 def test_reachable_targets(kind: str) -> None:
     solver = sn.Solver(laws.ARM, method="monte_carlo", tolerance=LOOSE, time=10.0)

@@ -3,7 +3,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-import pytest
 
 from sinuous.methods.options import Options, choice, count, flag, number
 from tests.helpers import NOT_NUMBERS, refused, refused_each
@@ -18,13 +17,6 @@ class Sample(Options):
     rounds: int = count(3, 1, 10)
     metric: str = choice("second", ("first", "second"))
     careful: bool = flag(True)
-
-
-def test_options_are_frozen_and_have_defaults() -> None:
-    assert Sample() == Sample(0.5, 3, "second", True)
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        Sample().rate = 1.0  # type: ignore[misc]
-    assert isinstance(Sample(rate=1).rate, float)
 
 
 def test_what_cannot_be_meant_is_refused() -> None:

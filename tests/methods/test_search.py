@@ -1,34 +1,18 @@
 """The search of every method but our own, with a method that does as it is told."""
 
-import math
-from typing import Any
-
 import numpy as np
 import pytest
 
-from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem as Inner
 from sinuous.kernels.tables import (
-    ANGLE_ERROR,
-    ARC,
-    CODE,
     FAILED,
-    GIVEN,
-    ITERATIONS,
     LATE,
-    MERIT,
     OUT_OF_REACH,
-    POSITION_ERROR,
     RANDOM,
-    RECORD_WIDTH,
-    SECONDS,
     SOLVED,
-    SOURCE,
-    STARTS,
-    TARGET_BLOCKED,
     Budget,
     Outcome,
     answer_size,
@@ -42,7 +26,6 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
-from tests.methods.test_search_judge import checker
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.1)
 RIGHT = np.array([[0.5, 0.2, 1.0]] * 2)
@@ -138,64 +121,3 @@ def test_every_problem_has_its_own_answer() -> None:
         (alone,), _ = run([target], (1, NEVER, 2), 1, (0, 3, 0, 10.0), scene)
         np.testing.assert_array_equal(alone.q, one.q)
         assert alone._replace(q=one.q, seconds=0.0) == one._replace(seconds=0.0)
-
-
-def empty_answer() -> Answer:
-    return Answer(np.zeros((2, 3)), np.zeros(RECORD_WIDTH))
-
-
-def test_the_record_is_opened_and_closed() -> None:
-    robot = Robot.uniform(2, (0.8, 1.2), 2.0)
-    inner, check = checker(Problem(robot, Target(robot.tip(RIGHT)[:3, 3]), Scene([Sphere((5.0, 0.0, 0.0), 1.0)])))
-    answer = empty_answer()
-    count = method_search.open_record(inner, check, 0, (3, 9, 0, 1.0), answer)
-    assert count == 6
-    assert check.clock[DEADLINE] == pytest.approx(1e9 * (answer.record[SECONDS] + 1.0))
-    np.testing.assert_array_equal(answer.best[:, 2], 1.0)
-    assert offer(inner, check, RIGHT, ARC, answer)
-    method_search.close_record(inner, check, 7, 2, True, answer)
-    assert (answer.record[CODE], answer.record[ITERATIONS], answer.record[STARTS]) == (SOLVED, 7, 2)
-    assert answer.record[SOURCE] == ARC
-    assert 0.0 <= answer.record[SECONDS] < 60.0
-
-
-def test_nothing_offered_is_the_straight_robot_and_a_failure() -> None:
-    robot = Robot.uniform(2, (0.8, 1.2), 2.0)
-    inner, check = checker(Problem(robot, Target((0.0, 0.0, 2.0))))
-    for late, code in ((False, FAILED), (True, LATE)):
-        answer = empty_answer()
-        method_search.open_record(inner, check, 0, (0, 0, 0, 1.0), answer)
-        method_search.close_record(inner, check, 0, 0, late, answer)
-        assert answer.record[CODE] == code
-        assert np.isfinite(answer.record[[POSITION_ERROR, ANGLE_ERROR, MERIT]]).all()
-
-
-def test_the_impossible_is_said_and_hardly_tried() -> None:
-    for target, scene, code in (
-        (Target((0.0, 0.0, 3.0)), Scene(), OUT_OF_REACH),
-        (Target((0.0, 1.0, 1.0)), Scene([Sphere((0.0, 1.0, 1.0), 0.3)]), TARGET_BLOCKED),
-    ):
-        inner, check = checker(Problem(ROBOT, target, scene, Tolerance(1e-3, 1e-3)))
-        answer = empty_answer()
-        count = method_search.open_record(inner, check, 1, (0, 50, 0, 1.0), answer)
-        assert count == 2
-        offer(inner, check, WRONG, ARC, answer)
-        method_search.close_record(inner, check, 0, 0, False, answer)
-        assert answer.record[CODE] == code
-
-
-def test_starts_are_given_then_the_arc_then_scattered_within_limits() -> None:
-    robot = Robot.uniform(3, (0.8, 1.2), 2.0)
-    inner, check = checker(Problem(robot, Target((0.5, 1.0, 2.0))))
-    given = np.array([[[0.1, 0.2, 1.1]] * 3])
-    q = np.zeros((3, 3))
-    kinds: list[Any] = []
-    for index in range(6):
-        kinds.append(method_search.begin_from(inner, check, method_search.Start(given, index, 0, 0), q))
-        assert robot.excess(q) <= 1e-12
-        if index == 0:
-            np.testing.assert_array_equal(q, given[0])
-        if index > 1:  # turned about the base to the target's side
-            tip = robot.tip(q)[:3, 3]
-            assert math.atan2(tip[1], tip[0]) == pytest.approx(math.atan2(1.0, 0.5), abs=1e-9)
-    assert kinds == [GIVEN, ARC, *[RANDOM] * 4]

@@ -8,7 +8,7 @@ from benchmarks.problems import clutter, random_configurations
 from sinuous.answer.verification import verify
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.packing import pose_row
-from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
+from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, RECORD_WIDTH, SOLVED, SOURCE
 from sinuous.methods import search as common
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
@@ -63,21 +63,6 @@ def test_the_check_agrees_with_the_independent_one() -> None:
     assert min(solved, blocked, bound, missed) > 3
 
 
-def test_several_targets_count_by_the_worst() -> None:
-    robot = Robot.uniform(3, (0.8, 1.2), 2.0)
-    q = np.array([[0.3, 0.1, 1.0]] * 3)
-    ends = robot.forward(q)
-    targets = [
-        Target(ends[0, :3, 3] + [0.0, 0.2, 0.0], segment=1),
-        Target(ends[2, :3, 3], direction=ends[1, :3, 2]),
-    ]
-    _, off, turn, clearance, _, over, _ = judged(Problem(robot, targets), q)
-    assert off == pytest.approx(0.2)
-    assert turn == pytest.approx(math.hypot(0.3, 0.1), rel=1e-6)
-    assert clearance == math.inf
-    assert not over
-
-
 def test_curvature_and_actuators_are_limits_too() -> None:
     from sinuous.model.actuators import Tendons
 
@@ -119,15 +104,3 @@ def test_the_best_offer_is_kept() -> None:
         if kept is not None:
             np.testing.assert_array_equal(answer.best, kept)
     assert (answer.record[CODE], answer.record[SOURCE]) == (SOLVED, ARC)
-
-
-def test_what_is_proved_impossible_stays_so_until_something_is_solved() -> None:
-    robot = Robot.uniform(2, (0.8, 1.2), 2.0)
-    right = np.array([[0.5, 0.2, 1.0]] * 2)
-    inner, check = checker(Problem(robot, Target(robot.tip(right)[:3, 3])))
-    answer = empty_answer(2)
-    answer.record[CODE] = OUT_OF_REACH
-    assert not common.offer(inner, check, right * 0.9, ARC, answer)
-    assert answer.record[CODE] == OUT_OF_REACH
-    assert common.offer(inner, check, right, ARC, answer)
-    assert answer.record[CODE] == SOLVED

@@ -22,14 +22,6 @@ def test_reachable_targets(kind: str, max_bend: float) -> None:
     assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 50, max_bend, kind=kind)) >= 49
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 12])
-def test_any_number_of_segments(count: int) -> None:
-    robot = sn.Robot.uniform(count, (45, 70), 1.5)
-    solver = sn.Solver(robot, method="slinki")
-    targets = laws.tip_targets(robot, 20, 0.8, kind="position" if count < 3 else "direction")
-    assert laws.solved_and_verified(solver, targets) >= 17
-
-
 def test_it_goes_round_obstacles() -> None:
     rng = np.random.default_rng(2)
     robot = sn.Robot.uniform(5, (45, 70), 2.0, radius=4, mount=10)

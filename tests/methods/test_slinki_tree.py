@@ -7,14 +7,9 @@ import numpy as np
 import pytest
 
 from sinuous.methods import slinki as lattice
-from sinuous.model.robot import Robot
 from tests.cases import with_each
-from tests.helpers import expm_chain, random_rotation, vec
+from tests.helpers import random_rotation, vec
 from tests.methods.fabrik.test_links import MIXED
-
-
-def arc(bend: float, angle: float, length: float) -> Any:
-    return np.array([[bend * math.cos(angle), bend * math.sin(angle), length]])
 
 
 @with_each("seed", range(20))
@@ -31,43 +26,6 @@ def test_a_biarc_gets_there(seed: int) -> None:
     assert np.linalg.norm(joints[1] - joints[0]) == pytest.approx(links[0] + links[1])
     assert math.acos(first @ middle) == pytest.approx(bend_1, abs=1e-9)
     assert math.acos(middle @ last) == pytest.approx(bend_2, abs=1e-9)
-
-
-def test_a_single_arc_and_its_biarc_agree() -> None:
-    for bend in (0.0, 1e-7, 0.3, 1.5, 2.8):
-        tip = expm_chain(arc(bend, 0.7, 2.0))[-1]
-        end, tangent = vec(tip[:3, 3]), vec(tip[:3, 2])
-        found, length = lattice.single((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), end)
-        assert (found, length) == pytest.approx((bend, 2.0), abs=1e-9)
-        halves = lattice.biarc((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), end, tangent)
-        assert halves == pytest.approx((0.5 * bend, 0.5 * bend, 1.0, 1.0), abs=1e-7)
-
-
-def test_there_is_no_biarc_to_straight_behind() -> None:
-    ahead = (0.0, 0.0, 1.0)
-    assert lattice.biarc((0.0, 0.0, 0.0), ahead, (0.0, 0.0, -1.0), ahead)[2] == math.inf
-    assert lattice.single((0.0, 0.0, 0.0), ahead, (0.0, 0.0, -1.0))[1] == math.inf
-
-
-def sums_of(robot: Robot) -> Any:
-    caps = np.fmin(robot.limits[:, 2], robot.limits[:, 3] * robot.limits[:, 1])
-    own = np.stack([robot.limits[:, 0], robot.limits[:, 1], caps], axis=-1)
-    return np.concatenate([np.cumsum(own[::-1], axis=0)[::-1], np.zeros((1, 3))])
-
-
-def test_the_outlook_is_best_where_the_segments_fit() -> None:
-    robot = Robot.uniform(4, (0.8, 1.2), 1.0)
-    sums, ahead = sums_of(robot), (0.0, 0.0, 1.0)
-    for aimed in (False, True):
-
-        def of(k: int, distance: float, side: float = 0.0, aimed: bool = aimed) -> float:
-            return float(lattice.outlook(robot.limits, sums, k, (0, 0, 0), ahead, (side, 0.0, distance), ahead, aimed))
-
-        assert of(0, 4.0) == of(2, 2.0) == 0.0
-        assert of(2, 3.0) > 0.1
-        assert of(0, 2.0) > 0.1
-        assert of(0, 3.9, 0.5) > 0.0
-        assert of(0, -3.0) > 1e3
 
 
 @pytest.mark.parametrize("rings", [1, 2, 3])

@@ -1,26 +1,14 @@
 """Configurations: distances, limits of segments, and random ones within them."""
 
-import math
-
 import numpy as np
 import pytest
 
 import sinuous as sn
 from sinuous.kernels.packing import scales_of
-from sinuous.motion.configurations import distances, random_configuration, within_limits
+from sinuous.motion.configurations import random_configuration, within_limits
 
 ROBOT = sn.on_stage(sn.Robot.uniform(3, (0.0, 1.2), 2.4, max_curvature=3.0, radius=0.05), 2.0)
 ENDLESS = sn.Robot.uniform(2, 1.0, radius=0.01)
-
-
-def test_the_distance_is_measured_at_mean_lengths() -> None:
-    p, q = np.zeros((4, 3)), np.arange(12.0).reshape(4, 3)
-    levers, lengths = (2.3, 1.5, 0.9, 0.3), (1.0, 0.6, 0.6, 0.6)
-    assert levers[0] == 0.5 * lengths[0] + sum(lengths[1:])
-    parts = [(lever * x, lever * y, z) for lever, (x, y, z) in zip(levers, q.tolist(), strict=True)]
-    assert distances(ROBOT, np.stack([p, q]))[0] == pytest.approx(
-        math.hypot(*(each for part in parts for each in part))
-    )
 
 
 @pytest.mark.parametrize("robot", [ROBOT, ENDLESS])

@@ -205,15 +205,6 @@ def test_the_kind_of_a_file_may_be_demanded(job_file: Path) -> None:
         sn.load(arm, sn.Scene)
 
 
-def test_a_fault_in_a_file_of_its_own_names_that_file(job_file: Path) -> None:
-    (job_file.parent / "room" / "room.yaml").write_text("- sphere: {center: [1, 0, 1], radius: -1}")
-    with pytest.raises(
-        sn.InputError, match=r"room.room\.yaml: \[0\]\.sphere\.radius: expected a number greater than 0"
-    ):
-        sn.load(job_file)
-    assert main(["check", str(job_file)]) == 2
-
-
 def test_arguments_are_checked() -> None:
     refused("robot", lambda: sn.Job(3, TARGET))  # type: ignore[arg-type]
     refused("target", lambda: sn.Job(ROBOT), "missing")

@@ -9,12 +9,6 @@ from sinuous.base.checks import Floats
 from sinuous.motion.knots import TipLine
 
 
-def test_a_part_of_the_line_is_between_its_shares() -> None:
-    ends = np.empty((2, 3))
-    TipLine(sn.Target((1.0, 0.0, 3.0)), sn.Target((5.0, 0.0, 3.0))).draw((0.25, 1.0), ends)
-    np.testing.assert_allclose(ends, [(2.0, 0.0, 3.0), (5.0, 0.0, 3.0)])
-
-
 def asked(target: sn.Target) -> tuple[Floats, Floats, Floats]:
     """Position, direction and rotation of a target; zeros where it asks for none."""
     parts = (target.position, target.direction, target.rotation)
@@ -36,18 +30,3 @@ def test_orientations_go_the_shorter_way_round() -> None:
     np.testing.assert_allclose(asked(opposite.at(1.0))[1], [-1.0, 0.0, 0.0], atol=1e-12)
     same = TipLine(a, sn.Target((0, 0, 2), direction=(1, 0, 0)))
     np.testing.assert_allclose(asked(same.at(0.3))[1], [1.0, 0.0, 0.0])
-
-
-def test_there_is_one_where_the_same_is_asked_of_the_tip() -> None:
-    place, turned = sn.Target((0, 0, 3)), sn.Target((0, 1, 3), direction=(0, 0, 1))
-    elbow, direction = sn.Target((0, 0, 1), segment=1), sn.Target(direction=(0, 0, 1))
-    assert TipLine.between((place,), (place,)) is not None
-    assert TipLine.between((turned,), (turned,)) is not None
-    pairs = [
-        ((place,), (turned,)),
-        ((elbow,), (elbow,)),
-        ((direction,), (direction,)),
-        ((place, elbow), (place, elbow)),
-    ]
-    assert all(TipLine.between(begin, end) is None for begin, end in pairs)
-    assert TipLine.between(None, (place,)) is None

@@ -8,7 +8,6 @@ import pytest
 import sinuous as sn
 from sinuous.measures.following import body_places
 from sinuous.motion import leader
-from sinuous.solver.certificates.steps import Prover
 from tests.cases import with_each
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
@@ -111,20 +110,6 @@ def test_beside_walls_the_knots_do_not_depend_on_the_clock(monkeypatch: pytest.M
     assert motions[0].seconds < 60.0
 
 
-def test_no_step_is_proved_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    proved: list[bytes] = []
-    prove = Prover.prove
-
-    def count(self: Prover, knots: Any, *given: Any, **options: Any) -> Any:
-        proved.extend(knot.tobytes() for knot in knots[:-1])
-        return prove(self, knots, *given, **options)
-
-    monkeypatch.setattr(Prover, "prove", count)
-    motion = sn.follow_the_leader(STAGED, BEZIER, [sn.Sphere((1.2, 0.0, 0.0), 0.3)], tip_deviation=1e-3)
-    assert motion.solved
-    assert len(proved) == len(motion.q) - 1
-
-
 def test_the_tool_is_not_led() -> None:
     robot = STAGED.changed(tool=sn.pose((0, 0.1, 0.2)))
     motion = sn.follow_the_leader(robot, BEZIER, tip_deviation=1e-2)
@@ -180,13 +165,6 @@ def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:
     assert robot.uncertainty is not None
     assert (robot.uncertainty.bound, robot.uncertainty.level) == ((0.5, 0.5, 0.7), 0.99)
     assert [(load.mass, load.segment) for load in robot.payload] == [(2, 2)]
-
-
-def test_actuators_of_the_arm_stay_what_they_are() -> None:
-    driven = sn.Robot.uniform(2, 50.0, actuators=sn.Actuators(np.eye(6)[[0, 4]], names=["a", "b"], limits=(-1, 1)))
-    robot = sn.on_stage(driven, 100)
-    q = np.array([[0.3, 0.2, 50], [0.1, -0.4, 50]])
-    np.testing.assert_allclose(robot.to_actuators([[0, 0, 20], *q]), driven.to_actuators(q))
 
 
 @pytest.mark.parametrize(

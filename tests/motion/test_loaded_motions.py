@@ -247,19 +247,3 @@ def test_where_nothing_bounds_a_rounded_corner_it_stops(tendons: dict[str, Any])
     robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
     motion = sn.Motion(robot, CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1])
     assert motion.timed(RATES, blend=ROUND).stops == 1
-
-
-def test_tendons_that_hold_their_lengths_are_rounded() -> None:
-    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004))
-    robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
-    q = CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1]
-    rounded = sn.Motion(robot, q).timed(RATES, blend=ROUND)
-    assert rounded.stops == 0
-    assert 0.1 * ROUND < off_legs(robot, q, rounded)[1] <= ROUND
-
-
-def test_the_deviation_is_that_of_the_loaded_body() -> None:
-    robot = arm()
-    motion = sn.Motion(robot, [Q, Q + 0.05 * MOVED, Q])
-    straight = [robot.base[:3, 3], motion.tips[0][:3, 3]]
-    assert motion.deviation(straight).tip < sn.Motion(robot.changed(gravity=None), motion.q).deviation(straight).tip

@@ -58,17 +58,6 @@ def test_a_motion_that_was_falsified_between_its_waypoints_does_not_verify() -> 
     assert all(step.ok for step in sn.Motion(ROBOT, KNOTS, [BALL]).verify())
 
 
-def test_a_motion_that_was_falsified_in_time_does_not_verify() -> None:
-    """The ball comes by in the middle of the step alone."""
-    still = np.stack([STRAIGHT, STRAIGHT])
-    ball = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.1), [0, 1, 2], [(2, 0, 1), (0, 0, 1), (2, 0, 1)])
-    honest = sn.Motion(ROBOT, still, [ball], times=[0.0, 2.0])
-    assert not honest.solved
-    false = sn.Motion.made(ROBOT, honest.scene, honest.q, honest.times, Steps.told(1, (), 0.1, None), Report())
-    assert false.solved
-    assert not false.verify()[0].ok
-
-
 def test_a_motion_that_was_falsified_in_its_file_does_not_verify() -> None:
     """Knots are told to be others than those that were proved: the step to them breaks a limit."""
     motion = sn.track(ROBOT, [sn.Target(ROBOT.tip(q)[:3, 3]) for q in KNOTS[1:]], start=STRAIGHT)
@@ -117,15 +106,6 @@ def test_a_table_holds_knots_or_samples(tmp_path: Path) -> None:
     assert len((tmp_path / "knots.csv").read_text().splitlines()) == 1 + 3
     for rate in (0, -1, "fast"):
         refused("rate", lambda rate=rate: motion.to_csv(tmp_path / "no.csv", rate=rate))  # type: ignore[misc]
-
-
-def test_a_rate_that_does_not_divide_the_time_still_ends_at_the_last_knot(tmp_path: Path) -> None:
-    motion = sn.Motion(ROBOT, KNOTS[:2])
-    motion.to_csv(tmp_path / "samples.csv", rate=0.3)
-    motion.to_csv(tmp_path / "more.csv", rate=1.5)
-    times = [line.split(",")[0] for line in (tmp_path / "samples.csv").read_text().splitlines()[1:]]
-    assert times == ["0.0", "1.0"]
-    assert len((tmp_path / "more.csv").read_text().splitlines()) == 1 + 3
 
 
 def test_what_is_saved_as_arrays_is_the_same(tmp_path: Path) -> None:

@@ -54,15 +54,6 @@ def test_several_targets_are_met_at_once_and_a_solution_is_a_configuration() -> 
     assert sn.plan(ROBOT, start, motion.solutions[0], scene).solved
 
 
-def test_without_obstacles_the_way_is_straight() -> None:
-    _, (start, goal) = pair(3)
-    robot = ROBOT.changed(self_collision="allow")
-    motion = sn.plan(robot, start, goal)
-    assert motion.solved
-    assert len(motion.q) == 2
-    assert motion.clearance is None
-
-
 def test_the_same_seed_gives_the_same_motion() -> None:
     scene, (start, goal) = next((s, e) for s, e in map(pair, range(20)) if len(sn.plan(ROBOT, e[0], e[1], s).q) > 2)
     one, other = (sn.plan(ROBOT, start, goal, scene, seed=3) for _ in range(2))

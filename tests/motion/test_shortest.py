@@ -6,8 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.arguments import Shortest
 from sinuous.base.checks import Floats
-from sinuous.motion.knots import Knot
-from sinuous.motion.shortening import _solved, metric_of, shorten
+from sinuous.motion.shortening import metric_of
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05, tendons=sn.Tendons(3, 0.04))
@@ -46,12 +45,6 @@ def test_a_path_that_leaves_nothing_open_stays() -> None:
     np.testing.assert_allclose(short.q, plain.q, atol=1e-3)
 
 
-def test_the_start_stays() -> None:
-    start = np.tile([0.1, 0.0, 1.0], (4, 1))
-    motion = sn.track(ROBOT, PATH, [BALL], start=start, shortest="configuration", deviation=0.05)
-    np.testing.assert_array_equal(motion.q[0], start)
-
-
 @pytest.mark.parametrize("scale", [1e-6, 1e3])
 def test_the_length_unit_does_not_matter(scale: float) -> None:
     robot = sn.Robot.uniform(4, (0.8 * scale, 1.2 * scale), max_bend=2.0, radius=0.05 * scale)
@@ -59,30 +52,6 @@ def test_the_length_unit_does_not_matter(scale: float) -> None:
     own = sn.track(sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05), PATH, shortest="configuration")
     motion = sn.track(robot, path, shortest="configuration")
     np.testing.assert_allclose(motion.q / [1.0, 1.0, scale], own.q, atol=1e-6)
-
-
-def test_a_path_whose_knots_cannot_be_moved_stays() -> None:
-    knots = [Knot(q, None, (target,)) for q, target in zip(sn.track(ROBOT, PATH).q, PATH, strict=False)]
-    durations = np.ones(len(knots) - 1)
-    metric = metric_of(ROBOT, "configuration")
-    short = shorten(ROBOT, knots, metric, durations, solve=lambda _knot, _q: None, prove=lambda _before, _after: None)
-    assert all(kept is before for kept, before in zip(short, knots, strict=True))
-
-
-@pytest.mark.parametrize("count", [1, 2, 7])
-def test_blocks_are_solved_as_the_whole(count: int) -> None:
-    rng = np.random.default_rng(count)
-    dense = np.zeros((3 * count, 3 * count))
-    diagonal, beside = np.zeros((count, 3, 3)), rng.normal(size=(count - 1, 3, 3))
-    for t in range(count):
-        root = rng.normal(size=(3, 3))
-        diagonal[t] = dense[3 * t : 3 * t + 3, 3 * t : 3 * t + 3] = root @ root.T + 8.0 * np.eye(3)
-    for t in range(count - 1):
-        dense[3 * t : 3 * t + 3, 3 * t + 3 : 3 * t + 6] = beside[t]
-        dense[3 * t + 3 : 3 * t + 6, 3 * t : 3 * t + 3] = beside[t].T
-    right = rng.normal(size=(count, 3))
-    found = _solved(diagonal, beside, right)
-    np.testing.assert_allclose(found.ravel(), np.linalg.solve(dense, right.ravel()), rtol=1e-9, atol=1e-12)
 
 
 def test_what_cannot_be_meant_is_refused() -> None:

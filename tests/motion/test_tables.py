@@ -3,7 +3,6 @@
 import csv
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import sinuous as sn
@@ -38,24 +37,12 @@ def test_it_holds_every_number_to_the_last_digit(track: sn.Motion, tmp_path: Pat
         assert [float(row[name]) for name in columns(ROBOT)[:9]] == solution.q.ravel().tolist()
 
 
-def test_columns_are_called_after_segments_and_actuators() -> None:
-    assert columns(ROBOT)[:4] == ["stage.bend_x", "stage.bend_y", "stage.length", "s2.bend_x"]
-    assert columns(ROBOT)[9:] == ["s2.t1", "s2.t2", "s2.t3", "up", "left", "a, b", "feed"]
-    assert columns(sn.Robot.uniform(1, 1.0)) == ["s1.bend_x", "s1.bend_y", "s1.length"]
-
-
 def test_a_motion_without_knots_is_a_table_without_rows(tmp_path: Path) -> None:
     robot = sn.Robot.uniform(2, 1.0)
     nothing = sn.track(robot, [sn.Target((0.0, 0.0, 9.0))])
     assert len(nothing.q) == 0
     nothing.to_csv(tmp_path / "none.csv")
     assert len((tmp_path / "none.csv").read_text().splitlines()) == 1
-
-
-def test_numpy_reads_it(track: sn.Motion, tmp_path: Path) -> None:
-    track.to_csv(tmp_path / "motors.csv")
-    table = np.genfromtxt(tmp_path / "motors.csv", delimiter=",", skip_header=1, usecols=range(1, 17))
-    np.testing.assert_allclose(table[:, 9:], ROBOT.to_actuators(track.q), atol=1e-15)
 
 
 def test_a_file_that_cannot_be_written_is_named(track: sn.Motion, tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.motion.track import HALF, ClearanceWish
 from sinuous.problem.problem import Preferences
 from tests.cases import with_each
 from tests.helpers import refused
@@ -184,12 +183,6 @@ def test_the_dictionary_is_plain_and_strict() -> None:
     assert result["seconds"] == pytest.approx(track.seconds)
 
 
-def test_progress_sees_every_solution() -> None:
-    seen: list[sn.Solution] = []
-    track = sn.track(ROBOT, CIRCLE[:3], progress=seen.append)
-    assert tuple(seen) == track.solutions
-
-
 @with_each("targets", [CIRCLE[0], [], "path.csv", [CIRCLE[0], 3], [[]], [sn.Target((0, 0, 3), segment=5)], 3])
 def test_what_is_no_path_is_refused(targets: object) -> None:
     with pytest.raises(sn.InputError, match="targets"):
@@ -214,15 +207,6 @@ def test_times_that_do_not_increase_are_refused() -> None:
 
 ARM = sn.Robot.uniform(5, (0.9, 1.1), 2.0, radius=0.02)
 WALL = sn.Sphere((1.2, 0.0, 2.5), 0.9)
-
-
-def test_half_of_the_room_is_enough() -> None:
-    asked, room = Preferences(clearance=0.1), ClearanceWish(clearance=0.1)
-    assert asked.satisfied(0.1)
-    assert not asked.satisfied(0.099)
-    assert room.satisfied(0.1 * HALF)
-    assert not room.satisfied(0.099 * HALF)
-    assert not Preferences(bends=1.0).satisfied(1.0)
 
 
 def test_a_robot_that_goes_on_keeps_its_room() -> None:

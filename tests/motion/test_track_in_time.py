@@ -30,15 +30,6 @@ def test_a_path_is_followed_in_time(started: bool) -> None:
     assert sn.Motion(ROBOT, motion.q, [PASSING], motion.times).between == "proved"
 
 
-def test_the_same_path_at_other_times_is_another_motion() -> None:
-    """The obstacle is in the way at some times only: the path of the tip is as free as if there were none at others."""
-    late = sn.track(ROBOT, PATH, [PASSING], times=TIMES + 100.0)
-    gone = sn.Sphere((2, 0, 2.2), 0.4)
-    still = sn.track(ROBOT, PATH, [gone], times=TIMES + 100.0)
-    one, other = (motion.q[np.array(motion.waypoint_knots)] for motion in (late, still))
-    np.testing.assert_allclose(one, other, atol=1e-9)
-
-
 def test_where_an_obstacle_blocks_the_path_it_is_said() -> None:
     motion = sn.track(ROBOT, PATH, [BLOCKING], times=TIMES)
     assert not motion.solved

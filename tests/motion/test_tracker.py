@@ -56,14 +56,6 @@ def test_directions_turn_on_the_way() -> None:
         assert direction @ [0.0, 0.0, 1.0] > np.cos(np.arctan(0.5)) - 0.01
 
 
-def test_a_step_that_cannot_be_gone_straight_is_told() -> None:
-    """A thin plate: the tip would have to go through it."""
-    plate = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4), name="plate")
-    motion = sn.track(ROBOT, [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)], [plate])
-    assert all(solution.solved for solution in motion.solutions)
-    assert motion.reconfigured == (3,)
-
-
 def test_an_update_of_the_scene_is_seen_at_the_next_waypoint() -> None:
     scene = sn.Scene([sn.PointCloud([[9.0, 0.0, 0.0]], 0.1, name="cloud")])
     seen: list[sn.Solution] = []

@@ -94,14 +94,6 @@ def test_a_straight_step_takes_the_time_of_a_trapezoid() -> None:
     assert finer.timed(limits).duration == pytest.approx(2.0)
 
 
-def test_rates_alone_need_no_stop() -> None:
-    timed = wave().timed(FIRST)
-    t = 0.5 * (timed.times[1:] + timed.times[:-1])
-    assert len(t) == len(wave().q) - 1
-    for speed in timed.velocity(t):
-        assert np.divide(rates_of(speed), (1.0, 30.0, 6.0)).max() == pytest.approx(1.0)
-
-
 def test_a_blend_saves_time_and_stays_within_what_is_allowed() -> None:
     motion = smooth(40)
     stops, blended = motion.timed(BOTH), motion.timed(BOTH, 0.3)
@@ -158,14 +150,6 @@ def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) 
     assert message["joint_names"] == [actuator.name for actuator in ARM.actuators]
 
 
-def test_resampled_it_is_a_motion_that_is_proved_anew() -> None:
-    timed = wave().timed(BOTH, 0.3)
-    motion = timed.resampled(50)
-    assert motion.solved
-    np.testing.assert_allclose(np.diff(motion.times)[:-1], 0.02)
-    np.testing.assert_allclose(motion.q, timed.at(motion.times))
-
-
 @with_each(
     ("rates", "blend", "message"),
     [
@@ -206,12 +190,6 @@ def test_the_way_is_the_same_in_every_unit_of_length(unit: float, knots: int) ->
     scaled = sn.Motion(sn.Robot.uniform(3, (0.8, 1.2), 2.4), q * lengths, [FAR])
     assert off_the_way(scaled, places * lengths) < 1e-7
     assert len(timed.times) >= 50
-
-
-def test_knots_in_one_line_are_one_leg_whatever_their_number() -> None:
-    share = np.linspace(0.0, 1.0, 5001)[:, None, None]
-    q = (1.0 - share) * wave().q[0] + share * wave().q[3]
-    assert len(sn.Motion(ARM, q, [FAR]).timed(FIRST).times) == 2
 
 
 @pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e6, 1e9])

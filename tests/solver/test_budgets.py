@@ -11,9 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.arguments import MethodName
 from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
-from sinuous.kernels.tables import SOLVED
 from sinuous.methods.registry import METHODS, capabilities
-from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from tests.methods.laws import quick
 
@@ -60,26 +58,11 @@ def test_a_proof_that_takes_too_long_is_none(method: MethodName) -> None:
     np.testing.assert_array_equal(found.q, STRAIGHT)
 
 
-def test_what_is_solved_stays_so_when_there_is_no_time_for_preferences() -> None:
-    target = sn.Target((1.0, 0.0, 4.0))
-    solver = sn.Solver(ROBOT, FAR, prefer=sn.Preferences(bends=1.0))
-    plain = sn.Solver(ROBOT, FAR)
-    problem = Problem(ROBOT, target, plain.scene)
-    outcome = plain._prepared.run(problem, np.empty((0, 5, 3)), (0, 6, 0, 10.0))
-    assert outcome.code == SOLVED
-    before = outcome.q.copy()
-    after = solver._prepared._prefer(outcome, problem.scene, problem._rows, None, 0.0)  # type: ignore[attr-defined]
-    np.testing.assert_array_equal(after.q, before)
-    assert after[1:8] == outcome[1:8]
-    better = solver.solve(target, time=10.0)
-    assert better.solved
-    assert (better.q[:, :2] ** 2).sum() < (before[:, :2] ** 2).sum()
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="there a process cannot send itself this signal")
 @pytest.mark.parametrize("count", [1, 4])
 def test_an_interrupt_is_heard_within_a_call(count: int) -> None:
     solver = sn.Solver(ROBOT, [GRAZED], routes=False)
+    solver.solve_many([AHEAD] * count, initial=[STRAIGHT] * count, time=0.0)  # machine code is loaded before
     threading.Timer(0.05, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
         solver.solve_many([AHEAD] * count, initial=[STRAIGHT] * count, time=60.0)

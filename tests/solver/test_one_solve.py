@@ -1,6 +1,5 @@
 """A solver for one question compiles the search for routes where it is needed, and does not call that solving."""
 
-import pickle
 import time
 from typing import Any
 
@@ -10,7 +9,7 @@ from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Sphere
 from sinuous.solver.routing.searches import Searches
-from sinuous.solver.solver import Solver, solve
+from sinuous.solver.solver import Solver
 
 ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)
 SCENE = [Sphere((0.5, 0.0, 1.5), 0.2)]
@@ -55,27 +54,3 @@ def test_a_solver_for_many_has_it_ahead(loads: list[float]) -> None:
 def test_without_routes_there_is_nothing_to_load(loads: list[float], options: dict[str, Any]) -> None:
     Solver(ROBOT, SCENE, time=0.02, **options).solve(TORN[0])
     assert loads == []
-
-
-def test_one_solve_is_what_the_function_makes(loads: list[float]) -> None:
-    assert solve(ROBOT, NEAR, SCENE).solved
-    assert loads == []
-    again = Solver(ROBOT, SCENE).solve(NEAR)
-    assert (solve(ROBOT, NEAR, SCENE).q == again.q).all()
-
-
-def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
-    """Those of any solver, also when they were sent to another process."""
-    solution = Solver(ROBOT, SCENE).solve(NEAR)
-    for own in (solution, pickle.loads(pickle.dumps(solution))):
-        assert own._resolver == solution._resolver
-        assert (own._resolver.solve(own.problem).q == solution.q).all()
-    assert len(loads) == 1
-    assert type(pickle.loads(pickle.dumps(Solver.once(ROBOT, SCENE)))) is Solver
-
-
-def test_what_is_loaded_is_not_loaded_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    solver = Solver(ROBOT, SCENE)
-    assert Searches.loaded
-    monkeypatch.setattr(Searches, "find", None)
-    solver._strategy.load()

@@ -50,16 +50,6 @@ def test_every_field_is_kept() -> None:
     assert sn.Solver(ROBOT, **{**given, "method": "newton"}).options.seed == 3
 
 
-def test_none_stands_for_the_default() -> None:
-    options = SolveOptions(tolerance=None, prefer=None)  # type: ignore[arg-type]
-    assert options == SolveOptions()
-
-
-def test_options_are_frozen() -> None:
-    with pytest.raises(AttributeError):
-        SolveOptions().seed = 1  # type: ignore[misc]
-
-
 @with_each(("key", "value"), [(key, value) for key, values in WRONG.items() for value in values])
 def test_wrong_values_are_refused_by_name(key: str, value: Any) -> None:
     refused(key, lambda: SolveOptions(**{key: value}))

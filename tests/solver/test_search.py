@@ -8,16 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.base.checks import Floats
 from sinuous.kernels.tables import (
-    ARC,
     BASE_BLOCKED,
     FAILED,
     GIVEN,
     LATE,
     NO_ROUTE,
     OUT_OF_REACH,
-    RANDOM,
     ROUTE,
     SOLVED,
     SOURCES,
@@ -25,8 +22,7 @@ from sinuous.kernels.tables import (
     UNPROVED,
     Outcome,
 )
-from sinuous.solver.distinct_solutions import PATIENCE, DistinctSearch
-from sinuous.solver.options import UNBOUNDED
+from sinuous.solver.distinct_solutions import DistinctSearch
 from sinuous.solver.search import ENOUGH, FirstSolved
 from sinuous.solver.starts import StartBatch
 
@@ -62,25 +58,6 @@ class Hands:
         return self.time
 
 
-def test_the_better_counts_with_the_effort_of_all() -> None:
-    hands = Hands()
-    search = FirstSolved(outcome(), 100, 1.0, hands)
-    search.take(outcome(merit=0.5, source=RANDOM))
-    search.take(outcome(merit=0.7, source=ROUTE))
-    hands.time += 0.5
-    found = search.outcome
-    assert (found.merit, found.source, found.starts, found.iterations) == (0.5, RANDOM, 12, 30)
-    assert found.seconds == pytest.approx(0.2 + 0.5)
-    assert search.open
-
-
-def test_it_ends_with_what_is_solved() -> None:
-    search = FirstSolved(outcome(merit=1e-9), 100, 1.0)
-    search.take(outcome(code=SOLVED, merit=1e-8))
-    assert not search.open
-    assert search.outcome.code == SOLVED
-
-
 def test_it_ends_with_the_starts_or_the_time() -> None:
     search = FirstSolved(outcome(), 8, 1.0)
     assert search.starts_left == 4
@@ -95,47 +72,11 @@ def test_it_ends_with_the_starts_or_the_time() -> None:
     assert late.outcome.code == LATE
 
 
-def test_an_unproved_answer_stays_one_when_the_time_is_up() -> None:
-    search = FirstSolved(outcome(code=UNPROVED), 100, 0.1)
-    assert not search.open
-    assert search.outcome.code == UNPROVED
-
-
-def test_what_is_only_not_proved_is_better_than_what_failed() -> None:
-    search = FirstSolved(outcome(code=UNPROVED, merit=1e-8), 100, 9.0)
-    search.take(outcome(code=FAILED, merit=1e-9))
-    assert search.outcome.code == UNPROVED
-    search.take(outcome(code=UNPROVED, merit=1e-9, source=ARC))
-    assert (search.outcome.code, search.outcome.source) == (UNPROVED, ARC)
-    search.take(outcome(code=SOLVED, merit=1.0))
-    assert search.outcome.code == SOLVED
-
-
-def test_a_late_start_ends_it() -> None:
-    search = FirstSolved(outcome(merit=0.5), 100, 9.0)
-    search.take(outcome(code=LATE, merit=0.7))
-    assert not search.open
-    assert (search.outcome.code, search.outcome.merit) == (LATE, 0.5)
-
-
 @pytest.mark.parametrize("code", IMPOSSIBLE)
 def test_a_proof_in_the_first_call_is_not_tried_again(code: int) -> None:
     search = FirstSolved(outcome(code=code, starts=1), 100, 1.0)
     assert not search.open
     assert (search.outcome.code, search.outcome.starts) == (code, 1)
-
-
-def test_a_proof_that_there_is_nothing_ends_it() -> None:
-    search = FirstSolved(outcome(), 100, 1.0)
-    search.close(0.05)
-    assert not search.open
-    assert (search.outcome.code, search.outcome.cell) == (NO_ROUTE, 0.05)
-
-
-def test_calls_grow_till_the_starts_are_used_up() -> None:
-    assert FirstSolved(outcome(starts=4), 1000, 1.0).chunk() == 4
-    assert FirstSolved(outcome(starts=0), 1000, 1.0).chunk() == 1
-    assert FirstSolved(outcome(starts=4), 6, 1.0).chunk() == 2
 
 
 outcomes = st.builds(
@@ -193,35 +134,6 @@ class Answers:
         return next(self._answers)
 
 
-def initial(count: int) -> Floats:
-    return np.arange(6.0 * count).reshape(count, 2, 3)
-
-
-def test_no_more_is_asked_for_than_is_needed() -> None:
-    hands = Hands()
-    source = Source(*[StartBatch(SOURCES[ROUTE], initial(2))] * 3, hands=hands)
-    method = Answers(outcome(starts=1), outcome(starts=1, code=SOLVED))
-    search = FirstSolved(outcome(starts=1, seconds=0.5), 100, 9.0, hands)
-    search.pursue(iter(source), method)
-    assert source.asked == 1
-    assert (search.outcome.code, search.outcome.source) == (SOLVED, ROUTE)
-    assert [len(batch.initial) for batch, _ in method.seen] == [1, 1]
-    # What the batch cost is off the budget, and so is the call before.
-    assert [seconds for _, seconds in method.seen] == pytest.approx([9.0 - 0.6, 9.0 - 0.6])
-
-
-def test_nothing_is_asked_for_when_it_is_over() -> None:
-    source = Source(StartBatch(SOURCES[ROUTE], initial(1)))
-    for first, most, seconds in (
-        (outcome(code=SOLVED), 100, 9.0),
-        (outcome(code=OUT_OF_REACH), 100, 9.0),
-        (outcome(), 4, 9.0),
-        (outcome(), 100, 0.2),
-    ):
-        FirstSolved(first, most, seconds).pursue(iter(source), Answers())
-    assert source.asked == 0
-
-
 def test_a_proof_on_the_way_ends_the_search() -> None:
     source = Source(
         StartBatch(SOURCES[ROUTE], NONE),
@@ -232,14 +144,6 @@ def test_a_proof_on_the_way_ends_the_search() -> None:
     search.pursue(iter(source), Answers())
     assert source.asked == 2
     assert (search.outcome.code, search.outcome.cell) == (NO_ROUTE, 0.25)
-
-
-def test_a_method_without_such_starts_is_asked_once() -> None:
-    source = Source(StartBatch(SOURCES[RANDOM], NONE, (4, 40)), StartBatch(SOURCES[RANDOM], NONE, (40, 50)))
-    method = Answers(outcome(starts=0))
-    FirstSolved(outcome(), 100, 9.0).pursue(iter(source), method)
-    assert source.asked == 1
-    assert [batch.own[0] for batch, _ in method.seen] == [4]
 
 
 def at(place: float, **changed: Any) -> Outcome:
@@ -261,45 +165,6 @@ def test_solutions_that_are_close_are_one() -> None:
     assert search.open
     search.take(at(2.0))
     assert not search.open
-
-
-def test_only_what_is_solved_is_a_solution() -> None:
-    search = distinct()
-    for code in (FAILED, UNPROVED, LATE):
-        search.take(at(1.0, code=code))
-    assert search.found == []
-    assert search.open
-
-
-@pytest.mark.parametrize("code", IMPOSSIBLE)
-def test_proofs_end_the_search_for_more(code: int) -> None:
-    search = distinct()
-    search.take(at(0.0, code=code))
-    assert not search.open
-    closed = distinct()
-    closed.close(0.1)
-    assert not closed.open
-
-
-def test_every_start_is_followed_by_itself() -> None:
-    method = Answers(*(at(float(i)) for i in range(5)))
-    search = distinct(count=5)
-    search.pursue(iter(Source(StartBatch(SOURCES[GIVEN], initial(2), (0, 9)))), method)
-    assert [(len(batch.initial), batch.own) for batch, _ in method.seen] == [
-        (1, (0, 0)),
-        (1, (0, 0)),
-        (0, (0, 1)),
-        (0, (1, 2)),
-        (0, (2, 3)),
-    ]
-    assert len(search.found) == 5
-
-
-def test_the_starts_are_counted() -> None:
-    search = distinct(count=50, most=3)
-    method = Answers(*(at(float(i)) for i in range(9)))
-    search.pursue(iter(Source(StartBatch(SOURCES[RANDOM], NONE, (0, 9)))), method)
-    assert len(method.seen) == 3
 
 
 def test_without_a_bound_a_search_goes_on_until_the_time_is_over() -> None:
@@ -325,16 +190,3 @@ def test_a_search_that_was_cut_short_says_so() -> None:
     bounded = FirstSolved(outcome(starts=4), 2 * ENOUGH, 1.0)
     bounded.take(outcome(code=LATE, starts=ENOUGH))
     assert bounded.outcome.code == LATE
-
-
-def test_distinct_solutions_are_not_sought_for_ever() -> None:
-    search = DistinctSearch(9, 0.1, lambda q: q, UNBOUNDED, 60.0)
-    search.take(outcome(code=FAILED, starts=5 * PATIENCE))
-    assert search.open
-    search.take(outcome(code=SOLVED))
-    search.take(outcome(code=SOLVED, starts=PATIENCE - 1))
-    assert search.open
-    search.take(outcome(code=SOLVED, source=ROUTE, starts=9))
-    assert search.open
-    search.take(outcome(code=SOLVED))
-    assert not search.open

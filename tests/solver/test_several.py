@@ -63,6 +63,27 @@ def test_all_gaps_between_bars() -> None:
         assert {f"bar {i}" for i in (at - 1, at) if 0 <= i < 3} <= set(sides)
 
 
+def plate_with_holes() -> sn.Mesh:
+    """A plate of no thickness but its shell's, with two square holes at x = -40 and 40."""
+    xs, ys = (-240.0, -60.0, -20.0, 20.0, 60.0, 240.0), (-200.0, -20.0, 20.0, 200.0)
+    vertices = np.array([(x, y, 125.0) for x in xs for y in ys])
+    corners = [4 * i + j for i in range(5) for j in range(3) if (i, j) not in ((1, 1), (3, 1))]
+    faces = [face for a in corners for face in ((a, a + 4, a + 5), (a, a + 5, a + 1))]
+    return sn.Mesh(vertices, faces, thickness=8.0, name="plate")
+
+
+def test_what_is_all_around_is_gone_through() -> None:
+    """A plate with two holes is one obstacle: each class goes through it, at another place."""
+    found = solver([plate_with_holes()]).solve_all(TARGET, count=2)
+    assert sorted(np.sign(crossing(s.q, 125.0)[0]) for s in found) == [-1.0, 1.0]
+    for solution in found:
+        assert solution.route_class is not None
+        (through,) = solution.route_class.passes
+        assert through.side is None
+        assert np.sign(through.at[0]) == np.sign(crossing(solution.q, 125.0)[0])
+        assert str(solution.route_class).startswith(f"class {solution.route_class.number}: through plate at [")
+
+
 def test_a_ball_in_the_open_has_few_sides() -> None:
     found = solver(ball()).solve_all(TARGET)
     assert 2 <= len(found) <= 4

@@ -9,7 +9,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import ROOM
 from tests.cases import with_each
 
@@ -309,58 +308,6 @@ def test_solve_all_with_a_start_ranks_by_distance_to_it() -> None:
     away = [float((((s.q - start) / [1, 1, 57.5]) ** 2).sum()) for s in found]
     assert len(found) == 5
     assert away == sorted(away)
-
-
-def test_solve_all_of_the_impossible_is_empty() -> None:
-    assert sn.solve_all(ROBOTS["extensible"], sn.Target((0, 0, 1000))) == []
-
-
-def test_many_at_once_are_the_same_as_one_by_one() -> None:
-    robot = ROBOTS["extensible"]
-    solver = sn.Solver(robot, [sn.Sphere((0, 60, 150), 30)], max_starts=40, time=10.0)
-    poses = robot.tip(random_shapes(robot, 40, 12))
-    # The numbers of targets at once differ; some are out of reach, and some need more starts than a first call tries.
-    asked: list[sn.Target | list[sn.Target]] = [as_target(pose, "rotation") for pose in poses]
-    asked[7:9] = [[sn.Target((0, 0, 250)), sn.Target((10, 0, 130), segment=3)], sn.Target((0, 0, 999))]
-    starts = list(random_shapes(robot, 40, 13))
-    for given in (None, starts):
-        together = solver.solve_many(asked, given)
-        for i, solution in enumerate(together):
-            alone = solver.solve(asked[i], None if given is None else given[i])
-            assert solution.status is alone.status
-            assert (solution.iterations, solution.starts) == (alone.iterations, alone.starts)
-            np.testing.assert_array_equal(solution.q, alone.q)
-            assert 0.0 < solution.seconds < 10.0
-    assert len(solver.solve_many([])) == 0
-    with pytest.raises(sn.InputError, match="initial"):
-        solver.solve_many(asked, starts[:3])
-
-
-def test_one_compilation_serves_every_problem() -> None:
-    test_several_targets_at_once()
-    test_blocked_target_and_base()
-    assert len(search.signatures) <= 2  # type: ignore[attr-defined]  # among obstacles, and without any
-
-
-@with_each(
-    ("arguments", "key"),
-    [
-        ({"robot": "arm"}, "robot"),
-        ({"robot": ROBOTS["stage"], "time": -1}, "time"),
-        ({"robot": ROBOTS["stage"], "time": float("nan")}, "time"),
-        ({"robot": ROBOTS["stage"], "max_starts": 0}, "max_starts"),
-        ({"robot": ROBOTS["stage"], "seed": -1}, "seed"),
-        ({"robot": ROBOTS["stage"], "method": "magic"}, "method"),
-        ({"robot": ROBOTS["stage"], "tolerance": 0.1}, "tolerance"),
-        ({"robot": ROBOTS["stage"], "prefer": "short"}, "prefer"),
-        ({"robot": ROBOTS["stage"], "scene": [1]}, "scene[0]"),
-    ],
-)
-def test_wrong_arguments_are_refused(arguments: dict[str, Any], key: str) -> None:
-    with pytest.raises(sn.InputError) as caught:
-        sn.Solver(**arguments)
-    assert caught.value.key == key
-    assert "\n" not in str(caught.value)
 
 
 @with_each(

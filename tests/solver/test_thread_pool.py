@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compiling.helpers import cores
 from sinuous.solver.thread_pool import Crew
 from tests.cases import with_each
 from tests.kernels.test_clock import work
@@ -19,12 +18,6 @@ def test_every_job_is_done_once(workers: int, alone: float) -> None:
     done: list[int] = []
     Crew[int](done.append, workers).share(range(200), alone)
     assert sorted(done) == list(range(200))
-
-
-def test_there_are_as_many_threads_as_asked_for() -> None:
-    """All of them at once: each waits for the others."""
-    everybody = threading.Barrier(3)
-    Crew[int](lambda _: everybody.wait(60.0), 3).share(range(3), alone=0.0)
 
 
 def test_the_caller_is_alone_with_what_is_soon_done() -> None:
@@ -64,7 +57,3 @@ def test_helpers_stop_in_compiled_code() -> None:
     with pytest.raises(KeyboardInterrupt):
         Crew(job, 3).share(range(1000), alone=0.0)
     assert threading.active_count() == before
-
-
-def test_there_is_a_core() -> None:
-    assert cores() >= 1

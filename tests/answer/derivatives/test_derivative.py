@@ -18,11 +18,8 @@ from sinuous.answer.solution import Solution
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
 from sinuous.base.errors import NotSolvedError
-from sinuous.kernels.derivative.layout import KIND
-from sinuous.kernels.derivative.rows import PIECES
 from sinuous.kernels.packing import scales_of
 from sinuous.kernels.tables import BEND_SCALE
-from sinuous.kernels.velocity.layout import CLEARANCE
 from tests.helpers import refused
 
 TOLERANCE = 1e-6
@@ -199,17 +196,6 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
     assert held > 0
 
 
-def test_a_contact_at_a_border_of_the_pieces_that_are_searched_counts_once() -> None:
-    counted = 0
-    for kind, seed, off in itertools.product(OBSTACLES, range(2), (0.0, 1e-6, -1e-6, 1e-5, -1e-5, 1e-3)):
-        problem, q = touching(kind, np.random.default_rng([seed, 77]), place=(seed + 5) / PIECES + off)
-        if sn.check(problem.robot, q, problem.scene).ok:
-            about = derivative_of(problem, q, "target")._rows.about
-            assert (about[:, KIND] == CLEARANCE).sum() == 1, (kind, seed, off)
-            counted += 1
-    assert counted > 20
-
-
 def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
     compared = 0
     for seed in range(40):
@@ -311,17 +297,6 @@ def test_a_singular_shape_has_no_derivative() -> None:
     below, above = derivative.one_sided("target")
     assert np.isnan(below[..., 2]).all()
     assert np.isfinite(above[..., 0]).all()
-
-
-def test_names_say_what_is_active() -> None:
-    found = draw("limits", np.random.default_rng([1, 3]))
-    assert found is not None
-    derivative = found.derivative()
-    assert {each.constraint for each in derivative.active} <= {"bend", "curvature", "length"}
-    assert derivative.weak == derivative.active
-    assert "kink" in repr(derivative)
-    held = Touch(*touching("sphere", np.random.default_rng([0, 4])))
-    assert derivative_of(*held, "target").active[0].obstacle == held.problem.scene.name(0)
 
 
 def test_columns_have_names() -> None:

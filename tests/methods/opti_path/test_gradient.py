@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import gradient as path_gradient
-from sinuous.methods.opti_path.gradient import Setting, Weights
+from sinuous.methods.opti_path.gradient import Setting
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Path
 from tests.helpers import Floats
 from tests.kernels.workspace import make_clock
-from tests.methods.opti_path.test_gradient_costs import WEIGHTS, aim, arc_costs, c_of, field, setting
+from tests.methods.opti_path.test_gradient_costs import WEIGHTS, aim, arc_costs, c_of, field
 from tests.methods.opti_path.test_path import N, make_path, wavy
 
 
@@ -71,44 +71,3 @@ def test_both_gradients_are_the_attenuated_sums(chosen: OptiPath) -> None:
             wanted = body + point_forces(points, path.arcs[:, 14])
             np.testing.assert_allclose(avoid, wanted, atol=1e-4 * (1.0 + np.abs(wanted).max()))
         assert np.abs(body).max() > 1e-3
-
-
-def test_without_attenuation_it_is_the_gradient_of_the_total_cost() -> None:
-    chosen, points = CHOICES[0], wavy(7)
-    update, _ = gradient(make_path(points), setting(attenuation=1.0, dead_band=0.0, bend_weight=0.0), True)
-    for i in range(1, N):
-        for c in range(3):
-            moved = [points.copy(), points.copy()]
-            moved[0][i, c] += 1e-6
-            moved[1][i, c] -= 1e-6
-            total = [arc_costs(p, chosen)[0].sum() for p in moved]
-            assert update[i - 1, c] == pytest.approx((total[0] - total[1]) / 2e-6, abs=1e-4)
-
-
-def test_the_literal_exponent_hides_the_next_arc() -> None:
-    """With a small alpha the arc after a point does not count any more, though it begins there."""
-    points = wavy(3)
-    literal, _ = gradient(make_path(points), setting(attenuation=1e-9, exponent="literal"), True)
-    adjacent, _ = gradient(make_path(points), setting(attenuation=1e-9, exponent="adjacent"), True)
-    shapes = [arc_costs(points, OptiPath(dead_band=0.3))[0]]
-    assert shapes[0][2] > 0.0
-    assert np.abs(literal - adjacent).max() > 0.1
-
-
-def test_a_dead_band_costs_nothing_within() -> None:
-    points = np.stack([np.zeros(N + 1), np.zeros(N + 1), np.cumsum([0.0, 0.9, 1.1, 1.0, 0.85, 1.15, 1.0])], axis=-1)
-    for band, free in ((0.0, False), (0.4, False), (0.8, True)):
-        path = make_path(points, band)
-        path_gradient.gradient_backwards(
-            field(), setting(), Weights(1.0, 0.0, 0.0, 0.0), aim(False), path, False, make_clock()
-        )
-        assert (np.abs(path.update[1:-1]).max() < 1e-9) == free
-
-
-def test_the_mount_feels_no_obstacle() -> None:
-    points = wavy(1)
-    alone = make_path(points)
-    mounted = make_path(points, mount=20.0)
-    assert np.abs(gradient(alone, setting(), True)[1]).max() > 0.0
-    for backwards in (True, False):
-        np.testing.assert_array_equal(gradient(mounted, setting(), backwards)[1], 0.0)

@@ -1,22 +1,18 @@
 """The costs of arcs are those of the paper."""
 
-import dataclasses
 import math
 from typing import Any
 
 import numpy as np
-import pytest
 
-from sinuous.methods.opti_path import gradient as path_gradient
-from sinuous.methods.opti_path.gradient import OrientationCost, Setting, Weights
+from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
-from sinuous.methods.opti_path.path import Aim, get_arc
+from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene, vec
-from tests.methods.opti_path.test_path import N, make_path, wavy
+from tests.methods.opti_path.test_path import N
 
 SCENE = Scene([Sphere((0.9, 0.3, 1.5), 0.4), Sphere((-0.3, 0.2, 3.0), 0.5), Sphere((0.4, -0.5, 4.5), 0.4)])
 WEIGHTS = Weights(1.3, 0.7, 0.9, 0.4)
@@ -67,22 +63,3 @@ def arc_costs(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
             shape += WEIGHTS.orientation * (far if chosen.orientation == "norm" else far**2)
         shapes.append(shape)
     return np.array(shapes), np.array(bodies)
-
-
-def test_the_options_are_in_the_order_that_the_kernel_reads() -> None:
-    names = [each.name for each in dataclasses.fields(OptiPath)]
-    assert tuple(names) == Setting._fields
-
-
-@with_each("seed", range(5))
-@with_each("orientation", ["squared", "norm"])
-def test_an_arc_costs_what_the_paper_says(seed: int, orientation: OrientationCost) -> None:
-    chosen, points = OptiPath(orientation=orientation), wavy(seed)
-    own = setting(orientation=orientation)
-    path = make_path(points, chosen.dead_band)
-    shapes, bodies = arc_costs(points, chosen)
-    for k in range(N):
-        arc = get_arc(path.arcs, k)
-        assert path_gradient.shape_cost(own, WEIGHTS, aim(), path, k, arc) == pytest.approx(shapes[k], abs=1e-9)
-        body = path_gradient.body_cost(field(), own, WEIGHTS, path, k, vec(points[k]), arc)
-        assert body == pytest.approx(bodies[k], abs=1e-9)

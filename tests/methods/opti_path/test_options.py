@@ -95,10 +95,6 @@ def test_the_literal_exponent_diverges() -> None:
         assert lengths_after(target, 1000, "adjacent").max() < 90.0
 
 
-def test_the_faithful_mode_can_be_typed() -> None:
-    assert methods.OptiPath.parse(["preset=faithful", "iterations=9"]) == methods.OptiPath.faithful(iterations=9)
-
-
 def test_random_reachable_poses() -> None:
     rng = np.random.default_rng(11)
     for limit in (np.pi, 1.2):  # hardly any limit, and that of the shapes which the poses come from
@@ -221,20 +217,6 @@ def test_restarts_go_on_where_the_first_start_fails() -> None:
     assert (stopped.starts, stopped.iterations) == (2, 0)
 
 
-def test_a_given_start_is_bowed_aside_before_it_is_given_up() -> None:
-    robot = arm(5, np.pi)
-    straight = np.array([[0.0, 0.0, 57.5]] * 5)
-    target = sn.Target((0.0, 0.0, -200.0))
-    for starts, kind in ((1, "given"), (9, "given"), (10, "arc")):
-        method = methods.OptiPath(iterations=0 if starts == 10 else 300)
-        solution = sn.Solver(robot, tolerance=EXACT, method=method, max_starts=starts).solve(target, straight)
-        assert solution.solved == (starts == 9)
-        assert solution.starts == (10 if starts == 10 else min(starts, 2))
-        assert solution.start == kind or starts == 10
-    faithful = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target, straight)
-    assert (faithful.solved, faithful.starts) == (False, 2)
-
-
 def test_several_solutions() -> None:
     def all_of(method: methods.OptiPath) -> list[sn.Solution]:
         solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, max_starts=30)
@@ -255,22 +237,6 @@ def test_a_solved_path_settles_away_from_obstacles() -> None:
         assert all(solution.solved and solution.verify().ok for solution in found)
         clear.append([solution.clearance or 0.0 for solution in found])
     assert np.median(clear[1]) > np.median(clear[0])
-
-
-def test_a_start_is_taken_up() -> None:
-    solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method="opti_path")
-    first = solver.solve(poses()[3])
-    again = solver.solve(poses()[3], first)
-    assert (again.iterations, again.start) == (0, "given")
-    np.testing.assert_allclose(again.q, first.q, atol=1e-9)
-
-
-def test_the_mount_is_not_concerned() -> None:
-    scene = sn.Scene([sn.Sphere((0.0, 0.0, -10.0), 12.0)])
-    for mount, solved in ((0.0, False), (30.0, True)):
-        robot = sn.Robot.uniform(5, (45, 70), base=sn.pose(direction=DOWN), mount=mount)
-        solution = sn.solve(robot, poses()[1], scene, method="opti_path", tolerance=EXACT, time=10.0)
-        assert solution.solved == solved
 
 
 def test_a_grid_that_is_too_fine_is_refused() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import potential
-from sinuous.scene.obstacles import Box, HalfSpace, Sphere
+from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, vec
 
@@ -35,16 +35,6 @@ def made(values: Floats, place: Floats, scene: Scene = SCENE) -> potential.Poten
     return potential.Potential(kernel_scene(scene), values, (x, y, z), spacing, SLOPE, REACH, radius)
 
 
-def test_the_potential_is_the_papers_and_its_slope_is_continuous() -> None:
-    for d in (-1.0, -1e-9, 0.0, 1e-9, 0.1, REACH - 1e-9, REACH, REACH + 1e-9, 2.0, math.inf):
-        value, slope = potential.hinge(d, SLOPE, REACH)
-        assert value == pytest.approx(literal(d), abs=1e-12)
-        if math.isfinite(d):
-            assert slope == pytest.approx((literal(d + 1e-6) - literal(d - 1e-6)) / 2e-6, abs=1e-4)
-    assert potential.hinge(0.0, SLOPE, REACH)[0] == pytest.approx(0.5 * SLOPE * REACH)
-    assert potential.hinge(0.0, SLOPE, REACH)[1] == pytest.approx(-SLOPE)
-
-
 def test_the_exact_potential_is_that_of_the_distance_of_the_surface() -> None:
     rng = np.random.default_rng(0)
     place = np.array([[0.0, 0.0, 0.0, 1.0, 0.05]])
@@ -72,12 +62,6 @@ def test_every_node_of_the_grid_has_the_potential_there() -> None:
     assert (values > 0.0).mean() > 0.05
 
 
-def test_nodes_out_of_reach_are_zero() -> None:
-    values, _ = grid(Scene([HalfSpace((0.0, 0.0, 2.0), (0.0, 0.0, 1.0))]), 0.1, 0.0, 41, 0.5)
-    assert values[20, 20, 20] > 0.0
-    assert values[0, 0, 0] == 0.0
-
-
 def test_interpolation_is_exact_at_nodes_and_near_between() -> None:
     values, place = grid(SCENE, 0.05, 0.0, 51)
     made_of = made(values, place)
@@ -95,19 +79,3 @@ def test_interpolation_is_exact_at_nodes_and_near_between() -> None:
             if (cells[0] == cells[1]).all():
                 more, less = (potential.interpolated(made_of, vec(p + s))[0] for s in (step, -step))
                 assert gradient[i] == pytest.approx((more - less) / 2e-7, abs=1e-5)
-
-
-def test_there_is_nothing_outside_the_grid() -> None:
-    values, place = grid(Scene([Sphere((0.0, 0.0, 0.0), 5.0)]), 0.1, 0.0, 11)
-    made_of = made(values, place)
-    assert potential.interpolated(made_of, (0.0, 0.0, 0.0))[0] > 0.0
-    for p in ((0.51, 0.0, 0.0), (0.0, -0.51, 0.0), (0.0, 0.0, 0.6), (1e9, 0.0, 0.0)):
-        assert potential.interpolated(made_of, p) == (0.0, (0.0, 0.0, 0.0))
-
-
-def test_without_a_grid_the_obstacles_are_asked() -> None:
-    values, place = grid(SCENE, 0.05, 0.0, 51)
-    p = (0.15, 0.1, 0.22)
-    exact = potential.potential_at(made(np.empty((0, 0, 0)), place), p)
-    assert exact == potential.exact(made(values, place), p)
-    assert potential.potential_at(made(values, place), p) == potential.interpolated(made(values, place), p)

@@ -2,23 +2,12 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import search
-from tests.cases import with_each
 from tests.methods.opti_path.test_gradient_costs import setting
 from tests.methods.opti_path.test_path import make_path, wavy
 
 
 def difference_matrix(n: int) -> np.ndarray:
     return 2.0 * np.eye(n - 1) - np.eye(n - 1, k=1) - np.eye(n - 1, k=-1)
-
-
-@with_each("n", [1, 2, 3, 7, 40])
-def test_elimination_solves_the_tridiagonal_system(n: int) -> None:
-    rng = np.random.default_rng(n)
-    x = rng.normal(size=(n + 1, 3))
-    solved = x.copy()
-    search.solve_difference(solved)
-    np.testing.assert_array_equal(solved[[0, -1]], x[[0, -1]])
-    np.testing.assert_allclose(difference_matrix(n) @ solved[1:-1], x[1:-1], atol=1e-9)
 
 
 @pytest.mark.parametrize("metric", ["identity", "difference", "acceleration"])
@@ -35,37 +24,6 @@ def test_a_step_is_minus_the_inverse_metric_times_the_gradient(metric: str) -> N
     np.testing.assert_allclose((path.points - before)[1:-1], wanted, atol=1e-12)
     np.testing.assert_array_equal(path.points[[0, -1]], before[[0, -1]])
     assert far == pytest.approx(np.linalg.norm(wanted, axis=-1).max())
-
-
-def test_no_point_moves_farther_than_the_largest_step() -> None:
-    path = make_path(wavy(0))
-    before = path.points.copy()
-    path.update[1:-1] = np.random.default_rng(2).normal(size=(len(path.arcs) - 1, 3))
-    search.move(setting(regularisation=1e-3, largest_step=0.2), path, 3.0)
-    moved = np.linalg.norm(path.points - before, axis=-1)
-    assert moved.max() == pytest.approx(0.6)
-
-
-def test_a_gradient_that_is_not_finite_moves_nothing() -> None:
-    path = make_path(wavy(0))
-    before = path.points.copy()
-    path.update[2, 1] = np.inf
-    assert not np.isfinite(search.move(setting(), path, 1.0))
-    np.testing.assert_array_equal(path.points, before)
-
-
-def test_projection_leaves_what_is_across_the_path() -> None:
-    path = make_path(wavy(4))
-    path.avoid[:] = np.random.default_rng(3).normal(size=path.avoid.shape)
-    before = path.avoid.copy()
-    search.project(path)
-    for i in range(1, len(path.arcs)):
-        along = path.points[i + 1] - path.points[i - 1]
-        assert path.avoid[i] @ along == pytest.approx(0.0, abs=1e-12)
-        assert np.linalg.norm(np.cross(path.avoid[i] - before[i], along)) == pytest.approx(0.0, abs=1e-12)
-    once = path.avoid.copy()
-    search.project(path)
-    np.testing.assert_allclose(path.avoid, once, atol=1e-15)
 
 
 def test_schedules() -> None:

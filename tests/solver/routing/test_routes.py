@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.places import make
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
-from sinuous.solver.attempts import ATTEMPTS
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
 from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
-from sinuous.solver.strategy import CELLS_A_START, attempts_of, plans_of
+from sinuous.solver.strategy import attempts_of, plans_of
 from tests.helpers import Floats
-from tests.solver.routing.questions import asked as asked_of
 from tests.solver.routing.questions import place
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
@@ -86,30 +83,6 @@ def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Targ
     assert not Solver(ROBOT, narrow, time=60.0, max_starts=12, routes=False).solve(target).solved
 
 
-def test_routes_go_from_base_to_target_and_configurations_lie_in_them(narrow: Scene, target: Target) -> None:
-    finder, asked = router(ROBOT, narrow), problem(ROBOT, target, narrow)
-    found = first(finder, asked)
-    batch = next(batches_of(finder, question(asked)))
-    assert len(found.routes) == len(batch.initial) == 1
-    route = found.routes[0]
-    assert np.allclose(route[0], 0.0)
-    assert np.allclose(route[-1], ROBOT.tip(HIDDEN)[:3, 3])
-    assert narrow.distance(route).min() > 0.09
-    body = ROBOT.backbone(batch.initial[0], 20)
-    assert np.linalg.norm(body[:, None] - route[None], axis=-1).min(axis=1).max() < 0.1
-    assert batch.source == "route"
-    assert batch.closed is None
-
-
-def test_the_same_search_gives_the_same_routes(narrow: Scene, target: Target) -> None:
-    asked = problem(ROBOT, target, narrow)
-    finder = router(ROBOT, narrow)
-    one, again = (next(batches_of(finder, question(asked))) for _ in range(2))
-    other = next(batches_of(router(ROBOT, narrow), question(asked)))
-    assert np.array_equal(one.initial, again.initial)
-    assert np.array_equal(one.initial, other.initial)
-
-
 def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target) -> None:
     asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
     alone = next(batches_of(finder, question(asked))).initial
@@ -120,25 +93,6 @@ def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target
     with ThreadPoolExecutor(4) as threads:
         assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
     assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[1])
-
-
-def test_routes_differ_in_the_side_on_which_they_pass() -> None:
-    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
-    asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
-    query = finder.query(asked)
-    assert query is not None
-    routes = [route for _, plan in plans_of(finder) for route in finder.find(asked, query, plan, 60.0).routes]
-    sides = {tuple(np.sign(np.round(route[np.abs(route[:, 2] - 2.2).argmin(), :2], 1))) for route in routes}
-    assert len(sides) >= 3
-
-
-def test_no_route_of_one_grid_is_handed_over_twice() -> None:
-    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
-    asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
-    off = set(ATTEMPTS) - {"cells", "laid"}
-    laid = [q.tobytes() for batch in batches_of(finder, question(asked), *off) for q in batch.initial]
-    assert len(laid) >= 4
-    assert len(laid) == len(set(laid))
 
 
 def test_a_robot_much_longer_than_its_route_is_stowed_beside_it() -> None:
@@ -215,35 +169,6 @@ def test_a_room_with_a_door_is_not() -> None:
     assert solution.status is Status.SOLVED
 
 
-def test_the_route_around_the_edges_of_a_door_comes_first() -> None:
-    center = np.array([0.2, 0.1, 3.0])
-    scene = box_room(center, 0.6, 0.1, door=0.5)
-    asked, finder = problem(ROBOT, Target(center), scene), router(ROBOT, scene)
-    query = finder.query(asked)
-    assert query is not None
-    route = finder.by_edges(asked, query, 60.0)
-    assert route is not None
-    assert scene.distance(route).min() > 0.085
-    batch = next(batches_of(finder, question(asked)))
-    assert np.array_equal(batch.routes[0], route)
-    assert finder.by_edges(asked, query, -1.0) is None
-    closed = box_room(center, 0.6, 0.1)
-    assert finder.by_edges(problem(ROBOT, Target(center), closed), query, 60.0) is None
-
-
-def test_around_the_edges_of_a_cell_of_one_mesh_it_is_looked_long_enough() -> None:
-    """The door is behind the base, and the way there and through takes some thousand looks."""
-    place = make("door in mesh", 54)
-    router = Searches(place.robot, place.scene, place.tolerance)
-    asked = Problem.prepared(place.robot, place.targets, place.scene.snapshot(), place.tolerance)
-    query = router.query(asked)
-    assert query is not None
-    route = router.by_edges(asked, query, 60.0)
-    assert route is not None
-    assert place.scene.distance(route).min() > 0.95 * min(place.robot.radii)
-    assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < sum(s.length[1] for s in place.robot.segments)
-
-
 def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
     robot = Robot([Segment((0.0, 3.0), 0.0, radius=0.1), *[Segment(1.0, 2.4, radius=0.1)] * 3], mount=2.0)
     scene = box_room(np.array([0.0, 0.0, 3.5]), 1.8, 0.1)
@@ -252,33 +177,11 @@ def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
     assert solution.status is not Status.NO_ROUTE
 
 
-def test_a_search_costs_as_much_as_the_cells_that_it_looks_at(narrow: Scene, target: Target) -> None:
-    asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
-    query = finder.query(asked)
-    assert query is not None
-    attempts = attempts_of(question(asked), RandomRestarts(3, 10), finder, without=set(ATTEMPTS) - {"cells"})
-    plans = [plan for _, plan in plans_of(finder) if plan != finder.middle]  # the route over coarse cells is clear
-    cells = [finder.find(asked, query, plan, 60.0).cells for plan in plans]
-    costs = [batch.cost for batch in attempts.batches() if batch.cost > 0]
-    assert costs == [looked / CELLS_A_START for looked in cells]
-
-
 def test_a_base_in_a_closed_room_is_said_to_be() -> None:
     scene = box_room(np.array([0.0, 0.0, 0.3]), 0.6, 0.1)
     solution = Solver(ROBOT, scene, time=60.0).solve(Target((1.0, 0.5, 3.0)))
     assert solution.status is Status.NO_ROUTE
     assert solution.route is None
-
-
-def test_without_a_position_there_is_no_route() -> None:
-    scene = Scene([Sphere((0, 0, 3), 0.3)])
-    asked = problem(ROBOT, Target(direction=(0, 0, 1)), scene)
-    assert router(ROBOT, scene).query(asked) is None
-    assert list(batches_of(router(ROBOT, scene), question(asked))) == []
-
-
-def test_no_time_no_route(narrow: Scene, target: Target) -> None:
-    assert list(batches_of(router(ROBOT, narrow), question(problem(ROBOT, target, narrow), 0.0))) == []
 
 
 def test_all_solutions_come_from_different_routes() -> None:
@@ -338,17 +241,6 @@ def test_what_is_too_narrow_for_thick_segments_is_open_to_the_thin_ones(tip: flo
     assert Solver(robot, room, time=10.0).solve(target).verify().ok
     thick = robot.changed(segments=[segment.changed(radius=0.1) for segment in robot.segments])
     assert Solver(thick, room, time=10.0).solve(target).status is Status.NO_ROUTE
-
-
-@pytest.mark.parametrize(
-    ("family", "number", "first"),
-    [("cells", 0, True), ("cells mesh", 0, True), ("plates", 0, False), ("bore", 0, False), ("spheres 40", 0, False)],
-)
-def test_edges_come_first_where_they_are_those_of_boxes_or_about_the_base(
-    family: str, number: int, first: bool
-) -> None:
-    finder, asked = asked_of(place(family, number))
-    assert finder.edges_first(asked.problem) is first
 
 
 @pytest.mark.parametrize(("mount", "proved"), [(0.0, True), (0.5, True), (0.6, False), (0.7, False)])

@@ -46,14 +46,6 @@ def test_one_solid_of_all_parts_has_the_volume_of_the_body() -> None:
     assert np.isclose(volume, 2.0 * circle + circle * 0.1 * 4 / 3, rtol=0.02)  # positive: it faces outwards
 
 
-def test_a_body_of_no_radius_is_drawn_thin_and_a_segment_of_no_length_has_a_surface() -> None:
-    robot = sn.Robot([sn.Segment((0, 5), max_bend=0), sn.Segment(10)])
-    surface = BodySurface(robot, 0.5, AROUND)
-    facets = surface.facets(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]]))
-    assert all(np.isfinite(own).all() for own in facets)
-    assert np.hypot(facets[1][..., 0], facets[1][..., 1]).max() == pytest.approx(0.5)
-
-
 def test_fittings_are_behind_the_base_around_the_mount_and_at_the_tool() -> None:
     robot = sn.Robot.uniform(2, 10, radius=1, mount=4, tool=sn.pose((0, 0, 3)))
     surface = BodySurface(robot, 0.1, AROUND)

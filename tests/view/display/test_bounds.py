@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.display.bounds import best_view, bounds_of, hidden, hiding, seen_places, towards
+from sinuous.view.display.bounds import best_view, bounds_of, hidden, seen_places, towards
 from sinuous.view.display.contents import gather
 from tests.helpers import random_pose
 
@@ -99,11 +99,3 @@ def test_the_box_around_others_hides_no_less(obstacle: Obstacle) -> None:
     for e, eye in enumerate(eyes):
         for p, point in enumerate(points):
             assert found[e, p] or not meets(obstacle, point, eye)
-
-
-def test_rooms_and_small_parts_hide_nothing() -> None:
-    body = np.stack([np.zeros(100), np.linspace(-1, 1, 100), np.zeros(100)], axis=-1)
-    eye = np.array([[5.0, 0.0, 0.0]])
-    scene = [sn.Box((0, 0, 0), (4, 4, 4), inside=True), sn.Sphere((1, 0, 0), 0.01), sn.Sphere((1, 0, 0), 0.2)]
-    assert hiding(scene, body, eye) == {2}
-    assert hiding(scene, body[:0], eye) == hiding(scene, body, eye[:0]) == frozenset()

@@ -57,17 +57,6 @@ def test_what_cannot_be_drawn_is_named(things: Any, message: str) -> None:
         gather(things)
 
 
-def test_a_job_brings_its_robot_its_targets_or_its_path() -> None:
-    start = [[0.0, 0.0, 1.0]] * 2
-    for asked, counts in (
-        ({"target": sn.Target((0, 0, 2))}, (1, 1, 0)),
-        ({"path": [sn.Target((0, 0, 2)), sn.Target((0, 0.1, 2))]}, (1, 0, 1)),
-        ({"start": start, "goal": start}, (1, 0, 0)),
-    ):
-        contents = gather([sn.Job(ROBOT, **asked)])
-        assert (len(contents.arms), len(contents.targets), len(contents.paths)) == counts
-
-
 def test_every_kind_of_picture_shows_them(tmp_path: Path) -> None:
     motion = sn.Motion(ROBOT, KNOTS, [BALL, DUST, sn.Sphere((0, 3, 0), 0.1)], times=[1.0, 3.0])
     sn.plot(motion).figure.savefig(tmp_path / "still.png")

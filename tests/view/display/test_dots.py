@@ -40,11 +40,6 @@ def test_dots_of_cells_are_those_that_can_be_seen() -> None:
     assert len(dots(sn.Grid(np.ones((3, 3, 3), bool), (0, 0, 0), 1))) == 26
 
 
-def test_nothing_has_no_dots() -> None:
-    assert len(dots(sn.Grid(np.zeros((3, 3, 3), bool), (0, 0, 0), 1))) == 0
-    assert len(dots(sn.Grid(np.ones((3, 3, 3)), (0, 0, 0), 1))) == 0
-
-
 @pytest.mark.parametrize("count", [5, MOST_POINTS, MOST_POINTS + 1, 3 * MOST_POINTS])
 def test_clouds_are_thinned(count: int) -> None:
     points = np.random.default_rng(0).normal(size=(count, 3))

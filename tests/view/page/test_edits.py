@@ -38,17 +38,6 @@ def test_a_rigid_motion_carries_the_distances_along(obstacle: Obstacle) -> None:
     assert getattr(moved, "inside", None) == getattr(obstacle, "inside", None)
 
 
-@pytest.mark.parametrize("obstacle", SOLIDS, ids=lambda obstacle: obstacle.kind)
-def test_the_place_where_an_obstacle_is_grasped_moves_with_it(obstacle: Obstacle) -> None:
-    before = place_of(obstacle)
-    assert before is not None
-    shift = np.eye(4)
-    shift[:3, 3] = (3.0, -2.0, 1.0)
-    after = place_of(carried(obstacle, shift))
-    assert after is not None
-    np.testing.assert_allclose(after[:3, 3], before[:3, 3] + shift[:3, 3], atol=1e-12)
-
-
 def test_what_is_from_a_file_stays_from_there(tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", RNG.normal(size=(20, 3)))
     cloud = sn.PointCloud.load(tmp_path / "scan.npy", 0.1, scale=2.0, position=(1, 0, 0))

@@ -57,13 +57,6 @@ class Model:
             event()
 
 
-def test_a_field_shows_what_the_model_says() -> None:
-    model = Model()
-    model.number = 2.0
-    model.fields.refresh()
-    assert model.handle.value == 2.0
-
-
 def test_what_a_person_puts_there_stays_until_it_is_handled() -> None:
     model = Model()
     model.handle.put(3.0)

@@ -272,21 +272,6 @@ def test_limits_change_for_one_segment_or_all() -> None:
     assert page.job is before
 
 
-def test_settings_are_checked_before_anything_changes() -> None:
-    page = model()
-    page.set_method("dls", "newton", 7, 0.5)
-    assert (page.settings.method, page.settings.beside, page.settings.seed) == ("dls", "newton", 7)
-    wrong = [("cow", None, 0, 1.0), ("newton", "cow", 0, 1.0), ("newton", None, -1, 1.0), ("newton", None, 0, 0.0)]
-    for each in wrong:
-        with pytest.raises(InputError):
-            page.set_method(*each)
-    assert page.settings.seed == 7
-    page.tolerate(0.01, 0.02)
-    assert page.job.tolerance == sn.Tolerance(0.01, 0.02)
-    with pytest.raises(InputError, match="position"):
-        page.tolerate(0.0, 0.02)
-
-
 def test_a_motion_is_played_and_ends_with_the_next_change() -> None:
     path = [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2)), sn.Target((1, 0.2, 2))]
     page = model(target=None, path=path)
@@ -334,15 +319,6 @@ def test_a_goal_asks_no_target_and_stays() -> None:
         page.show_motion(sn.track(page.robot, [sn.Target((0, 0, 99.0))]))
 
 
-def test_what_is_changed_keeps_rates_and_times() -> None:
-    rates, path = sn.Rates(bend=1.0), [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2))]
-    page = model(target=None, path=path, times=[0, 3], rates=rates)
-    page.tolerate(0.01, 0.02)
-    assert page.job.times is not None
-    assert page.job.times.tolist() == [0.0, 3.0]
-    assert page.job.rates.equals(rates)
-
-
 def test_a_second_method_begins_from_its_own_shape() -> None:
     page, solvers = model(), Solvers(routes=False)
     assert page.question_beside() is None
@@ -359,20 +335,6 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     assert again is not None
     np.testing.assert_array_equal(again.initial, solution.q)
     assert not page.accept_beside(second.number, solution)
-
-
-def test_pages_remember_what_is_solved_by_the_robot_of_the_memory() -> None:
-    page, memory = model(), sn.Memory(ROBOT)
-    solvers = Solvers(routes=True, memory=memory)
-    page.accept(page.number, solvers.solve(page.question()))
-    assert len(memory) == 1
-    page.place_target(0, np.array([-0.5, 0.8, 2.0]))
-    assert solvers.solve(page.question()).solved
-    assert len(memory) == 2
-    page.limit(None, max_bend=1.9)
-    page.place_target(0, np.array([0.5, -0.8, 2.0]))
-    assert solvers.solve(page.question()).solved
-    assert len(memory) == 2
 
 
 def test_what_is_asked_is_asked_at_the_time_that_is_shown() -> None:

@@ -247,20 +247,6 @@ def test_a_direction_is_typed_and_the_shape_saved_as_csv(page: Page, fresh: Any,
     assert numbers["s2.t3"] == page.model.actuators[5]
 
 
-def test_the_view_is_fitted(page: Page, fresh: Any) -> None:
-    camera = camera_of(page)
-    camera.position = np.array([30.0, 40.0, 50.0])
-    camera.look_at = np.array([30.0, 0.0, 50.0])
-    still(page, fresh)
-    fresh.keyboard.press("f")
-    until(lambda: np.linalg.norm(camera_of(page).position) < 20.0, "the robot in view")
-    still(page, fresh)
-    for point in ROBOT.backbone(page.model.q):
-        x, y = projected(camera_of(page), point)
-        assert 0 < x < camera.image_width
-        assert 0 < y < camera.image_height
-
-
 @pytest.mark.parametrize("shape", ["ball", "mesh"])
 def test_what_stands_before_the_robot_is_see_through(page: Page, fresh: Any, shape: str) -> None:
     ball = JOB.scene.obstacles[0] if shape == "ball" else sn.Mesh(*cube(0.4, (0.2, 0.9, 1.2)))
@@ -426,22 +412,6 @@ def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> N
     assert motion.solved
     assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
     fresh.locator(".badge", has_text="proved clear here").wait_for()
-
-
-def test_a_motion_begins_where_somebody_says(page: Page, fresh: Any) -> None:
-    fresh.get_by_role("tab", name="Motion").click()
-    fresh.get_by_role("button", name="Plan a motion").click()
-    fresh.locator(".notice", has_text="start").wait_for()
-    fresh.get_by_role("button", name="Start here").click()
-    until(lambda: page.model.job.start is not None, "a start")
-    start = page.model.q
-    page.do("move", lambda: page.model.place_target(0, np.array([-1.0, 0.3, 2.0])))
-    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
-    fresh.get_by_role("button", name="Plan a motion").click()
-    until(lambda: played(page), "the motion played to its end")
-    assert page.model.motion is not None
-    np.testing.assert_array_equal(page.model.motion.q[0], start)
-    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (-1, 0.3, 2), atol=1e-3)
 
 
 def test_a_motion_that_was_found_before_is_played(browser: Any) -> None:

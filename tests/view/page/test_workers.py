@@ -34,18 +34,3 @@ def test_what_is_raised_is_told_and_the_next_task_runs() -> None:
     assert done.wait(30.0)
     worker.stop()
     assert [str(error) for error in told] == ["no"]
-
-
-def test_after_every_batch_and_once_when_idle() -> None:
-    calls: list[str] = []
-    idle = threading.Event()
-
-    def rest() -> None:
-        calls.append("idle")
-        idle.set()
-
-    worker = Worker("test", lambda error: calls.append(str(error)), lambda: calls.append("after"), rest)
-    worker.post(1, lambda: calls.append("task"))
-    assert idle.wait(30.0)
-    worker.stop()
-    assert calls == ["task", "after", "idle"]

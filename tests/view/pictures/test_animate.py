@@ -64,15 +64,6 @@ def test_without_ffmpeg_it_says_so(track: sn.Motion, tmp_path: Path, monkeypatch
         sn.view.animate(track, path=tmp_path / "track.mp4")
 
 
-def test_when_ffmpeg_fails_it_says_what(track: sn.Motion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    tool = tmp_path / "ffmpeg"
-    tool.write_text("#!/bin/sh\necho no such codec >&2\nexit 1\n", encoding="utf-8")
-    tool.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-    with pytest.raises(sn.InputError, match="ffmpeg: no such codec"):
-        sn.view.animate(track, path=tmp_path / "track.mp4", seconds=0.2, fps=10)
-
-
 @pytest.mark.parametrize(
     ("file", "wrong", "message"),
     [

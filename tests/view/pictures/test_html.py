@@ -81,9 +81,3 @@ def test_what_prints_itself_is_shown_so() -> None:
     assert html_of(str(found)) in text
     assert "data:image/png" in text
     assert len(text) < 200_000
-
-
-def test_an_empty_scene() -> None:
-    text = html(sn.Scene())
-    assert "<img" not in text
-    assert "obstacles" in text

@@ -73,20 +73,6 @@ def test_proportions_are_true_and_the_picture_is_filled() -> None:
     assert inked[:, 1].max() < width - 2
 
 
-def test_labels_do_not_overlap() -> None:
-    axes = sn.plot(ROBOT, view=(20, -60))
-    axes.figure.canvas.draw()
-    texts = [axis.label for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        texts += [tick.label1 for tick in axis.get_major_ticks() if tick.label1.get_text()]
-    renderer = axes.figure.canvas.get_renderer()
-    boxes = [text.get_window_extent(renderer) for text in texts]
-    boxes = [box for box in boxes if axes.figure.bbox.contains(box.x0, box.y0)]  # numbers beyond the axes are not drawn
-    assert len(boxes) > 8
-    for i, one in enumerate(boxes):
-        assert not any(one.overlaps(other) for other in boxes[:i])
-
-
 def test_what_is_not_solved_has_another_colour() -> None:
     axes = sn.plot(sn.solve(ROBOT, sn.Target((0, 0, 9))))
     assert axes.figure.texts[-1].get_text().startswith("out of reach")
@@ -172,12 +158,6 @@ def test_a_route_is_a_dashed_line() -> None:
     lines = [line for line in sn.plot(routed).get_lines() if line.get_color() == ROUTE]
     assert len(lines) == 1
     np.testing.assert_array_equal(np.transpose(lines[0].get_data_3d()), routed.route)
-
-
-def test_settings_of_the_caller_are_not_touched() -> None:
-    settings = dict(matplotlib.rcParams)
-    sn.plot(ROBOT)
-    assert dict(matplotlib.rcParams) == settings
 
 
 def test_wrong_axes_and_views_are_refused() -> None:

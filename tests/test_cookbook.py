@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.studies.batch.cluster import NO_PAGE
+from sinuous.studies.runs.cluster import NO_PAGE
 from tests.cases import with_each
 
 ROOT = Path(__file__).parent.parent

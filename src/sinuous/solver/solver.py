@@ -45,7 +45,7 @@ from sinuous.solver.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solver.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solver.starts import Question, StartBatch
 from sinuous.solver.strategy import Strategy
-from sinuous.solver.thread_pool import Crew
+from sinuous.solver.thread_pool import share_jobs
 from sinuous.solver.under_load import STARTS, UnderLoad, corrections, solve_under_load
 from sinuous.solver.under_load import given as start_at
 
@@ -266,7 +266,7 @@ class Solver:
             self._loaded_outcome(load, questions.problem(i), given, seconds).write(answers[i])
             bar.advance(1)
 
-        Crew(one, workers).share(range(len(answers)))
+        share_jobs(one, range(len(answers)), workers)
         return Solutions(questions, answers, self._resolver)
 
     def _all_under_load(self, load: UnderLoad, problem: Problem, wanted: Wanted, given: Floats) -> list[Solution]:

@@ -18,14 +18,14 @@ from sinuous.solver.many import read_workers
 from sinuous.solver.memory import only_reading
 from sinuous.solver.options import SolveArguments, refuse_unknown
 from sinuous.solver.solver import Solver
-from sinuous.studies.batch.batch import Answers, Batch, Failed, Results
-from sinuous.studies.batch.checkpoint import hash_of, problem_record
-from sinuous.studies.batch.dispatch import Dispatcher, begin
-from sinuous.studies.batch.engines import LostError
+from sinuous.studies.batch.batch import Answers, Batch
+from sinuous.studies.batch.results import Results
 from sinuous.studies.batch.tables.kinds import check_results, open_source
-from sinuous.studies.batch.tables.layout import Block
 from sinuous.studies.batch.tables.source import Source
-from sinuous.studies.batch.work import Chunk, ChunkSolver
+from sinuous.studies.batch.work import ChunkSolver
+from sinuous.studies.runs.checkpoint import hash_of, problem_record
+from sinuous.studies.runs.engine import Failure, LostError
+from sinuous.studies.runs.open_engine import open_engine
 
 STARTS, TIME = 100, 0.1
 """Most starts of a target, by default."""
@@ -143,31 +143,23 @@ def solve_batch(
             todo = [number for number in results.open() if owns(part, number)]
             with _explained(results):
                 began = clock.perf_counter()
-                failed = _solve(results, todo, source, work, engine, count, shown) if todo else []
-                batch = results.end(failed, clock.perf_counter() - began, whole=part is None)
+                failures = _solve(results, todo, source, engine, work, count, shown) if todo else []
+                batch = results.end(failures, clock.perf_counter() - began, whole=part is None)
     found = batch.results if file is None else file
     return batch if found is None else replace(batch, _answers=Answers(work, targets, fingerprint, size, found))
 
 
 def _solve(
-    results: Results, todo: list[int], source: Source, work: ChunkSolver, engine: object, workers: int, shown: bool
-) -> list[Failed]:
+    results: Results, todo: list[int], source: Source, engine: object, work: ChunkSolver, workers: int, shown: bool
+) -> list[Failure]:
     """Solve chunks by an engine; return those that were given up."""
-
-    def keep(chunk: Chunk, block: Block) -> None:
-        results.write(chunk.number, block)
-        bar.advance(len(block["row"]))
-
-    def chunks() -> Iterator[Chunk]:
-        for number in todo:
-            first, last = results.span(number)
-            yield Chunk(number, first, source.read(first, last))
-
     rows = sum(last - first for first, last in map(results.span, todo))
-    with ProgressBar(rows if shown else 0, logged=shown) as bar, begin(engine, work, workers) as crew:
-        dispatcher = Dispatcher(crew, chunks(), keep)
-        dispatcher.run()
-    return dispatcher.failed
+    tasks = ((number, source.read(*results.span(number))) for number in todo)
+    with ProgressBar(rows if shown else 0, logged=shown) as bar, open_engine(engine, work, workers) as crew:
+        for number, block in crew.run(tasks):
+            results.write(number, block)
+            bar.advance(len(block["row"]))
+    return crew.failures
 
 
 @contextmanager

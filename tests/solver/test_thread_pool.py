@@ -9,12 +9,11 @@ import pytest
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compiling.helpers import cores
 from sinuous.solver.thread_pool import share_jobs
-from tests.cases import with_each
 from tests.kernels.test_clock import work
 
 
-@with_each("workers", [1, 2, 5])
-@with_each("alone", [0.0, 1e-3, 60.0])
+@pytest.mark.parametrize("workers", [1, 2, 5])
+@pytest.mark.parametrize("alone", [0.0, 1e-3, 60.0])
 def test_every_job_is_done_once(workers: int, alone: float) -> None:
     done: list[int] = []
     share_jobs(done.append, range(200), workers, alone)

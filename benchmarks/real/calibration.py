@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Measurement
+from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.judges.kinematics import tip_poses
@@ -102,7 +102,5 @@ def fitted(name: str, plan: Plan) -> Iterator[Line]:
         yield Line(where, what, within, "%", Goal(93.0, at_most=False))
 
 
-def parts(plan: Plan) -> Iterator[tuple[str, Measurement]]:
-    """One robot is one piece."""
-    for name in ("v4", "v6"):
-        yield name, partial(fitted, name, plan)
+PARTS: dict[str, Part] = {name: partial(fitted, name) for name in ("v4", "v6")}
+"""One robot is one piece."""

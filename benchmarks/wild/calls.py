@@ -4,7 +4,7 @@ import json
 import pickle
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +14,7 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.wild import odd
+from benchmarks.wild.trials import named
 from sinuous.answer.solution import Solution
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.model.robot import Robot
@@ -76,13 +77,14 @@ def called(seed: int, number: int) -> Called:
     return Called(what, True, "")
 
 
-def lines_of(kind: str, made: list[Called]) -> list[Line]:
-    """Sum up calls: how many were answered, and which ended otherwise."""
+def lines_of(kind: str, shares: Sequence[Sequence[Sequence[Any]]]) -> list[Line]:
+    """Sum up calls, of which shares hold plain values: how many were answered, and which ended otherwise."""
+    made = [Called(*each) for share in shares for each in share]
     answered = sum(each.answered for each in made)
     wrong = [f"{i}: {each.what}: {each.false}" for i, each in enumerate(made) if each.false]
     return [
         Line(SECTION, f"{kind}: answered", 100.0 * answered / len(made), "%", None, None, (answered, len(made))),
-        Line(SECTION, f"{kind}: exceptions", len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong[:20])),
+        Line(SECTION, f"{kind}: exceptions", len(wrong), "", Goal(0, correctness=True), note=named(wrong)),
     ]
 
 
@@ -344,5 +346,3 @@ CALLS: dict[str, tuple[Make, tuple[str, ...]]] = {
     "batch": (_batch, ()),
 }
 """Each call, and the arguments about which it may be refused as they are drawn."""
-
-KINDS = {"public calls of odd robots": called}

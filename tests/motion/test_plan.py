@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.judged import collides
+from benchmarks.judges.motions import wrong_in
 from sinuous.base.errors import InputError
 from sinuous.motion.plan import Planner
 from tests.kernels.planning.test_query import ROBOT, pair
@@ -26,7 +26,7 @@ def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
         np.testing.assert_array_equal(motion.times[[0, -1]], [0.0, 1.0])
         assert motion.clearance is not None
         assert motion.clearance > 0.0
-        assert collides(ROBOT, scene, motion.q) == ""
+        assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
 def test_a_plan_to_a_target_ends_there() -> None:
@@ -39,7 +39,7 @@ def test_a_plan_to_a_target_ends_there() -> None:
         np.testing.assert_array_equal(motion.q[-1], solution.q)
         assert motion.waypoint_knots == (len(motion.q) - 1,)
         assert solution.verify().ok
-        assert collides(ROBOT, scene, motion.q) == ""
+        assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
 def test_several_targets_are_met_at_once_and_a_solution_is_a_configuration() -> None:

@@ -22,14 +22,14 @@ from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of
-from sinuous.motion.knots import Entry, read_entry, write_entry
+from sinuous.motion.knots import TrackedWaypoint, read_entry, write_entry
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import Pace
+from sinuous.motion.pace import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
+from sinuous.solver.distinct_solutions import KINDS, Kind
 from sinuous.solver.memory import Memory
-from sinuous.solver.several import KINDS, Kind
 from sinuous.solver.solver import Solver
 
 MOST_ALTERNATIVES = 10_000
@@ -276,7 +276,7 @@ def _track(
 ) -> Motion:
     """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     count = len(problem.waypoints)
-    kept: list[Entry] = _read(journal, lambda values: read_entry(values, len(problem.robot)))
+    kept: list[TrackedWaypoint] = _read(journal, lambda values: read_entry(values, len(problem.robot)))
 
     def progress(_: Solution) -> None:
         waypoint = tracker.tried - 1

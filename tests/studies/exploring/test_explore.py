@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.judged import collides
+from benchmarks.judges.motions import wrong_in
 from sinuous.scene.scene import Scene
 from sinuous.solver.options import SolveOptions
 from sinuous.studies.exploring.explorer import Explorer
@@ -50,7 +50,7 @@ def test_all_that_is_kept_is_clear_and_within_limits(two: sn.Exploration) -> Non
     assert 0.5 < two.joined <= 1.0
     rng = np.random.default_rng(0)
     for pair in memory.edges[rng.choice(len(memory.edges), 25, replace=False)]:
-        assert not collides(ROBOT, Scene(SCENE), memory.q[pair])
+        assert not wrong_in(ROBOT, Scene(SCENE), memory.q[pair])
 
 
 def test_a_plan_walks_along_what_is_kept(two: sn.Exploration) -> None:
@@ -62,7 +62,7 @@ def test_a_plan_walks_along_what_is_kept(two: sn.Exploration) -> None:
         motion = planner.plan(graph.q[one], goal)
         assert motion.solved
         assert motion.solutions[0].verify().ok
-        assert not collides(ROBOT, Scene(SCENE), motion.q)
+        assert not wrong_in(ROBOT, Scene(SCENE), motion.q)
         to_shape = planner.plan(graph.q[one], graph.q[other])
         assert to_shape.solved
         np.testing.assert_array_equal(to_shape.q[[0, -1]], graph.q[[one, other]])
@@ -76,13 +76,13 @@ def test_a_changed_scene_keeps_what_is_still_clear(two: sn.Exploration) -> None:
     start, goal = (sn.solve(ROBOT, sn.Target(place), more).q for place in ((0.2, -1.2, 0.9), (0.9, -0.4, 1.6)))
     motion = sn.plan(ROBOT, start, goal, more, memory=memory.reading())
     assert motion.solved  # motions that are not clear any more are closed on the way
-    assert not collides(ROBOT, Scene(more), motion.q)
+    assert not wrong_in(ROBOT, Scene(more), motion.q)
     left = explored(0, memory, more)
     assert 0 < left.shapes < two.shapes
     assert 0 < left.motions < two.motions
     assert (left.rounds, left.tests) == (0, 0)
     for pair in memory.edges[:: len(memory.edges) // 10]:
-        assert not collides(ROBOT, Scene(more), memory.q[pair])
+        assert not wrong_in(ROBOT, Scene(more), memory.q[pair])
 
 
 def test_a_full_memory_ends_it() -> None:

@@ -75,8 +75,8 @@ PIECES = (
             "kernels.fitting.settle.settle_chain",
         ),
     ),
-    Piece("batches of solves", 1, ("kernels.solve.search.search_many" + FREE,), 12, waits=True),
-    Piece("batches of solves among obstacles", 1, ("kernels.solve.search.search_many",), 18, waits=True),
+    Piece("batches of solves", 1, ("kernels.solve.search.search_many" + FREE,), 12),
+    Piece("batches of solves among obstacles", 1, ("kernels.solve.search.search_many",), 18),
     Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
     Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
     Piece("starts of a memory", 1, ("kernels.solve.recall.recall", "kernels.solve.recall.compare"), most=FEW),
@@ -93,11 +93,15 @@ PIECES = (
         most=FEW,
     ),
     Piece(
+        "trees of meshes, clouds and grids",
+        1,
+        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose"),
+        most=FEW,
+    ),
+    Piece(
         "sampling of meshes, clouds and grids",
         3,
         (
-            "kernels.fields.trees.arrange",
-            "kernels.fields.trees.enclose",
             "kernels.fields.solids.enclose",
             "kernels.fields.solids.sample",
             "kernels.fields.candidates.list_candidates",
@@ -134,7 +138,6 @@ PIECES = (
             "kernels.statics.answers.answer",
             "kernels.solve.loaded.correct",
         ),
-        waits=True,
     ),
     Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
     Piece(
@@ -153,13 +156,12 @@ PIECES = (
         "the method opti_path",
         10,
         ("methods.opti_path.search.search", "methods.opti_path.potential.sample"),
-        waits=True,
     ),
-    Piece("the method dls", 4, ("methods.dls.search",), waits=True),
-    Piece("the methods fabrikc, fabrikx and fabrik_avoid", 7, ("methods.fabrik.reaching.search",), waits=True),
-    Piece("the method slinki", 6, ("methods.slinki.search",), waits=True),
-    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",), waits=True),
-    Piece("the method learned", 4, ("methods.learned.search.search",), waits=True),
+    Piece("the method dls", 4, ("methods.dls.search",)),
+    Piece("the methods fabrikc, fabrikx and fabrik_avoid", 7, ("methods.fabrik.reaching.search",)),
+    Piece("the method slinki", 6, ("methods.slinki.search",)),
+    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",)),
+    Piece("the method learned", 4, ("methods.learned.search.search",)),
 )
 """All that is compiled, what most users need first."""
 

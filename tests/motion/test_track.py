@@ -208,7 +208,7 @@ def test_waypoints_are_reached_at_their_times() -> None:
 
 
 def test_times_that_do_not_increase_are_refused() -> None:
-    with pytest.raises(sn.InputError, match=r"times\[1\]: expected more than 1, got 1.0 \(times must increase\)"):
+    with pytest.raises(sn.InputError, match=r"times\[1\]: times must increase; expected more than 1, got 1.0"):
         sn.track(ROBOT, CIRCLE[:2], times=[1.0, 1.0])
 
 

@@ -20,8 +20,8 @@ from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem
-from sinuous.studies.design.judge import Judge, Judged
-from sinuous.studies.design.objectives import Objective, of_robot
+from sinuous.studies.designing.judge import Judge, Judged
+from sinuous.studies.designing.objectives import Objective, of_robot
 from sinuous.studies.runs.engine import Arrays
 from sinuous.studies.tasks.tasks import Meet
 

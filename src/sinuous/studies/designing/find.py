@@ -22,12 +22,12 @@ from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
-from sinuous.studies.design.descent import Judging, can_descend
-from sinuous.studies.design.design import Change, Cut, Design, FoundRobot
-from sinuous.studies.design.fields import Space
-from sinuous.studies.design.judge import Judge
-from sinuous.studies.design.objectives import Objective, read_objectives
-from sinuous.studies.design.search import Drawn, RobotCandidates, RobotSearch, front
+from sinuous.studies.designing.descent import Judging, can_descend
+from sinuous.studies.designing.design import Change, Cut, Design, FoundRobot
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.judge import Judge
+from sinuous.studies.designing.objectives import Objective, read_objectives
+from sinuous.studies.designing.search import Drawn, RobotCandidates, RobotSearch, front
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.studies.runs.engine import Arrays, Engine
 from sinuous.studies.runs.open_engine import open_engine

@@ -73,7 +73,7 @@ def test_a_file_is_no_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("package", "file"), [(sinuous, "kernels/compile.py"), (benchmarks, "harness/journal.py")], ids=["library", "bench"]
+    ("package", "file"), [(sinuous, "kernels/tubes.py"), (benchmarks, "harness/journal.py")], ids=["library", "bench"]
 )
 def test_the_code_version_sees_every_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: ModuleType, file: str

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 import sinuous
 from sinuous.base.documents import draft_of, written
 from sinuous.base.errors import InputError
-from sinuous.kernels.compiling.sources import sources_hash
+from sinuous.kernels.compile import sources_hash
 from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.options import SolveOptions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.pairs import draw
+from benchmarks.motion.p5 import draw
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, VERDICT
 from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH, sweep_size
 from sinuous.kernels.body.proof import CLEAR

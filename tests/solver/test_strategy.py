@@ -76,7 +76,7 @@ def test_the_first_call_is_one_batch_and_scattered_starts_go_on_from_there(given
     assert numbers == list(range(batch.own[1], most - given))
 
 
-@with_each("name", ATTEMPTS)
+@pytest.mark.parametrize("name", ATTEMPTS)
 def test_a_solve_takes_what_is_switched_off(name: str) -> None:
     solution = sn.solve(ROBOT, TARGET, SCENE, without=name, time=20.0)
     assert solution.solved

@@ -17,9 +17,8 @@ from sinuous.solver.route_classes.blocking_surfaces import (
     refined,
 )
 from sinuous.solver.route_classes.curves import RouteCurves
-from tests.cases import with_each
 from tests.helpers import Floats
-from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, bars, wall
+from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, wall
 
 ENDS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 250.0)])
 BOUNDS = SurfaceBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
@@ -55,17 +54,6 @@ def test_a_screen_in_a_door_closes_it_and_leaves_the_other_open(door: int, tilt:
             crossing = np.column_stack([np.full(81, x), np.full(81, y), np.linspace(120.0, 180.0, 81)])
             if own.scene.distance(crossing).min() > BOUNDS.keep:
                 assert (closed.distance(crossing).min() < 0.5) == (this == door)
-
-
-@with_each("looks", [0, 3, 8, 9, 12, 20, 10_000])
-def test_a_screen_is_whole_or_none_whenever_the_time_ends(looks: int) -> None:
-    """The clock is read before and after each of five looks around, and while corners are left out."""
-    passage, left = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0), iter([60.0] * looks)
-    whole = make_blocking_surface(curves(bars()), passage, BOUNDS)
-    assert whole is not None
-    late = make_blocking_surface(RouteCurves(ROBOT, Scene(bars()).snapshot(), lambda: next(left, 0.0)), passage, BOUNDS)
-    assert late is None or np.array_equal(late.vertices, whole.vertices)
-    assert late is None or looks > 8
 
 
 @pytest.mark.parametrize("number", [28, 30, 56])

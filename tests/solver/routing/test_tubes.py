@@ -1,14 +1,10 @@
-"""Chains out of tubes: in the tube they lie in its middle, beyond it they lead to the target."""
+"""Bodies in pipes: shapes lie along the pipe, beyond it they lead to the target."""
 
 import numpy as np
 
 import sinuous as sn
 from benchmarks.places.parts.surfaces import hollow, open_tube, solid
-from sinuous import Robot, Scene, Segment, Target, Tolerance
-from sinuous.problem.problem import Problem
-from sinuous.solver.routing.reversed_problem import Groups
-from sinuous.solver.routing.searches import Searches
-from sinuous.solver.routing.tubes import find_tube_around, line_to_target_in_tube
+from sinuous import Robot, Scene, Segment, Target
 from tests.helpers import Floats
 
 RADIUS = 0.08
@@ -34,15 +30,6 @@ PIPE = Scene([solid(open_tube(AXIS, 1.3 * RADIUS, 2.1 * RADIUS), "pipe")])
 TARGET = Target(ROBOT.tip(Q)[:3, 3])
 
 
-def asked(robot: Robot, scene: Scene, targets: list[Target]) -> tuple[Searches, Problem, Groups, Floats]:
-    tolerance = Tolerance().for_robot(robot)
-    router = Searches(robot, scene, tolerance)
-    problem = Problem.prepared(robot, tuple(targets), scene.snapshot(), tolerance)
-    query = router.query(problem)
-    assert query is not None
-    return router, problem, router.groups(problem), query
-
-
 def test_what_lies_in_a_pipe_is_solved_along_it() -> None:
     solution = sn.solve(ROBOT, TARGET, PIPE)
     assert solution.solved
@@ -55,13 +42,8 @@ def test_what_lies_in_a_pipe_is_solved_along_it() -> None:
 def test_a_target_in_the_pipe_is_reached_along_its_axis() -> None:
     wall = hollow(poses(ROBOT, Q), 1.4 * RADIUS, 2.2 * RADIUS)
     scene = Scene([solid(wall, "pipe")])
-    _, _, groups, query = asked(ROBOT, scene, [TARGET])
-    tube = find_tube_around(groups[1], query, 60.0)
-    assert tube is not None
-    assert not tube.open
-    line = line_to_target_in_tube(tube, query)
-    assert line is not None
-    assert TARGET.position is not None
-    assert np.allclose(line[-1], TARGET.position)
-    assert scene.distance(line).min() >= 0.8 * RADIUS
-    assert sn.solve(ROBOT, TARGET, scene).solved
+    solution = sn.solve(ROBOT, TARGET, scene)
+    assert (solution.solved, solution.start) == (True, "route")
+    assert sn.check(ROBOT, solution.q, scene, TARGET).ok
+    assert solution.route is not None
+    assert scene.distance(solution.route).min() >= 0.8 * RADIUS

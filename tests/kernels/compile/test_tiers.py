@@ -1,0 +1,274 @@
+"""What is not compiled yet is interpreted, and compiled beside it, in processes that end with the program."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.base.work_time import AbandonedError, counting_looks, looked, no_work, work_time
+from sinuous.kernels import compile as compiling
+from sinuous.kernels.compile import helpers, pieces, store, tiers
+from sinuous.kernels.maths.vectors import Array
+from tests.base.processes import alive, until
+from tests.kernels.compile import parts
+
+HERE = Path(__file__).parents[3]
+
+
+class Orders(list[helpers.CompileOrder]):
+    """A foreman without helpers."""
+
+    taken = True
+
+    def order(self, order: helpers.CompileOrder) -> bool:
+        """Note it."""
+        self.append(order)
+        return self.taken
+
+
+@pytest.fixture
+def orders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Orders:
+    """Let entries of this file belong to a piece that takes 9 s, in a store of its own, and nothing be compiled."""
+    monkeypatch.setattr(store, "CACHE", tmp_path)
+    monkeypatch.setattr(tiers, "MODE", "auto")
+    monkeypatch.setattr(tiers, "_told", [])
+    monkeypatch.setattr(tiers, "_spent", defaultdict(float))
+    monkeypatch.setattr(tiers, "begun", lambda: True)
+    monkeypatch.setattr(pieces, "begun", lambda: True)
+    monkeypatch.setattr(pieces, "_told", [])
+    monkeypatch.setattr(pieces, "PIECES", (piece(9),))
+    noted = Orders()
+    monkeypatch.setattr(tiers, "foreman", noted)
+    return noted
+
+
+def piece(seconds: int, **more: Any) -> pieces.Piece:
+    names = (half, fill)
+    entries = tuple(f"{one.__module__.partition('.')[2]}.{one.__name__}" for one in names)
+    return pieces.Piece("halves", seconds, entries, **more)
+
+
+def half(x: float) -> float:
+    return 0.5 * x
+
+
+def fill(out: Array, x: float) -> int:
+    """Fill an array, whose first place counts how often it is begun, until somebody asks for the time."""
+    out[0] += 1.0
+    for i in range(1, out.shape[0]):
+        out[i] = x
+    return 1
+
+
+def test_a_call_without_code_is_interpreted_and_its_code_ordered_once_it_is_there_that_is_called(
+    orders: Orders, capsys: pytest.CaptureFixture[str]
+) -> None:
+    entry: Any = compiling.entry(half)
+    assert entry(3.0) == 1.5
+    assert entry(4.0) == 2.0
+    assert entry.signatures == []
+    first, second = orders
+    assert (first.name, first.path) == ("half", second.path)
+    said = capsys.readouterr().err
+    assert said == (
+        "sinuous: first use on this machine: kernels are compiled in the background (about 9 s); "
+        "until then answers take longer; 'sinuous warm' compiles everything ahead\n"
+    )
+    other: Any = compiling.entry(half)  # as a helper
+    with tiers.code_first():
+        other(1.0)
+    assert first.path.exists()
+    assert entry(5.0) == 2.5
+    assert len(entry.signatures) == 1
+    assert sum(entry.stats.cache_hits.values()) == 1
+    assert len(orders) == 2
+
+
+@pytest.mark.parametrize("why", ["heavy", "large", "code first", "no helpers", "compiled"])
+def test_a_call_waits_for_its_code_where_that_is_better(
+    why: str, orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(pieces, "PIECES", (piece(9, most={"heavy": 0, "large": 3}.get(why)),))
+    orders.taken = why != "no helpers"
+    if why == "compiled":
+        monkeypatch.setattr(tiers, "MODE", "compiled")
+    entry: Any = compiling.entry(fill)
+    with tiers.code_first() if why == "code first" else no_work():
+        assert entry(np.zeros(4), 1.5) == 1
+    assert len(entry.signatures) == 1
+    assert len(orders) == (why == "no helpers")
+    assert capsys.readouterr().err.count("\n") == 1
+    assert tiers._Waiting.count == 0
+
+
+def test_what_takes_a_moment_is_not_said(
+    orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(pieces, "PIECES", (piece(1, most=3),))
+    entry: Any = compiling.entry(fill)
+    assert entry(np.zeros(3), 1.5) == 1
+    assert (len(entry.signatures), len(orders)) == (0, 1)
+    assert capsys.readouterr().err == ""
+
+
+def test_what_cannot_be_kept_is_compiled_at_once(orders: Orders, monkeypatch: pytest.MonkeyPatch) -> None:
+    entry: Any = compiling.entry(half)
+    monkeypatch.setattr(store, "unchanged", lambda file: False)
+    assert entry(3.0) == 1.5
+    assert (len(entry.signatures), len(orders)) == (1, 0)
+
+
+@pytest.mark.parametrize("there", [True, False], ids=["code is there", "long enough"])
+def test_an_interpreted_call_is_abandoned_and_made_again_with_its_code(
+    there: bool, orders: Orders, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once the code is there, or compiling it makes the answer little later; and everything is as it was before."""
+    entry: Any = compiling.entry(fill)
+    values, ends = np.zeros(5), []
+
+    def interpreted(out: Array, x: float, end: Callable[[], bool]) -> int:
+        out[:3] = -9.0
+        ends.append(end())
+        if there:
+            with tiers.code_first():
+                compiling.entry(fill)(np.zeros(5), 1.0)  # as a helper
+        else:
+            monkeypatch.setattr(tiers.time, "thread_time", lambda: 1e9)
+        ends.append(end())
+        raise AbandonedError
+
+    entry._compile_for_args = tiers.tiered(compiling.entry(fill), interpreted)._compile_for_args
+    assert entry(values, 2.0) == 1
+    assert ends == [False, True]
+    np.testing.assert_array_equal(values, [1.0, 2.0, 2.0, 2.0, 2.0])
+    assert len(orders) == 1
+    monkeypatch.undo()
+
+
+def test_what_a_call_may_change_is_found_in_tuples_too() -> None:
+    still, inner = np.zeros(3), np.ones(2)
+    still.flags.writeable = False
+    assert [id(one) for one in tiers._written_to((still, (inner, 3)))] == [id(inner)]
+
+
+def test_where_interpreted_calls_took_long_code_is_waited_for(orders: Orders, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Helpers may never come to their turn: an answer is later by a share at most, and those that follow are soon."""
+    entry: Any = compiling.entry(half)
+    cpu = [0.0]
+    monkeypatch.setattr(tiers.time, "thread_time", lambda: cpu.__setitem__(0, cpu[0] + 9.0) or cpu[0])
+    calls = 0
+    while not entry.signatures:
+        assert entry(3.0) == 1.5
+        calls += 1
+    assert calls == 5  # 9 s each, for 9 s of compiling: 36 s are more than 9 / 0.3
+
+
+def test_interpreted_time_is_what_looks_are_worth(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = [100.0]
+    monkeypatch.setattr("sinuous.base.work_time.perf_counter", lambda: wall[0])
+    began = work_time()
+    with counting_looks():
+        wall[0] += 7.0
+        looked(1000)
+        assert work_time() - began == pytest.approx(5e-6)
+    assert work_time() - began == pytest.approx(5e-6)
+    with no_work():
+        wall[0] += 7.0
+    assert work_time() - began == pytest.approx(5e-6)
+    with pytest.raises(AbandonedError), counting_looks(lambda: True):
+        work_time()
+    assert work_time() - began == pytest.approx(5e-6)
+
+
+@pytest.fixture
+def foreman() -> Iterator[helpers.Foreman]:
+    made = helpers.Foreman(1)
+    yield made
+    made.dismiss()
+
+
+def order(folder: Path, name: str = "twice_the_norm", signature: Any = None) -> helpers.CompileOrder:
+    """An order of the entry of `parts`, in a store there."""
+    from numba import types
+
+    signature = signature or (types.float64, types.float64)
+    return helpers.CompileOrder(parts.__name__, name, signature, folder / f"{name}.code")
+
+
+@pytest.fixture
+def at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Let helpers have a store of their own, and find the tests."""
+    monkeypatch.setenv("SINUOUS_CACHE", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(HERE), str(HERE / "src")]))
+    return tmp_path / "kernels"
+
+
+def test_a_helper_compiles_into_the_store_and_says_what_it_cannot(foreman: helpers.Foreman, at_home: Path) -> None:
+    wrong, right = order(at_home, "nothing"), order(at_home)
+    assert foreman.order(wrong)
+    assert foreman.order(right)
+    assert until(lambda: bool(list(at_home.glob("twice*.code"))))
+    assert until(lambda: not foreman.order(wrong))
+    assert foreman.order(right)
+    assert not foreman.given_up
+
+
+def test_a_helper_that_is_killed_is_given_up(foreman: helpers.Foreman, at_home: Path) -> None:
+    lost = order(at_home)
+    assert foreman.order(lost)
+    assert until(lambda: bool(foreman._processes))
+    foreman._processes[0].kill()
+    assert until(lambda: not foreman.order(lost))
+
+
+def test_where_no_process_may_be_begun_nobody_waits_for_it(
+    foreman: helpers.Foreman, at_home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse() -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(helpers, "begin_helper", refuse)
+    first = order(at_home)
+    foreman.order(first)
+    assert until(lambda: not foreman.order(first))
+    assert foreman.given_up
+
+
+PROGRAM = """
+import sys, time
+from pathlib import Path
+from numba import types
+from sinuous.kernels.compile.helpers import CompileOrder, foreman
+from tests.kernels.compile import parts
+from tests.base.processes import alive, until
+signature = types.float64, types.float64
+foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
+while not foreman._processes: time.sleep(0.01)
+print(foreman._processes[0].pid, flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+def test_helpers_end_with_their_program(end: int, at_home: Path) -> None:
+    program = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, str(at_home)],
+        cwd=HERE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    with program:
+        assert program.stdout is not None
+        helper = int(program.stdout.readline())
+        program.send_signal(end)
+        program.wait()
+    assert until(lambda: not alive(helper))

@@ -275,8 +275,8 @@ class Prover:
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
-        self._ways = LoadedShapes(robot) if robot.hangs else None
-        body = longest_body(robot) if robot.hangs else robot
+        self._ways = LoadedShapes(robot) if robot.has_external_load else None
+        body = longest_body(robot) if robot.has_external_load else robot
         self._group, self._scene_group = robot_group(body), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(body), len(scene)))
@@ -383,7 +383,7 @@ def prove_steps(
         for i in np.flatnonzero(answers[:, VERDICT] == UNDECIDED).tolist():
             again = prover.prove(path[i : i + 2], 1.0, LOOSE_SECONDS, times[i : i + 2])[0]
             answers[i] = again if again[VERDICT] == CLEAR else answers[i]
-    return Steps(answers, robot.least_demanded)
+    return Steps(answers, robot._least_clearances)
 
 
 def load_motions(robot: Robot, scene: Snapshot) -> None:

@@ -75,7 +75,7 @@ def can_descend(judge: Judge) -> bool:
         len(judge.space.ranges) > 0
         and all(name in DERIVED for name in judge.minimise)
         and all(isinstance(task, Meet) for task in judge.tasks.values())
-        and not judge.space.template.hangs
+        and not judge.space.template.has_external_load
     )
 
 

@@ -18,7 +18,7 @@ from sinuous.base.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
-from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.compile import code_first
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot

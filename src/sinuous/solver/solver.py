@@ -544,7 +544,7 @@ class Solver:
         return call(type(self).__name__, [*parts, f"time={self.options.time:g}"])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self).prepared, (self.robot, self.scene, self.options)
+        return type(self)._of_checked, (self.robot, self.scene, self.options)
 
     @cached_property
     def _control(self) -> ControlLoop:

@@ -81,7 +81,9 @@ def test_problems_of_all_kinds(
 
 
 @pytest.mark.parametrize(
-    ("file", "ending"), zip(EXAMPLES, cycle(["yaml", "json"])), ids=lambda each: getattr(each, "stem", each)
+    ("file", "ending"),
+    list(zip(EXAMPLES, cycle(["yaml", "json"]), strict=False)),
+    ids=lambda each: getattr(each, "stem", each),
 )
 def test_examples(tmp_path: Path, file: Path, ending: str) -> None:
     problem = read_problem(file)

@@ -103,5 +103,5 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
     found = sn.studies.Reach.load("map.npz")
     assert found.voxels.shape == (5, 5, 5)
     assert Path("map.html").exists()
-    (told,) = run(f"{REACH} --out map.npz --json").results
-    assert told["volumes"]["reachable"]["found"] == found.volume().found
+    (values,) = run(f"{REACH} --out map.npz --json").results
+    assert values["volumes"]["reachable"]["found"] == found.volume().found

@@ -67,12 +67,12 @@ class ProgressBar:
             self._done += count
             now = time.monotonic()
             rate = self._done / max(1e-9, now - self._began)
-            count, speed = f"{self._done:,} of {self._total:,}", f", {rate:,.0f} a second" if rate >= 1.0 else ""
+            told, speed = f"{self._done:,} of {self._total:,}", f", {rate:,.0f} a second" if rate >= 1.0 else ""
             if self.shows:
-                self._bar.update(self._task, completed=self._done, count=f"{count}{speed}")
+                self._bar.update(self._task, completed=self._done, count=f"{told}{speed}")
             elif now - self._written >= LOG_EVERY:
                 self._written = now
-                sys.stderr.write(f"sinuous: {count} rows{speed}, {(self._total - self._done) / rate:,.0f} s left\n")
+                sys.stderr.write(f"sinuous: {told} rows{speed}, {(self._total - self._done) / rate:,.0f} s left\n")
 
     def say(self, what: str, share: float | None = None) -> None:
         """Say what is being done, and which share of it, 0 to 1, is done where nothing is counted."""

@@ -50,7 +50,7 @@ def test_a_task_that_fails_is_tried_three_times_and_reported(tmp_path: Path) -> 
     assert done(engine) == [0, 1, 3, 4, 5, 6]
     assert engine.failures == [Failure(2, "RuntimeError: as asked")]
     assert work.tried()[2] == MOST_TRIES
-    with Threads(work, 2) as other, pytest.raises(sn.UnfinishedError, match=r"^no squares: RuntimeError: as asked$"):
+    with Threads(work, 2) as other, pytest.raises(sn.studies.UnfinishedError, match=r"^no squares: RuntimeError: as asked$"):
         other.results([task for _, task in tasks()], "no squares")
 
 

@@ -154,7 +154,7 @@ def test_of_two_objectives_the_front_is_found() -> None:
 
 def test_uncovered_share_counts_also_where_not_all_is_done() -> None:
     tasks = [sn.studies.Cover([sn.Target((-90.0, 0.0, 190.0)), sn.Target((900.0, 0.0, 190.0))])]
-    found = sn.studies.design(TEMPLATE, tasks, vary=VARY, minimise=("uncovered", "actuators"), robots=16, workers=1)
+    found = sn.studies.design(TEMPLATE, tasks, vary=VARY, minimise=("uncovered", "actuators"), robots=32, workers=1)
     assert found.front[0].objectives["uncovered"] == 0.5
     assert found.front[0].objectives["actuators"] == 6.0
 

@@ -9,7 +9,7 @@ import pytest
 from sinuous.cli import warm
 from sinuous.cli.app import main
 from sinuous.cli.warm_steps import WarmStep
-from sinuous.kernels.compiling import pieces
+from sinuous.kernels.compile import pieces
 from tests.cli.test_progress import Terminal
 
 FIRST, SECOND = pieces.PIECES[:2]

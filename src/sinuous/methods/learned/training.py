@@ -19,7 +19,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.progress import ProgressBar
 from sinuous.kernels import tables as t
-from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.compile import code_first
 from sinuous.kernels.tables import answer_size
 from sinuous.methods.learned.network import INPUTS, KINDS, MOST_WIDTH, Layers, Network, inputs
 from sinuous.methods.newton import Newton

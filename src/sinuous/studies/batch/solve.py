@@ -10,13 +10,14 @@ from typing import Any, Unpack
 from sinuous.base import checks
 from sinuous.base.arguments import Rows, Truth, Whole
 from sinuous.base.errors import InputError, UnfinishedError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.model.robot import Robot
 from sinuous.problem.target import GoalArrays
 from sinuous.scene.scene import SceneLike
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import only_reading
-from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 from sinuous.studies.batch.batch import Answers, Batch
 from sinuous.studies.batch.results import Results
@@ -116,7 +117,7 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    refuse_unknown(options, SolveArguments, *(solve_batch.__kwdefaults__ or ()))
+    refuse_unknown(options, SolveArguments.__annotations__)
     given: dict[str, Any] = {"max_starts": STARTS, "time": TIME, **options}
     near, size = checks.truth("warm", warm), checks.integer("chunk", chunk, 1, MOST_CHUNK)
     count, part = read_workers(workers), None if shard is None else _shard(shard)

@@ -19,6 +19,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, warn_of
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import duration
@@ -30,7 +31,7 @@ from sinuous.problem.suspicions import suspicions
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import Explored, Memory
-from sinuous.solver.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.shapes import Graph
 from sinuous.solver.shapes import Whole as Numbers
 from sinuous.studies.exploring.explorer import Explorer, TaskKind
@@ -195,7 +196,7 @@ def explore(
     """
     began = clock.perf_counter()
     checks.instance("robot", robot, Robot, "a Robot")
-    refuse_unknown(options, SolveArguments, *(explore.__kwdefaults__ or ()))
+    refuse_unknown(options, SolveArguments.__annotations__)
     given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
     place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
     memory = given.pop("memory", None)

@@ -15,15 +15,16 @@ from numpy.typing import NDArray
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.base.checks import Floats
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
-from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.compile import code_first
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LoadedShapes
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import only_reading
-from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import longest_body
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
@@ -87,7 +88,7 @@ def reach(
         problem, grid or version.
     """
     began = clock.perf_counter()
-    refuse_unknown(options, SolveArguments, "spacing", "directions", *(reach.__kwdefaults__ or ()))
+    refuse_unknown(options, SolveArguments.__annotations__)
     checks.instance("robot", robot, Robot, "a Robot")
     threads, shown = read_workers(workers), checks.truth("progress", progress)
     voxels, axes, place = Voxels.about(robot, spacing, low, high), directions_of(directions), as_scene(scene)

@@ -22,6 +22,7 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable
 from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.files.documents import NUMBER
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
@@ -95,9 +96,7 @@ class ArraySource(Source):
     """Arrays by the names of `GoalArrays`; rows with NaN are let through, to be reported."""
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
-        unknown = next((key for key in arrays if key not in KEYS), None)
-        if unknown is not None:
-            raise InputError(unknown, "is not known", arrays[unknown], "one of " + ", ".join(KEYS))
+        refuse_unknown(arrays, KEYS)
         given = {key: value for key, value in arrays.items() if value is not None}
         self._raw = {key: _rows(key, given[key]) for key in _asked("targets", given)}
         self.rows = _check_counts("targets", {key: len(rows) for key, rows in self._raw.items()})

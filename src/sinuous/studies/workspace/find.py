@@ -29,7 +29,7 @@ from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import longest_body
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, directions_of, reach_of
-from sinuous.studies.workspace.rounds import CALL_SIZE, Calls, Places, Rounds, neighbours_of
+from sinuous.studies.workspace.rounds import CALL_SIZE, Calls, MappedPlaces, Rounds, neighbours_of
 
 SAMPLES = 6
 """Points of a segment whose distances tell which obstacle a body runs into."""
@@ -99,7 +99,7 @@ def reach(
     calls = Calls(threads, checkpoint)
     with code_first():
         taken = _within_reach(free, voxels, calls)
-    places, snapshot = Places(voxels.middles[taken], neighbours_of(taken), axes), solver.scene.snapshot()
+    places, snapshot = MappedPlaces(voxels.middles[taken], neighbours_of(taken), axes), solver.scene.snapshot()
     alone = Rounds(free, places, calls)
     codes, obstacles = alone.codes, np.full(voxels.shape, -1, np.int16)
     with code_first(), ProgressBar((2 if len(place) else 1) * codes.size if shown else 0) as bar:
@@ -163,7 +163,7 @@ def _among_obstacles(rounds: Rounds, alone: Rounds, bar: ProgressBar) -> Codes:
     return codes
 
 
-def _blocked_places(solver: Solver, places: Places, calls: Calls) -> NDArray[np.int64]:
+def _blocked_places(solver: Solver, places: MappedPlaces, calls: Calls) -> NDArray[np.int64]:
     """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
     distances = solver.scene.snapshot().distance(places.positions)
     near = np.flatnonzero(distances < max(solver.robot.needed_radii))
@@ -173,7 +173,7 @@ def _blocked_places(solver: Solver, places: Places, calls: Calls) -> NDArray[np.
     return near[codes == Verdict.TARGET_BLOCKED]
 
 
-def _blame(robot: Robot, scene: Snapshot, places: Places, codes: Codes, alone: Rounds) -> NDArray[np.int16]:
+def _blame(robot: Robot, scene: Snapshot, places: MappedPlaces, codes: Codes, alone: Rounds) -> NDArray[np.int16]:
     """Which obstacle (m,) takes most directions away from each place, -1 where none does."""
     hit, blocked = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
     at = np.concatenate([hit[0], blocked[0]])

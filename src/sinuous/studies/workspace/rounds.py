@@ -54,8 +54,8 @@ class Calls:
         return call["codes"], call["q"]
 
 
-class Places(NamedTuple):
-    """Places (m, 3) that are mapped in directions (d, 3), and the numbers (m, 6) of those beside each; -1: none."""
+class MappedPlaces(NamedTuple):
+    """MappedPlaces (m, 3) that are mapped in directions (d, 3), and the numbers (m, 6) of those beside each; -1: none."""
 
     positions: Floats
     neighbours: Numbers
@@ -73,7 +73,7 @@ class Rounds:
         The best configurations, in single precision: what neighbours begin from.
     """
 
-    def __init__(self, solver: Solver, places: Places, calls: Calls) -> None:
+    def __init__(self, solver: Solver, places: MappedPlaces, calls: Calls) -> None:
         self._solver, self._places, self._calls = solver, places, calls
         self.codes = np.full((len(places.positions), len(places.directions)), Verdict.NOT_FOUND, np.uint8)
         self.q = np.zeros((self.codes.size, len(solver.robot), 3), np.float32)

@@ -55,7 +55,7 @@ class Calls:
 
 
 class MappedPlaces(NamedTuple):
-    """MappedPlaces (m, 3) that are mapped in directions (d, 3), and the numbers (m, 6) of those beside each; -1: none."""
+    """Places (m, 3) that are mapped in directions (d, 3), and the numbers (m, 6) of those beside each; -1: none."""
 
     positions: Floats
     neighbours: Numbers

@@ -10,7 +10,7 @@ from sinuous.base.progress import LONG
 from sinuous.cli import warm
 from sinuous.cli.app import main
 from sinuous.cli.warm_steps import WarmStep, steps
-from sinuous.kernels.compiling import pieces
+from sinuous.kernels.compile import pieces
 from tests.base.test_progress import Terminal
 
 FIRST, SECOND = pieces.PIECES[:2]

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, wait
 from typing import Any
 
+import numba
 import typer
 
 from sinuous.base import checks
@@ -16,11 +17,12 @@ from sinuous.base.progress import ProgressBar
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
-from sinuous.kernels.compiling.helpers import cores
-from sinuous.kernels.compiling.pieces import Piece, told_to
-from sinuous.kernels.compiling.store import CACHE, clear, size_of
-from sinuous.kernels.compiling.targets import shipped
-from sinuous.kernels.compiling.tiers import TOOK, code_first
+from sinuous.kernels.compile import code_first, cores
+from sinuous.kernels.compile.pieces import Piece, told_to
+from sinuous.kernels.compile.sources import COMPILER
+from sinuous.kernels.compile.store import CACHE, clear, size_of
+from sinuous.kernels.compile.targets import shipped
+from sinuous.kernels.compile.tiers import TOOK
 from sinuous.methods.registry import METHODS
 
 
@@ -50,6 +52,8 @@ def warm_up(asked: Warm) -> int:
 def _compile(methods: tuple[str, ...]) -> int:
     """Compile what these methods need."""
     listed = steps(methods)
+    if COMPILER == "numba":
+        typer.echo(f"sinuous: kernels are compiled by Numba {numba.__version__} alone, which takes longer", err=True)
     began = clock.perf_counter()
     shared = min(cores(), len(listed))
     try:

@@ -43,7 +43,10 @@ class ProgressBar:
         self.shows = sys.stderr.isatty() and (total is None or total >= LONG)
         self._logged = logged and not sys.stderr.isatty()
         if self.shows:
-            self._bar = _bar()
+            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+            texts = TextColumn("{task.description}"), TextColumn("{task.fields[count]}")
+            self._bar = rich_progress(SpinnerColumn(), texts[0], BarColumn(), texts[1], TimeRemainingColumn())
             self._task = self._bar.add_task(what, total=total, count="")
             self._start = Timer(late, self._bar.start)
             self._start.daemon = True
@@ -92,16 +95,13 @@ class ProgressBar:
         self._bar.start()
 
 
-def _bar() -> Any:
+def rich_progress(*columns: Any) -> Any:
     """Return a `rich` progress display on standard error that disappears in the end.
 
     Standard output is not redirected: results that are printed there must stay there.
     """
     from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+    from rich.progress import Progress  # noqa: PLC0415
 
-    words = TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}")
-    columns = SpinnerColumn(), *words, TimeRemainingColumn()
-    return Progress(
-        *columns, console=Console(stderr=True), transient=True, redirect_stdout=False, redirect_stderr=False
-    )
+    console = Console(stderr=True)
+    return Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)

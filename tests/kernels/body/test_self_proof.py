@@ -177,6 +177,15 @@ def test_parts_of_several_radii_touch_where_they_are_folded_and_not_where_they_l
     assert (sampled(q, radii)[0] > 0.0) == (expected == CLEAR)
 
 
+def test_long_arms_of_many_segments_touch_where_they_meet_alone() -> None:
+    """At their ends: whoever passes over what is far must not pass over what comes back."""
+    arm, bend = [[0.0, 0.0, 0.3]] * 10, math.pi + 0.14
+    q, radii = np.array([*arm, [bend, 0.0, 0.2 * bend], *arm]), [0.02] * 21
+    verdict, gap, where = prove(q, radii)
+    assert (verdict, where[0], where[2] > 18) == (TOUCHING, 0, True)
+    assert sampled(q, radii)[0] < 0.0
+
+
 def test_more_than_the_thickness_allows_is_never_proved() -> None:
     """Curvature above 1 / radius, in pieces each of which is shorter than half a circle."""
     q = np.array([[0.7, 0.0, 0.1]] * 6)

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sinuous.base.errors import InputError
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
-from sinuous.errors import InputError
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
 
@@ -70,8 +70,9 @@ HOMES = {
 TOOLS = {
     "trace": "how many files of the package run in a solve",
     "rooms": "lines of code by room, circles of imports, public names",
+    "corpus": "some 5,000 problems with their answers, to hold a change of the code to the last bit",
 }
-"""What measures the code, not what it computes: modules with a command of their own."""
+"""What looks at the code, and takes no time: modules with a command of their own."""
 
 INTERRUPTED = 130
 
@@ -216,7 +217,7 @@ class Chosen:
         InputError
             That names the option.
         """
-        from sinuous import checks  # noqa: PLC0415
+        from sinuous.base import checks  # noqa: PLC0415
 
         if self.name not in BENCHMARKS:
             raise InputError("NAME", "", self.name, "one of " + ", ".join(BENCHMARKS))

@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import connected_components
 
 from benchmarks.harness.command import command
 from benchmarks.harness.markdown import table
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "src/sinuous/"

@@ -10,14 +10,14 @@ from matplotlib.patches import Circle
 from PIL import Image
 
 import sinuous as sn
-from sinuous.display.bounds import best_view
-from sinuous.display.contents import gather
-from sinuous.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
-from sinuous.pictures.animate import palette_of
-from sinuous.pictures.diagrams import tidy
-from sinuous.pictures.plot import still
-from sinuous.pictures.report import write_picture
-from sinuous.pictures.space import new_figure
+from sinuous.view.display.bounds import best_view
+from sinuous.view.display.contents import gather
+from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
+from sinuous.view.pictures.animate import palette_of
+from sinuous.view.pictures.diagrams import tidy
+from sinuous.view.pictures.plot import still
+from sinuous.view.pictures.report import write_picture
+from sinuous.view.pictures.space import new_figure
 
 ROOT = Path(__file__).parent.parent
 IMAGES, EXAMPLES = ROOT / "docs" / "images", ROOT / "examples"

@@ -99,23 +99,23 @@ def no_figures_stay() -> Iterator[None]:
 
 
 FIRST = (
-    "solving/routing/test_routes.py",  # our own method and routes, for one process
+    "solver/routing/test_routes.py",  # our own method and routes, for one process
     "methods/opti_path/test_options.py",  # methods that share little with it, for the other
     "methods/test_slinki.py",
     "methods/fabrik/test_reaching.py",
     "methods/test_monte_carlo.py",
     "methods/fabrik/test_reaching_avoiding.py",
-    "solving/test_options.py",  # preferences
-    "solving/test_live.py",
-    "viewer/test_page.py",  # waits for a browser
+    "solver/test_options.py",  # preferences
+    "solver/test_live.py",
+    "view/page/test_page.py",  # waits for a browser
     "benchmarks/paper/test_experiments.py",  # takes long
     "benchmarks/clutter/test_clutter.py",
-    "test_arguments.py",  # checks types, which takes long where that was not done before
+    "base/test_arguments.py",  # checks types, which takes long where that was not done before
     "benchmarks/motion/places/test_known.py",
     "benchmarks/places/test_places.py",
-    "batch/test_deaths.py",
+    "studies/batch/test_deaths.py",
     "test_cookbook.py",
-    "derivatives/test_derivative.py",
+    "answer/derivatives/test_derivative.py",
 )
 """Files that come first: they compile most, and two processes that began alike would compile the same; then those that
 take longest, so that none of these is left for one process at the end."""

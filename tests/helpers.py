@@ -10,16 +10,16 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from sinuous import packing
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
+from sinuous.kernels import packing
 from sinuous.kernels import problem as kernels
 from sinuous.kernels.body.rows import IDLE, Rows
 from sinuous.kernels.chain import kinematics as chain
 from sinuous.kernels.chain.arc import SERIES_END
 from sinuous.kernels.fields import distances
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 

@@ -2,9 +2,9 @@
 
 import sinuous as sn
 import sinuous.cli.warm_steps
-import tests.batch.poison
 import tests.benchmarks.solvers.test_parallel
-from tests.batch.questions import BALL, OPTIONS, ROBOT
+import tests.studies.batch.poison
+from tests.studies.batch.questions import BALL, OPTIONS, ROBOT
 
 __all__ = ["sinuous", "tests"]
 

@@ -21,7 +21,7 @@ PAGES = sorted(DOCS.rglob("*.md"))
 LESS = {r"\btime=\d+\.0": "time=0.5", r"\bseconds=\d+": "seconds=0.2", r"\brobots=\d+": "robots=32"}
 """What takes as long as it may, and what it is here: a place that is explored, a film, a search for a robot."""
 
-LESSONS = [DOCS / "first-steps.md", *sorted((DOCS / "guides").glob("*.md"))]
+LESSONS = [DOCS / "index.md", DOCS / "first-steps.md", *sorted((DOCS / "guides").glob("*.md"))]
 
 
 @with_each("page", PAGES)
@@ -38,12 +38,30 @@ def test_what_lessons_show_works(page: Path, tmp_path: Path, monkeypatch: pytest
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
     shown = blocks(str(page.relative_to(DOCS)), "python")
-    assert len(shown) >= 3
+    assert shown
     code = "\n".join(shown)
     for long, short in LESS.items():
         code = re.sub(long, short, code)
     exec(compile(code, page.name, "exec"), names)
-    assert names["solution"].solved if "solution" in names else names["now"].solved
+    assert (names["solution"] if "solution" in names else names.get("motion", names.get("now"))).solved
+    match page.stem:
+        case "calibration":
+            assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length
+            assert names["weighed"].robot.payload[0].mass == pytest.approx(0.005, rel=1e-6)
+        case "control-loop":
+            assert abs(names["seen"] - names["target"].position).max() < 0.01
+        case "derivatives":
+            assert names["derivative"].regular
+        case "known-place":
+            assert names["solution"].start == "remembered"
+            assert names["again"].motions > names["again"].shapes > 50
+        case "lumen":
+            assert names["motion"].deviation(names["curve"]).shape < 1.0  # % of the length
+        case "motors":
+            np.testing.assert_allclose(names["q"], names["solution"].q, atol=1e-9)
+        case "workspace":
+            assert names["again"].equals(names["workspace"])
+            assert 0.0 < names["workspace"].volume().found < names["workspace"].volume(free=True).at_most
     for text in blocks(str(page.relative_to(DOCS)), "yaml"):
         Path("problem.yaml").write_text(text, encoding="utf-8")
         assert main(["solve", "problem.yaml"]) == 0

@@ -20,12 +20,12 @@ from benchmarks.clutter.by_family import LIMIT, PATIENCE, Alone, Count, Pieces, 
 from benchmarks.harness.command import command
 from benchmarks.places import Place, make
 from benchmarks.places.place import right
-from sinuous import checks
+from sinuous.base import checks
 from sinuous.cli.options import check_writable
 from sinuous.kernels.tables import ROUTE, SOURCES
-from sinuous.solving.attempts import ATTEMPTS
-from sinuous.solving.solver import Solver
-from sinuous.solving.strategy import OPENING
+from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.solver import Solver
+from sinuous.solver.strategy import OPENING
 
 EVERYTHING = "everything"
 """What is called where nothing is switched off."""

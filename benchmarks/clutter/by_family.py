@@ -11,9 +11,9 @@ from benchmarks.harness.experiment import chosen
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES, Place
 from benchmarks.solvers.parallel import in_processes
-from sinuous import checks
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
+from sinuous.solver.solver import Solver
 
 Pieces = Annotated[
     list[str] | None, typer.Option("--piece", metavar="FAMILY", help="Only this family, or a pattern; repeat for more.")

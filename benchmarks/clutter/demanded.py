@@ -27,9 +27,9 @@ from benchmarks.harness.command import command
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.places import Place, make
 from benchmarks.places.place import right
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.tables import ROOM
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 AGAINST = {
     "as ever": "as ever",

@@ -10,7 +10,7 @@ from benchmarks.harness.experiment import Divided, Measurement, OfLines
 from benchmarks.harness.plan import Plan
 from benchmarks.places import FAMILIES
 from benchmarks.solvers.parallel import Abreast
-from sinuous.solving.attempts import read_without
+from sinuous.solver.attempts import read_without
 
 PROTOCOL = (
     f"place i of a family is benchmarks.places.make(family, 1000 * seed + i), i below {figures.COUNT} "
@@ -36,7 +36,7 @@ class Clutter(Abreast, OfLines):
         self._without: tuple[str, ...] = ()
 
     def switch_off(self, names: Sequence[str]) -> None:
-        """Measure without some attempts of the solver; see `sinuous.solving.attempts.ATTEMPTS`.
+        """Measure without some attempts of the solver; see `sinuous.solver.attempts.ATTEMPTS`.
 
         Raises
         ------

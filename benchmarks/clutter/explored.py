@@ -23,14 +23,14 @@ from benchmarks.motion.judged import collides
 from benchmarks.motion.places.into import elsewhere
 from benchmarks.motion.places.motions import straight
 from benchmarks.places import make
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.exploring.explore import explore
+from sinuous.answer.status import Status
+from sinuous.base import checks
+from sinuous.base.checks import Floats
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import Goal, Planner
-from sinuous.solution.status import Status
-from sinuous.solving.memory import Memory
-from sinuous.solving.solver import Solver
+from sinuous.solver.memory import Memory
+from sinuous.solver.solver import Solver
+from sinuous.studies.exploring.explore import explore
 
 WITHOUT = 5
 """Plans that are also made without a memory."""

@@ -11,10 +11,10 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places.parts.surfaces import Surface, loft, solid
 from benchmarks.problems import ProblemSet, arm, reachable
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = "added to a solve in free space by a mesh of 100,000 triangles (5 segments, position and direction; median)"
 SLACK = 2e-6

@@ -9,15 +9,15 @@ import typer
 from benchmarks.harness.command import command
 from benchmarks.pictures.style import INK
 from benchmarks.places import make
+from sinuous.answer.solution import Solution
 from sinuous.cli.options import check_writable
-from sinuous.display.bounds import best_view
-from sinuous.display.captions import caption
-from sinuous.display.contents import gather
-from sinuous.pictures.files import check_picture
-from sinuous.pictures.plot import draw_contents
-from sinuous.pictures.space import axes_box, fill, new_figure
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
+from sinuous.view.display.bounds import best_view
+from sinuous.view.display.captions import caption
+from sinuous.view.display.contents import gather
+from sinuous.view.pictures.files import check_picture
+from sinuous.view.pictures.plot import draw_contents
+from sinuous.view.pictures.space import axes_box, fill, new_figure
 
 SHOWN = {
     "spheres 40": 6,

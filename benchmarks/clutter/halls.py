@@ -11,12 +11,12 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places import Place, make
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.roadmap.find import roadmap_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.searches import POINTS, Searches
-from sinuous.solving.strategy import plans_of
+from sinuous.solver.routing.searches import POINTS, Searches
+from sinuous.solver.strategy import plans_of
 
 SECTION = "route search alone, in a hall of 1000 radii of the body with one door"
 COUNT, QUICK = 20, 2

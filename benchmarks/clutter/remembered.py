@@ -20,11 +20,11 @@ from benchmarks.harness.command import command
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places import Place, make
 from benchmarks.places.place import feasible, right
-from sinuous import checks
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
 from sinuous.problem.target import Target
-from sinuous.solution.solution import Solution
-from sinuous.solving.memory import Memory
-from sinuous.solving.solver import Solver
+from sinuous.solver.memory import Memory
+from sinuous.solver.solver import Solver
 
 SHORTEST, LONGEST = 1e-3, 0.5
 """Standard deviation of a step away from a shape, rad, drawn between these with equal shares of each size."""

@@ -10,9 +10,9 @@ from benchmarks.clutter.trials import Task, examine
 from benchmarks.harness.command import command
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES
-from sinuous import checks
+from sinuous.base import checks
+from sinuous.base.errors import InputError
 from sinuous.cli.options import check_writable
-from sinuous.errors import InputError
 
 
 def run(

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right
 from benchmarks.solvers.among_spheres import AmongSpheres
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 ARC, RANDOM, IPOPT = "arc", "random", "ipopt"
 """Solvers to compare with: the single arc alone, it and `RANDOM_STARTS` random starts, IPOPT."""

@@ -21,12 +21,12 @@ from benchmarks.derivatives.differences import (
 from benchmarks.derivatives.families import FAMILIES, SHAPES, draw, loaded, preferred, solver_for
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from sinuous.arguments import LoadParameter
-from sinuous.checks import Floats
-from sinuous.errors import InputError, NotSolvedError
+from sinuous.answer.solution import Solution
+from sinuous.base.arguments import LoadParameter
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError, NotSolvedError
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.solution.solution import Solution
 from sinuous.statics.equilibrium import find_equilibrium
 from sinuous.statics.response import GROUPS as LOADS
 

@@ -12,14 +12,14 @@ import numpy as np
 from benchmarks.derivatives.differences import Tangent, question
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from sinuous.arguments import Parameter
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.base.arguments import Parameter
+from sinuous.base.checks import Floats
+from sinuous.model.actuators import Chambers, Tendons
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = "a calibration of 41 parameters of 15 segments from the values of actuators in {count} shapes"
 WIDTHS: dict[Parameter, int] = {"base": 6, "tool": 6, "tendons": 29}

@@ -8,14 +8,14 @@ import numpy as np
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from sinuous.arguments import Parameter
-from sinuous.derivatives.parameters import GROUPS
+from sinuous.answer.derivatives.parameters import GROUPS
+from sinuous.answer.solution import Solution
+from sinuous.base.arguments import Parameter
+from sinuous.model.actuators import Tendons
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Tendons
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle, Sphere
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = "time of a derivative beyond the solve (5 segments with tendons, thread time)"
 ALL: tuple[Parameter, ...] = tuple(GROUPS)

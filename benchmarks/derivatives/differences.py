@@ -8,20 +8,20 @@ from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
 from benchmarks.derivatives.families import solver_for
-from sinuous.arguments import Parameter
-from sinuous.checks import Floats
-from sinuous.derivatives.derivative import derivative_of
-from sinuous.derivatives.parameters import GROUPS, circles_of
-from sinuous.errors import InputError
+from sinuous.answer.derivatives.derivative import derivative_of
+from sinuous.answer.derivatives.parameters import GROUPS, circles_of
+from sinuous.answer.solution import Solution
+from sinuous.base.arguments import Parameter
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.tables import LENGTH_SCALE
+from sinuous.model.actuators import Lines
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Lines
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.moving import moved
 from sinuous.scene.obstacles import Obstacle
-from sinuous.solution.solution import Solution
 
 Tangent = dict[Parameter, Floats]
 """How fast each group of parameters moves, as `Derivative.jvp` takes it."""

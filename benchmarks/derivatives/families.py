@@ -7,19 +7,19 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.packing import MARGIN
+from sinuous.answer.solution import Solution
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.kernels.packing import MARGIN
+from sinuous.model.actuators import Chambers, Tendons
+from sinuous.model.loads import Force, Payload
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment, Stiffness
 from sinuous.problem.problem import Preferences, Problem
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.loads import Force, Payload
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment, Stiffness
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import Equilibrium
 
 EXACT = 1e-12

@@ -8,13 +8,13 @@ import numpy as np
 from benchmarks.design.problems import DesignProblem, problem
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from sinuous.assessing.assess import assess
-from sinuous.assessing.tasks import read_tasks
-from sinuous.designing.fields import Space
-from sinuous.designing.find import SOLVE_TIME, STARTS, design
-from sinuous.designing.judge import Judge
-from sinuous.designing.objectives import read_objectives
 from sinuous.scene.scene import Scene
+from sinuous.studies.design.fields import Space
+from sinuous.studies.design.find import SOLVE_TIME, STARTS, design
+from sinuous.studies.design.judge import Judge
+from sinuous.studies.design.objectives import read_objectives
+from sinuous.studies.tasks.assess import assess
+from sinuous.studies.tasks.tasks import read_tasks
 
 SECTION = "a robot for 20 tasks, 4 varied fields, 2 workers, against {count} random ones"
 PROBLEMS = 10

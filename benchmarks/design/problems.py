@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from sinuous.checks import Floats
+from sinuous.answer.verification import check
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
-from sinuous.solution.verification import check
 
 TASKS = 20
 FAR = 400

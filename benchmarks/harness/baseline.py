@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from benchmarks.harness.lines import Line
 from benchmarks.harness.markdown import table
 from benchmarks.harness.report import Report, number
-from sinuous.errors import InputError, shown
+from sinuous.base.errors import InputError, shown
 from sinuous.files.results import plain
 
 SAFETY = 2.0

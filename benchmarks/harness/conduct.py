@@ -11,7 +11,7 @@ from benchmarks.harness.baseline import Comparison, Figure, check, compare, load
 from benchmarks.harness.experiment import Experiment, Findings, Piece
 from benchmarks.harness.journal import Journal, code_version
 from benchmarks.harness.report import Report
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.results import json_line
 
 INTERRUPTED = 130

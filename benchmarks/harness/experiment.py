@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from benchmarks.harness import reference
 from benchmarks.harness.lines import Line, together
 from benchmarks.harness.plan import Plan
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 Piece = tuple[str, Callable[[], Any]]
 """A name, and what to call for plain values: some seconds of work, which an interrupt may cost."""

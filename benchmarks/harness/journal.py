@@ -9,7 +9,7 @@ from typing import Any
 
 import benchmarks
 import sinuous
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.results import json_line
 
 NAME = "journal.jsonl"

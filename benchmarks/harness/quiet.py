@@ -2,7 +2,7 @@
 
 import warnings
 
-from sinuous.errors import SuspiciousInput
+from sinuous.base.errors import SuspiciousInput
 
 
 def ignore_suspicions() -> None:

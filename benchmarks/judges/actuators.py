@@ -3,9 +3,9 @@
 import numpy as np
 
 from benchmarks.judges.self_collision import Flags
-from sinuous.checks import Floats
-from sinuous.robot.actuators import Lines
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.actuators import Lines
+from sinuous.model.robot import Robot
 
 
 def within(robot: Robot, q: Floats, slack: float) -> Flags:

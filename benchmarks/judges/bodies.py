@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sinuous.arguments import OneEach
-from sinuous.robot.robot import Robot
+from sinuous.base.arguments import OneEach
+from sinuous.model.robot import Robot
 
 
 def measured_body(robot: Robot) -> Robot:

@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 
 from benchmarks.judges.kinematics import arc_ends, segment_ends
 from benchmarks.judges.primitives import Distance, distances_to
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive

@@ -14,9 +14,9 @@ import numpy as np
 
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import body_points
-from sinuous.checks import Floats
-from sinuous.poses import least_rotation
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.poses import least_rotation
+from sinuous.model.robot import Robot
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere

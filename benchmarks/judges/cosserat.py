@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 
 def shoot(

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from benchmarks.judges.kinematics import body_points
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 SAMPLES = 60
 """Places looked at in a segment."""

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 from benchmarks.judges import actuators
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import bend_caps, segment_ends
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 
 Flags = NDArray[np.bool_]
 

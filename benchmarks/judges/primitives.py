@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 
 Precision = type[np.float64] | type[np.longdouble]

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.judges.kinematics import arc_ends, segment_ends
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 Indices = NDArray[np.signedinteger]
 Flags = NDArray[np.bool_]

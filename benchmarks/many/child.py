@@ -39,7 +39,7 @@ def main(told: str) -> None:
     from benchmarks.harness.plan import Plan  # noqa: PLC0415
     from benchmarks.harness.quiet import ignore_suspicions  # noqa: PLC0415
     from benchmarks.many.questions import ROBOT, spheres, tips  # noqa: PLC0415
-    from sinuous.batch.solve import solve_batch  # noqa: PLC0415
+    from sinuous.studies.batch.solve import solve_batch  # noqa: PLC0415
 
     ignore_suspicions()
     settings = json.loads(told)

@@ -7,8 +7,8 @@ import numpy as np
 
 from benchmarks.harness.plan import Plan
 from benchmarks.problems import among_spheres, arm, random_configurations
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 ROBOT = arm(5, 2.4, radius=4)

@@ -8,12 +8,12 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.many.questions import ROBOT, spheres
 from benchmarks.problems import free_configurations
-from sinuous.checks import Floats
+from sinuous.answer.status import Status
+from sinuous.base.checks import Floats
 from sinuous.scene.scene import Scene
-from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
-from sinuous.workspace.find import reach
-from sinuous.workspace.reach import Reach, Verdict
+from sinuous.solver.solver import Solver
+from sinuous.studies.workspace.find import reach
+from sinuous.studies.workspace.reach import Reach, Verdict
 
 SECTION = "map of the workspace, 5 segments among 40 spheres, 26 directions a voxel, 2 threads"
 PROOFS = {Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED}

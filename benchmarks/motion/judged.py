@@ -7,8 +7,8 @@ import numpy as np
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 A_STEP = 50

@@ -17,7 +17,7 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.kinematics import body_points
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at
 
 SECTION = "follow the leader: 3 unit segments on a stage, radius 0.05; deviations in % of 3"

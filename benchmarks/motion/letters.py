@@ -21,7 +21,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.kinematics import body_points
 from benchmarks.motion.judged import collides
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.motion.motion import Motion
 from sinuous.problem.target import Target
 

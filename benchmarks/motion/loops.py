@@ -13,7 +13,7 @@ from benchmarks.harness.times import Times
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 SEGMENTS, SPHERES, TICKS, LOOPS, DT = 5, 40, 1000, 12, 1e-3
 REPEATS = 5

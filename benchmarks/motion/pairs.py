@@ -13,9 +13,9 @@ from numpy.random import Generator
 
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 

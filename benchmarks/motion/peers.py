@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.motion.pairs import Pair
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.solving.between.steps import Prover
+from sinuous.solver.certificates.steps import Prover
 
 OPTIMAL = "BITstar"
 PLANNERS = ("RRTConnect", OPTIMAL)

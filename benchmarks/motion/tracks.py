@@ -16,9 +16,9 @@ from benchmarks.motion.judged import collides
 from benchmarks.paper.scenes import path_through
 from benchmarks.problems import ProblemSet
 from benchmarks.solvers.parallel import in_processes
+from sinuous.answer.solution import Solution
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
-from sinuous.solution.solution import Solution
 
 SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12
 

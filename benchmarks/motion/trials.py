@@ -9,7 +9,7 @@ from benchmarks.motion.judged import collides
 from benchmarks.motion.pairs import Pair, draw
 from sinuous.motion.plan import Planner
 from sinuous.problem.target import Target
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 CONFIGURATION, TARGET = "configuration", "target"
 """What may be asked for: the goal itself, or the pose of its tip."""

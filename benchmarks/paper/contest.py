@@ -13,12 +13,12 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.paper.entrants import Entrant
 from benchmarks.problems import ProblemSet
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.answer.verification import Verification, verify
+from sinuous.base.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.solution.solution import Solution
-from sinuous.solution.verification import Verification, verify
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 BLOCK = 10
 """Problems that a method gets at a time: a minute in which the machine is slow is shared by all."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.harness.markdown import table
 from benchmarks.problems import ProblemSet
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.nouns import read_robot
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.learned.network import Network
@@ -19,7 +19,7 @@ from sinuous.methods.registry import METHODS, capabilities, name_of
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 STEP, ALONE = "learned, one step", "learned, alone"
 """Labels of the method that has learned with one step after the answer of its network, and with none."""

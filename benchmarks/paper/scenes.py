@@ -4,9 +4,9 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.problems import PAPER_POSES, ProblemSet, arm
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.scene import Scene
 

@@ -7,14 +7,14 @@ import numpy as np
 
 from benchmarks.pictures.style import INK, style
 from benchmarks.problems import ProblemSet
-from sinuous.checks import Floats
-from sinuous.display.bounds import Bounds, best_view
-from sinuous.display.contents import Arm, Contents, MovingArm
-from sinuous.display.style import TARGET, Viewpoint
-from sinuous.pictures.plot import draw_contents
-from sinuous.pictures.space import axes_box, set_bounds
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
+from sinuous.view.display.bounds import Bounds, best_view
+from sinuous.view.display.contents import Arm, Contents, MovingArm
+from sinuous.view.display.style import TARGET, Viewpoint
+from sinuous.view.pictures.plot import draw_contents
+from sinuous.view.pictures.space import axes_box, set_bounds
 
 ALONG = 24
 """Points of a line, a segment."""

@@ -7,7 +7,7 @@ from numpy.random import Generator
 
 from benchmarks.places.parts.surfaces import Surface, joined, solid
 from benchmarks.places.place import Draw, Sketch
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 

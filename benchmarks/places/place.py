@@ -12,10 +12,10 @@ from benchmarks.judges.collisions import body_of
 from benchmarks.judges.folds import least_self_clearance
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import segment_ends, tip_poses
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 

@@ -10,9 +10,9 @@ from numpy.random import Generator
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places.place import Place
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 

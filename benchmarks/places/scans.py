@@ -8,12 +8,12 @@ from numpy.random import Generator
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.places.parts.surfaces import Faces
 from benchmarks.places.place import ROOM, Draw, Sketch
-from sinuous.checks import Floats
-from sinuous.display.obstacles import arc, obstacle_surface
+from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Capsule, Cylinder, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
+from sinuous.view.display.obstacles import arc, obstacle_surface
 
 THICKNESS = 0.15
 """Radius of a point."""

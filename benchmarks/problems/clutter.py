@@ -9,10 +9,10 @@ import sinuous as sn
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems.sets import ProblemSet, in_ball, random_configurations
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 

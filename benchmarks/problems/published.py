@@ -6,8 +6,8 @@ import numpy as np
 
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems.sets import ProblemSet, arm
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 PAPER_POSES = {

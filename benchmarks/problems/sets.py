@@ -9,10 +9,10 @@ from numpy.random import Generator
 
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import bend_caps, tip_poses
-from sinuous.checks import Floats
-from sinuous.poses import pose
+from sinuous.base.checks import Floats
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.scene import Scene
 

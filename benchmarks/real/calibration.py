@@ -12,10 +12,10 @@ from benchmarks.harness.experiment import Measurement
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.judges.kinematics import tip_poses
-from sinuous.calibration.table import Measured, read_table
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
+from sinuous.studies.calibration.table import Measured, read_table
 
 DATA = Path(__file__).parent.parent / "data"
 

@@ -18,7 +18,7 @@ import sinuous as sn
 from benchmarks.harness.experiment import Measurement
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.times import Times
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.statics.equilibrium import run
 
 DATA = Path(__file__).parent.parent / "data"

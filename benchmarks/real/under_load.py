@@ -11,7 +11,7 @@ from benchmarks.harness.experiment import Measurement
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.times import Times
 from benchmarks.judges.cosserat import shoot
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 SECTION = "inverse kinematics under gravity and payload, sections of 4 arcs"
 

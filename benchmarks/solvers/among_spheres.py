@@ -8,9 +8,9 @@ import numpy as np
 
 from benchmarks.problems import random_configurations
 from benchmarks.solvers.peers import start_of, symbolic_frames
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 

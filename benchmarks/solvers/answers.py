@@ -11,8 +11,8 @@ from benchmarks.harness.times import Times
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import Flags, judge
 from benchmarks.problems import ProblemSet
-from sinuous.checks import Floats
-from sinuous.solving.solver import Solver
+from sinuous.base.checks import Floats
+from sinuous.solver.solver import Solver
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.judges.judge import Flags
 from benchmarks.problems import ProblemSet
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward
@@ -19,7 +19,7 @@ from sinuous.kernels.problem import read_problem
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import SOLVED
 from sinuous.methods.search import FINEST, carve_check, check_size
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 
 @entry

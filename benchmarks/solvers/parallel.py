@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from benchmarks.harness.experiment import InTurn, Piece
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.quiet import ignore_suspicions
-from sinuous.processes import pool_of
+from sinuous.base.processes import pool_of
 from sinuous.scene.prepared import sampling
 
 Item = TypeVar("Item")

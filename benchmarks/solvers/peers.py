@@ -23,13 +23,13 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from benchmarks.problems import ProblemSet
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.chain import batch
 from sinuous.kernels.compile import entry
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve.starts import single_arc
-from sinuous.packing import pose_row
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 
 MOST_STEPS = 300
 

@@ -13,13 +13,13 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places import Place, make
 from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.methods.registry import METHODS, capabilities
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import HalfSpace
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = "budgets of 1 to 100 ms: how much longer a solve takes that uses its budget up"
 SHORTEST, LONGEST = 1e-3, 0.1

@@ -16,7 +16,7 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable
 from sinuous.problem.target import GoalArrays
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = "endurance"
 ROUNDS = 5

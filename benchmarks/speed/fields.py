@@ -15,7 +15,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.problems import arm, reachable
 from benchmarks.solvers.answers import solve_all
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mending import Integers
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.point_cloud import PointCloud

@@ -11,7 +11,7 @@ from benchmarks.judges.judge import within_limits
 from benchmarks.problems import clutter
 from benchmarks.solvers import answers
 from benchmarks.solvers.parallel import in_processes
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = 'no false "solved": random robots (3 to 6 segments) among all kinds of obstacles, default tolerance'
 TARGETS = 100

@@ -10,7 +10,7 @@ from benchmarks.harness.times import Times
 from benchmarks.judges.kinematics import tip_poses, twist_norm
 from benchmarks.problems import ProblemSet, full_poses
 from benchmarks.solvers.answers import Answers, solve_all
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 SECTION = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9, se(3) error below 1e-6"
 LARGEST_ERROR = 1e-6

@@ -12,9 +12,9 @@ from benchmarks.judges.judge import Flags
 from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
 from benchmarks.solvers.answers import right
 from benchmarks.solvers.peers import Ipopt, LeastSquares, Peer
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.problem.target import Target
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 SECTION = (
     "against others: 5 segments, position and direction, to 1e-6 of the length and 1e-6 rad, medians over solved ones"

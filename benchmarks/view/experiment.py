@@ -16,9 +16,9 @@ from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.cli.view import TURN
-from sinuous.viewer.page import Page
+from sinuous.view.page.page import Page
 
 SECTION = "pages: 100 spheres and a mesh of 50,000 triangles"
 IN_FILES = "pages in files: 200 knots of 8 segments among 100 obstacles"

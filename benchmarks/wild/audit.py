@@ -19,12 +19,12 @@ from benchmarks.places.parts.surfaces import Surface, joined
 from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
 from benchmarks.wild.robots import TIGHTEST, robot_with_shapes, shapes_of
 from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.poses import pose
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot, Uncertainty
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot, Uncertainty
-from sinuous.robot.segment import Segment
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere

@@ -11,11 +11,11 @@ from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import body_points
 from benchmarks.problems import full_poses
 from benchmarks.wild.scan import all_solutions
-from sinuous.checks import Floats
-from sinuous.poses import pose
+from sinuous.base.checks import Floats
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 APART = 0.02
 """Distance between backbones from which solutions are distinct, of the robot's mean length: that of `solve_all`."""

@@ -14,10 +14,10 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.wild import odd
-from sinuous.errors import InputError, SuspiciousInput
-from sinuous.robot.robot import Robot
+from sinuous.answer.solution import Solution
+from sinuous.base.errors import InputError, SuspiciousInput
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
 
 SECTION = "public calls of odd robots in odd scenes: whether each ends in an answer"
 

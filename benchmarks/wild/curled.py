@@ -6,8 +6,8 @@ from benchmarks.judges.kinematics import tip_poses
 from benchmarks.judges.self_collision import surely_clear
 from benchmarks.problems.sets import direction_targets, random_configurations
 from benchmarks.wild.worlds import World
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 NEAR = 0.35

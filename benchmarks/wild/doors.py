@@ -13,12 +13,12 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import body_points
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 WALLS = 60
 

@@ -21,11 +21,11 @@ from benchmarks.wild.robots import shapes_of
 from benchmarks.wild.trials import GRACE, IMPOSSIBLE
 from benchmarks.wild.worlds import CLEAR
 from sinuous import InputError, Motion, Payload, Solution, Solver, Stiffness, Tendons, plan, pose
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.statics.rest import bodies_at

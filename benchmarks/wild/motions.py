@@ -16,13 +16,13 @@ from benchmarks.wild import audit
 from benchmarks.wild.trials import GRACE
 from benchmarks.wild.worlds import World
 from sinuous import Motion, Solver, plan, track
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.base.checks import Floats
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
 
 SECTION = "motions of wild worlds: what is called proved, looked at by the judges"
 

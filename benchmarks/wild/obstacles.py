@@ -8,10 +8,10 @@ from numpy.random import Generator
 from benchmarks.judges.kinematics import body_points
 from benchmarks.places.parts.surfaces import Surface, loft
 from benchmarks.problems.sets import in_ball
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
-from sinuous.poses import least_rotation
-from sinuous.robot.robot import Robot
+from sinuous.model.poses import least_rotation
+from sinuous.model.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud

@@ -13,9 +13,9 @@ from benchmarks.wild.audit import demanding
 from benchmarks.wild.obstacles import block_surface, pose_rotation
 from benchmarks.wild.robots import robot_with_shapes
 from benchmarks.wild.worlds import asked
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 UNITS = (-9.0, 9.0)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from benchmarks.wild import worlds
 from benchmarks.wild.trials import refuted, solutions_of
-from sinuous import checks
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.errors import InputError
 
 
 def replay(seed: int, names: Sequence[str]) -> list[str]:

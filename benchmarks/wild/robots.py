@@ -10,11 +10,11 @@ from numpy.random import Generator
 from benchmarks.judges.kinematics import bend_caps
 from benchmarks.judges.self_collision import surely_clear
 from benchmarks.problems.sets import in_ball
-from sinuous.checks import Floats
-from sinuous.poses import pose
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.base.checks import Floats
+from sinuous.model.actuators import Chambers, Tendons
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 
 SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
 """Ranges of the number of segments, each without its end."""

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.judges.kinematics import body_points, tip_poses
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 RINGS, TURNS = 8, 16
 """Points of the grid from the middle of a half sphere to its edge, and round it; twice as many go round a circle."""

@@ -10,10 +10,10 @@ from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import ROUNDING, Flags, target_errors, within_limits
 from benchmarks.judges.self_collision import look
 from benchmarks.wild.worlds import World
-from sinuous.checks import Floats
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.base.checks import Floats
+from sinuous.solver.solver import Solver
 
 IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)
 """What no problem may be called: it has a hidden solution."""

@@ -9,9 +9,9 @@ from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import segment_ends
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import robot_with_shapes
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 LIMIT = 1.0

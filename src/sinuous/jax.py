@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
-from sinuous.errors import InputError
+from sinuous.answer.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
+from sinuous.base.errors import InputError
 
 try:
     import jax
@@ -19,7 +19,7 @@ except ImportError as error:  # pragma: no cover
 
 import jax.numpy as jnp
 
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 Goals = dict[str, Any]
 
@@ -77,8 +77,8 @@ def solve(
 ) -> Any:
     """Solve goals of the tip; `jax.grad`, `jax.jvp`, `jax.jit` and `jax.vmap` go through the answers.
 
-    Gradients are those of the nearest answer, see `sinuous.derivatives.derivative.Derivative`. At a kink whatever is
-    active stays as it is.
+    Gradients are those of the nearest answer, see `sinuous.answer.derivatives.derivative.Derivative`. At a kink
+    whatever is active stays as it is.
 
     Parameters
     ----------

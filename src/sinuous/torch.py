@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
-from sinuous.errors import InputError
+from sinuous.answer.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
+from sinuous.base.errors import InputError
 
 try:
     import torch
@@ -17,7 +17,7 @@ except ImportError as error:  # pragma: no cover
 
 from torch import Tensor
 
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 
 class _Solve(torch.autograd.Function):
@@ -118,8 +118,8 @@ def solve(
 ) -> Tensor:
     """Solve goals of the tip; gradients, forward mode and `torch.func.vmap` go through the answers.
 
-    Gradients are those of the nearest answer, see `sinuous.derivatives.derivative.Derivative`. At a kink whatever is
-    active stays as it is.
+    Gradients are those of the nearest answer, see `sinuous.answer.derivatives.derivative.Derivative`. At a kink
+    whatever is active stays as it is.
 
     Parameters
     ----------

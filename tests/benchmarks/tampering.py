@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sinuous.solution.solution import Solution
+from sinuous.answer.solution import Solution
 
 
 def moved(solution: Solution, where: tuple[Any, int], by: float) -> Solution:

@@ -12,7 +12,7 @@ from benchmarks import __main__ as command
 from benchmarks.__main__ import ABOUT, BENCHMARKS, OF_LINES, OF_METHODS, OF_PARTS, Chosen, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
-from sinuous.errors import warn_of
+from sinuous.base.errors import warn_of
 from tests.cases import with_each
 
 Given = list[tuple[Chosen, Output]]

@@ -23,12 +23,12 @@ def double(x: float) -> float:
 '''
 
 PACKAGE = {
-    "src/sinuous/__init__.py": "from sinuous.robot.arm import Arm\n",
+    "src/sinuous/__init__.py": "from sinuous.model.arm import Arm\n",
     "src/sinuous/robot/__init__.py": "",
     "src/sinuous/robot/arm.py": "if TYPE_CHECKING:\n    from sinuous.scene.ball import Ball\n",
-    "src/sinuous/scene/ball.py": "def robot():\n    from sinuous.robot import arm\n",
-    "src/sinuous/errors.py": SOURCE,
-    "tests/robot/test_arm.py": "from sinuous.errors import InputError\n",
+    "src/sinuous/scene/ball.py": "def robot():\n    from sinuous.model import arm\n",
+    "src/sinuous/base/errors.py": SOURCE,
+    "tests/robot/test_arm.py": "from sinuous.base.errors import InputError\n",
 }
 
 
@@ -44,9 +44,9 @@ def test_rooms_add_up() -> None:
 
 def test_circles_are_found_wherever_imports_stand() -> None:
     edges = imports(PACKAGE)
-    assert edges["sinuous.scene.ball"] == {"sinuous.robot", "sinuous.robot.arm"}
-    assert circles(edges) == [["sinuous.robot.arm", "sinuous.scene.ball"]]
-    assert circles(between_rooms(edges)) == [["sinuous.robot", "sinuous.scene"]]
+    assert edges["sinuous.scene.ball"] == {"sinuous.model", "sinuous.model.arm"}
+    assert circles(edges) == [["sinuous.model.arm", "sinuous.scene.ball"]]
+    assert circles(between_rooms(edges)) == [["sinuous.model", "sinuous.scene"]]
     assert circles({"a": ["b"], "b": ["c"], "c": []}) == []
 
 

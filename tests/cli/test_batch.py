@@ -8,7 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from tests.batch.questions import BALL, ROBOT, points, write_csv
+from tests.studies.batch.questions import BALL, ROBOT, points, write_csv
 
 FAST = ("--max-starts", "4", "--no-routes")
 
@@ -85,7 +85,7 @@ def test_bad_input_is_one_line(options: list[str], told: str, capsys: pytest.Cap
 
 
 def test_an_address_where_no_scheduler_is(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sinuous.batch.cluster.PATIENCE", 1.0)
+    monkeypatch.setattr("sinuous.studies.batch.cluster.PATIENCE", 1.0)
     own = ["batch", "arm.yaml", "--targets", "good.csv", "--out", "out.csv", "--dask", "tcp://127.0.0.1:9"]
     assert main(own) == 2
     assert "the address of a scheduler that runs, got 'tcp://127.0.0.1:9'" in capsys.readouterr().err

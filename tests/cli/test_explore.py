@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from sinuous.exploring.explore import _ExplorationRun
+from sinuous.studies.exploring.explore import _ExplorationRun
 
 FILE = """
 robot:

@@ -19,7 +19,7 @@ from sinuous.cli.answers import read_solution, write_solution
 from sinuous.cli.app import main
 from sinuous.motion.plan import Planner
 from sinuous.motion.tracker import Tracker
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 PATIENCE = 300.0
 """Seconds until a process that does nothing fails a test."""

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from sinuous.cli.app import main
-from sinuous.pictures import report
-from sinuous.pictures.animate import animate
+from sinuous.view.pictures import report
+from sinuous.view.pictures.animate import animate
 
 SCENE = """
 robot: {segments: {count: 3, length: [0.8, 1.2], max_bend: 2.5}, radius: 0.05}

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sinuous.answer.verification import verify
 from sinuous.cli import app
 from sinuous.cli.app import main
 from sinuous.files.problem_file import read_problem
 from sinuous.problem.problem import Problem
-from sinuous.solution.verification import verify
 
 TEMPLATES = Path(app.__file__).parent / "templates"
 

@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from tests.workspace.maps import ROBOT, WALL
+from tests.studies.workspace.maps import ROBOT, WALL
 
 
 @pytest.fixture(autouse=True)

@@ -9,7 +9,7 @@ import pytest
 
 from sinuous.cli.app import main
 from sinuous.files.problem_file import read_problem
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 Write = Callable[[str], str]
 
@@ -252,7 +252,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
 ) -> None:
     """The second has obstacles: the search for routes must not be compiled between two results."""
     from sinuous.cli.answers import AnswerWriter
-    from sinuous.solving.routing.searches import Searches
+    from sinuous.solver.routing.searches import Searches
 
     events: list[str] = []
 
@@ -307,7 +307,7 @@ def test_remedies_are_in_the_result_only_when_asked_for(
 def test_an_interrupt_of_the_explanation_leaves_the_answer(
     capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from sinuous.solution.solution import Solution
+    from sinuous.answer.solution import Solution
 
     def interrupted(self: Any, time: float = 2.0) -> None:
         raise KeyboardInterrupt

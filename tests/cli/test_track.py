@@ -11,13 +11,12 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
 from sinuous.cli.app import main
 from sinuous.motion import motion as motion_module
 from sinuous.motion.resampling import lines_between
 from sinuous.motion.tracker import Tracker
-from sinuous.solution.solution import Solution
-from sinuous.solving.between.steps import Steps
+from sinuous.solver.certificates.steps import Steps
 from tests.cli.conftest import ROBOT
 from tests.cli.test_solve import KEYS, strict
 
@@ -154,8 +153,8 @@ def test_a_table_has_a_row_for_each_sample(problem: Write, tmp_path: Path, capsy
 def test_lines_that_are_not_proved_are_noted(
     problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def unproved(motion: sn.Motion, times: Floats, q: Floats) -> Steps:
-        return Steps.told(len(lines_between(motion, times, q).proved), (1,), None, None)
+    def unproved(*asked: Any) -> Steps:
+        return Steps.told(len(lines_between(*asked).proved), (1,), None, None)
 
     monkeypatch.setattr(motion_module, "lines_between", unproved)
     out = tmp_path / "q.csv"
@@ -200,7 +199,7 @@ def test_a_path_moves(problem: Write, tmp_path: Path, monkeypatch: pytest.Monkey
     pytest.importorskip("matplotlib")
     from PIL import Image
 
-    from sinuous.pictures import report
+    from sinuous.view.pictures import report
 
     monkeypatch.setattr(report, "animate", partial(sn.animate, seconds=0.4))
     file = tmp_path / "motion.gif"

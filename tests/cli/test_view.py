@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 import sinuous as sn
+from sinuous.base.errors import InputError
 from sinuous.cli.app import main
 from sinuous.cli.view import is_loopback
-from sinuous.errors import InputError
-from sinuous.viewer.page import Page
+from sinuous.view.page.page import Page
 
 Write = Callable[[str], str]
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.documents import parse_json
 from tests.cases import with_each
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 
 def read(folder: Path, moving: str) -> sn.Moving:

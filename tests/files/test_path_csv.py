@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files import path_csv
 from sinuous.files.path_csv import parse_path
 from sinuous.problem.target import Target

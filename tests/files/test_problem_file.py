@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.problem_file import read_problem
-from sinuous.poses import pose
-from sinuous.robot.rates import Rates
+from sinuous.model.poses import pose
+from sinuous.model.rates import Rates
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere

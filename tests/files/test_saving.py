@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
+from sinuous.base.documents import yaml_text
 from sinuous.files.documents import parse_yaml
 from sinuous.files.problem_file import ProblemFile, read_problem
-from sinuous.writing.documents import yaml_text
 from tests.helpers import random_pose, refused
-from tests.robot.test_actuation import MIXED
-from tests.robot.test_laws import robots
+from tests.model.test_actuation import MIXED
+from tests.model.test_laws import robots
 from tests.scene.shapes import cube, together
 
 LAMP = sn.Sphere((0, 0, 9), 1.0)

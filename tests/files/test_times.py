@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files.problem_file import read_problem
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 import yaml
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.files import documents
 from sinuous.files.documents import parse_yaml
 from tests.cases import with_each

@@ -7,14 +7,14 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous import packing
+from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.model.actuators import Chambers, Tendons
+from sinuous.model.robot import Robot, robot_group
+from sinuous.model.segment import Segment
 from sinuous.problem.problem import Preferences, settings_group
 from sinuous.problem.target import Target, Tolerance, target_table
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot, robot_group
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from sinuous.arguments import MethodName
-from sinuous.checks import Floats
+from sinuous.base.arguments import MethodName
+from sinuous.base.checks import Floats
 from sinuous.methods import registry as methods
 from sinuous.methods.learned.search import Learned
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.step.targets import add_rows
 from sinuous.methods import dls
 from sinuous.methods.dls import Dls
-from sinuous.packing import pose_row
 from tests.cases import with_each
 from tests.helpers import columns_of, frames_of, make_rows, random_pose, refused, vec
 from tests.methods import laws

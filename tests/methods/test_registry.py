@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.arguments import MethodName
+from sinuous.base.arguments import MethodName
 from sinuous.methods import registry as methods
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.options import Options
 from sinuous.methods.registry import METHODS
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from tests.cases import with_each
 from tests.helpers import refused
 from tests.methods.laws import quick

@@ -36,9 +36,9 @@ from sinuous.kernels.tables import (
 from sinuous.methods import search as method_search
 from sinuous.methods.prepared import as_outcomes
 from sinuous.methods.search import Answer, Check, check_size, offer
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats

@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 
 from benchmarks.problems import clutter, random_configurations
+from sinuous.answer.verification import verify
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
 from sinuous.methods import search as common
-from sinuous.packing import pose_row
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solution.verification import verify
 from tests.helpers import Floats, kernel_problem
 from tests.kernels.workspace import make_clock
 
@@ -79,7 +79,7 @@ def test_several_targets_count_by_the_worst() -> None:
 
 
 def test_curvature_and_actuators_are_limits_too() -> None:
-    from sinuous.robot.actuators import Tendons
+    from sinuous.model.actuators import Tendons
 
     q = np.array([[0.9, 0.0, 1.0]] * 2)
     for robot, name in (

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous.methods import slinki as lattice
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from tests.cases import with_each
 from tests.helpers import expm_chain, random_rotation, vec
 from tests.methods.fabrik.test_links import MIXED

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.kernels.packing import scales_of
 from sinuous.motion.configurations import distances, random_configuration, within_limits
-from sinuous.packing import scales_of
 
 ROBOT = sn.on_stage(sn.Robot.uniform(3, (0.0, 1.2), 2.4, max_curvature=3.0, radius=0.05), 2.0)
 ENDLESS = sn.Robot.uniform(2, 1.0, radius=0.01)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.motion.knots import TipLine
 
 

@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.following import body_places
 from sinuous.motion import leader
-from sinuous.solving.between.steps import Prover
+from sinuous.solver.certificates.steps import Prover
 from tests.cases import with_each
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.following import line_in_front
 from sinuous.motion.leader_derivative import GROUPS, LeaderQuestion
 from tests.helpers import refused

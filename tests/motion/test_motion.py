@@ -11,7 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.report import Report
-from sinuous.solving.between.steps import Steps
+from sinuous.solver.certificates.steps import Steps
 from tests.cases import with_each
 from tests.helpers import refused
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
-from sinuous.robot.rates import least
+from sinuous.base.checks import Floats
+from sinuous.model.rates import least
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(3, (40.0, 60.0), 2.0, radius=4.0, tendons=sn.Tendons(3, radius=3.0))

@@ -9,8 +9,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.motion.judged import collides
-from sinuous.errors import InputError
-from sinuous.motion import report
+from sinuous.base.errors import InputError
 from sinuous.motion.plan import Planner
 from tests.kernels.planning.test_query import ROBOT, pair
 
@@ -181,7 +180,7 @@ def test_wrong_ends_are_refused() -> None:
 def test_a_motion_to_a_configuration_is_read_again() -> None:
     scene, (start, goal) = pair(2)
     motion = sn.plan(ROBOT, start, goal, scene)
-    again = report.read(sn.Motion, motion.to_dict(), (), (ROBOT, motion.scene))
+    again = sn.Motion.restored(motion.to_dict(), (), (ROBOT, motion.scene))
     assert again.to_dict() == motion.to_dict()
 
 

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
-from sinuous.errors import SuspiciousInput
+from sinuous.base.errors import SuspiciousInput
 from sinuous.motion.resampling import splines_between
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.05)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.arguments import Shortest
-from sinuous.checks import Floats
+from sinuous.base.arguments import Shortest
+from sinuous.base.checks import Floats
 from sinuous.motion.knots import Knot
 from sinuous.motion.shortest import _solved, metric_of, shorten
 from tests.helpers import refused

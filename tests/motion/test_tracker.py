@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from tests.cases import with_each
 from tests.helpers import refused
 

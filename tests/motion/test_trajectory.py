@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
-from sinuous.export.chain import JointChain
+from sinuous.base.checks import Floats
+from sinuous.files.joint_chain import JointChain
 from sinuous.measures.following import body_places
 from tests.cases import with_each
 

@@ -11,9 +11,9 @@ from numba import typeof
 from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
-from sinuous.poses import rotation_matrix
+from sinuous.model.poses import rotation_matrix
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, TipGoals, target_list, target_table
-from sinuous.robot.robot import Robot
 from tests.cases import with_each
 from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
 

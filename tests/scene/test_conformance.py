@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from sinuous.kernels.fields import distances, solids
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
-from sinuous.poses import pose
+from sinuous.model.poses import pose
 from sinuous.scene.grids import Field, Grid, sample_points
 from sinuous.scene.meshes.mending import Integers
 from sinuous.scene.meshes.mesh import Mesh

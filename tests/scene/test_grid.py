@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.scene.grids import Grid
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
+from sinuous.answer.worst import compiled_clearance
 from sinuous.measures import body
 from sinuous.measures.body import body_places, segment_ends
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import least_gap, room_at
-from sinuous.solution.worst import compiled_clearance
 from tests.helpers import Floats
-from tests.solving.test_live import MADE
+from tests.solver.test_live import MADE
 
 SCENES: dict[str, list[Obstacle]] = {
     **{name: [make()] for name, make in MADE.items()},

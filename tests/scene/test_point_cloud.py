@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.scene.point_cloud import PointCloud, expand_lzf, parse_pcd
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each

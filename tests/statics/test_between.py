@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.statics import _energy, _tensions, imbalance
 from sinuous.statics.between import bounded, leave
 from sinuous.statics.body import body_of

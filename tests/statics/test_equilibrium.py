@@ -10,10 +10,10 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
-from sinuous.checks import Floats
-from sinuous.display.contents import gather
+from sinuous.base.checks import Floats
 from sinuous.problem.suspicions import suspicions
 from sinuous.scene.snapshot import Snapshot
+from sinuous.view.display.contents import gather
 from tests.helpers import refused
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)

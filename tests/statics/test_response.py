@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.statics.equilibrium import Equilibrium, find_equilibrium
 from sinuous.statics.response import GROUPS
 from tests.helpers import refused

@@ -16,7 +16,7 @@ import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 SEGMENTS, POINTS, TICKS, LOOPS, DT = 5, 50_000, 300, 4, 1e-2
 RATES = sn.Rates(bend=2.0, length=60.0)

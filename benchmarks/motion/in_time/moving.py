@@ -18,7 +18,7 @@ from benchmarks.harness.times import Times
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.motion.plan import PlanArguments
 
 SEGMENTS, OBSTACLES, PLACES, DURATION, SECONDS = 4, 16, 40, 6.0, 2.0

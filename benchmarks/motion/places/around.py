@@ -9,8 +9,8 @@ from scipy.spatial import cKDTree
 from benchmarks.judges.kinematics import body_points
 from benchmarks.motion.judged import samples
 from benchmarks.places.parts.shapes import curve_of
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Box, Sphere
 
 SAMPLES = 10

@@ -17,7 +17,7 @@ from benchmarks.motion.places.motions import straight
 from benchmarks.motion.places.trials import COUNT, QUICK, SECONDS, STRIDE, Trial, lines_of
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.solvers.parallel import in_processes
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 AWAY, TRIES = (0.3, 0.6), 30
 """How far the tip of another shape is from the hidden one's, in lengths of the robot, and how many are tried."""

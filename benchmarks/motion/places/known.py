@@ -19,8 +19,8 @@ from benchmarks.motion.places.walls import door_in, door_out, pipe, two_doors
 from benchmarks.places.meshed import one_mesh
 from benchmarks.places.parts.robots import longest, robot_of
 from benchmarks.solvers.parallel import in_processes
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Box, Obstacle
 from sinuous.scene.scene import Scene
 

@@ -17,8 +17,8 @@ from numpy.random import Generator
 from benchmarks.judges.folds import least_self_clearance
 from benchmarks.judges.kinematics import segment_ends
 from benchmarks.places.parts.shapes import curve_of, draw_shape
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 WANDERING, LEADING, THREADING = "wandering", "leading", "threading"
 KINDS = (WANDERING, LEADING, THREADING)

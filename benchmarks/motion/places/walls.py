@@ -11,8 +11,8 @@ from benchmarks.places.traps.cells import WALL as WALLS
 from benchmarks.places.traps.cells import Cell, cell_around, in_frame
 from benchmarks.places.traps.doors import common_wall
 from benchmarks.places.traps.pipes import RINGS
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 

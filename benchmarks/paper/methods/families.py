@@ -8,9 +8,9 @@ from numpy.random import Generator
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.paper.scenes import FREE_BEND, PAPER_TOLERANCE
 from benchmarks.problems import ProblemSet, among_spheres, arm, direction_targets, random_configurations
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 SPHERES = 40

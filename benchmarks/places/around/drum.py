@@ -9,7 +9,7 @@ from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import curve_of, draw_shape
 from benchmarks.places.parts.surfaces import Surface, joined, loft, solid
 from benchmarks.places.place import Sketch
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Cylinder, Obstacle
 
 GAP = (2.8, 3.6)

@@ -11,7 +11,7 @@ from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import arc, curve_of, draw_shape, lengthened
 from benchmarks.places.parts.surfaces import Surface, joined, solid
 from benchmarks.places.place import Sketch
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 INSIDE, OUTSIDE = 1.7, 2.6
 """Radii of the wall, in radii of the body."""

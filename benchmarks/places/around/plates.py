@@ -9,7 +9,7 @@ from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
 from benchmarks.places.parts.surfaces import plate, solid
 from benchmarks.places.place import Sketch
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 
 FEWEST, MOST = 2, 6

@@ -6,7 +6,7 @@ from numpy.random import Generator
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import curve_of, draw_shape
 from benchmarks.places.place import Sketch
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Box
 
 OPENING = (3.5, 6.0)

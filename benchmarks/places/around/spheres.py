@@ -6,8 +6,8 @@ from numpy.random import Generator
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
 from benchmarks.places.place import Sketch
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Sphere
 
 LEAST_RADIUS, MOST_RADIUS = 1.5, 5.0

@@ -10,9 +10,9 @@ from benchmarks.places.parts.marching import around
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape, keeps_from_itself
 from benchmarks.places.parts.surfaces import Surface, solid
 from benchmarks.places.place import Sketch, sketch_of
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle
 

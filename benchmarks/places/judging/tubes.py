@@ -11,8 +11,8 @@ from benchmarks.places.parts.shapes import arc, curve_of, draw_shape, keeps_from
 from benchmarks.places.parts.surfaces import WALL, open_tube, solid, widening_tube
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.pipes import backwards
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 FRAMES = 60
 """Least number of frames along a shape that a wall is made on."""

@@ -10,8 +10,8 @@ from benchmarks.places.parts.shapes import curve_of, draw_shape
 from benchmarks.places.parts.surfaces import Surface, ring_loft, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.cells import cell_around, doorway, draw_half, in_frame, line_of
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 
 WALLS, THICKNESS = (1, 3), (0.5, 4.0)

@@ -7,7 +7,7 @@ import igl
 import numpy as np
 
 from benchmarks.places.parts.surfaces import Faces, Surface
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 """Corners of a cell, in the order that marching cubes takes them."""

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.random import Generator
 
-from sinuous.checks import Floats
-from sinuous.poses import pose
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.base.checks import Floats
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 
 BENDS = {3: 2.4, 5: 2.4, 8: 2.0, 12: 1.6, 20: 1.2}
 """Number of bending segments, and the largest bend of each, rad."""

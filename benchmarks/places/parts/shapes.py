@@ -8,9 +8,9 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.judges.kinematics import arc_poses
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 
 TURNING = 0.9
 """Standard deviation of the change of the bending plane from one segment to the next, rad."""

@@ -8,8 +8,8 @@ from benchmarks.places.parts.surfaces import blind_bore, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import box_between, channel
 from benchmarks.places.traps.cells import SAMPLES, in_frame, line_of
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 WIDTH, BLOCK, BOTTOM = (1.3, 1.8), (3.0, 8.0), (1.1, 3.0)
 """Inner radius of a bore; half the edge of the block; how far the bottom is beyond the tip. In radii of the body."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Box
 
 

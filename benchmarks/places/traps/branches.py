@@ -11,8 +11,8 @@ from benchmarks.places.parts.shapes import curve_of, draw_shape
 from benchmarks.places.parts.surfaces import WALL, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.cells import line_of
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 WIDTH = (1.4, 2.2)
 """Inner radius of a pipe."""

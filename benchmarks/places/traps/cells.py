@@ -8,9 +8,9 @@ from numpy.random import Generator
 
 from benchmarks.places.parts.shapes import curve_of
 from benchmarks.places.traps.boxes import box_between, wall_with_door, walls_around
-from sinuous.checks import Floats
-from sinuous.poses import pose
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Box
 
 WALL = (0.4, 1.2)

@@ -8,8 +8,8 @@ from benchmarks.places.parts.surfaces import WALL, open_tube, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import channel
 from benchmarks.places.traps.cells import SAMPLES, Line, cell_around, line_of
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Obstacle
 
 WIDTH = (1.3, 1.8)

@@ -7,8 +7,8 @@ from benchmarks.places.parts.shapes import draw_shape
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import wall_with_door
 from benchmarks.places.traps.cells import Cell, Line, cell_around, doorway, draw_half, in_frame, line_of
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Box
 
 SHARE = (0.25, 0.75)

@@ -11,8 +11,8 @@ from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import box_between
 from benchmarks.places.traps.cells import in_frame
 from benchmarks.places.traps.pipes import RINGS, backwards
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Box
 
 WIDTH = (1.25, 3.0)

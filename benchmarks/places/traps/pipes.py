@@ -9,8 +9,8 @@ from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
 from benchmarks.places.parts.surfaces import WALL, open_tube, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import channel
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 RINGS = 9
 """Rings of a mesh along one segment."""

@@ -9,8 +9,8 @@ from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.cells import line_of
 from benchmarks.places.traps.corridors import FLIP
 from benchmarks.places.traps.pipes import RINGS, backwards
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 
 WIDTH = (1.25, 2.5)
 """Inner radius of a tube."""

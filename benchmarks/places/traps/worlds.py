@@ -6,11 +6,11 @@ from numpy.random import Generator
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import wall_with_door
 from benchmarks.places.traps.cells import Line, cell_around, doorway, draw_half, in_frame, line_of
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
-from sinuous.poses import pose
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box
 
 COUNT = (2, 7)

@@ -8,21 +8,21 @@ from typing import Any, TextIO
 import numpy as np
 import typer
 
-from sinuous.checks import Floats
+from sinuous.answer.explanation import Explanation
+from sinuous.answer.route_class import RouteClass
+from sinuous.answer.solution import Solution
+from sinuous.base.checks import Floats
+from sinuous.base.documents import written
+from sinuous.base.errors import SuspiciousInput
+from sinuous.base.words import counted
 from sinuous.cli.options import MotionOutput, Output, is_page, numbered
 from sinuous.cli.reading import say_notes
-from sinuous.errors import SuspiciousInput
 from sinuous.files.results import json_line, result
 from sinuous.motion.knots import read_outcome, write_outcome
 from sinuous.motion.motion import Motion
 from sinuous.motion.tables import write_csv
 from sinuous.problem.target import Targets
-from sinuous.solution.explanation import Explanation
-from sinuous.solution.route_class import RouteClass
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
-from sinuous.words import counted
-from sinuous.writing.documents import written
+from sinuous.solver.solver import Solver
 
 MOST_DRAWN = 8
 """Of several solutions, how many a picture has: the best ones."""
@@ -164,11 +164,11 @@ def _write_rows(file: Path, motion: Motion, rate: float | None) -> None:
 
 def _draw(file: Path, answer: Answer) -> None:
     if is_page(file):
-        from sinuous.viewer.show import show  # noqa: PLC0415
+        from sinuous.view.page.show import show  # noqa: PLC0415
 
         show(*(answer.solutions or [answer.best] if isinstance(answer, Alternatives) else [answer]), path=file)
     else:
-        from sinuous.pictures.report import write_picture  # noqa: PLC0415
+        from sinuous.view.pictures.report import write_picture  # noqa: PLC0415
 
         drawn = (answer.solutions[:MOST_DRAWN] or answer.best) if isinstance(answer, Alternatives) else answer
         write_picture(file, drawn)

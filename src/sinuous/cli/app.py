@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from sinuous import __version__
+from sinuous.base.errors import InputError, UnfinishedError
 from sinuous.cli.options import (
     BAD_INPUT,
     FILES,
@@ -40,7 +41,6 @@ from sinuous.cli.options import (
     methods_like,
     opt,
 )
-from sinuous.errors import InputError, UnfinishedError
 
 _UsageError: Any = typer.BadParameter.__bases__[0]  # typer brings its own copy of click, under a private name
 

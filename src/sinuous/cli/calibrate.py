@@ -6,16 +6,16 @@ from typing import get_args
 
 import typer
 
-from sinuous import checks
-from sinuous.calibration.calibrate import Frame, calibrate
-from sinuous.calibration.table import read_table
+from sinuous.base import checks
 from sinuous.cli.app import Calibrate
 from sinuous.cli.options import SOLVED, check_outputs
 from sinuous.files.documents import read_part, read_values
 from sinuous.files.nouns import read_robot
 from sinuous.files.results import json_line
-from sinuous.pictures.charts import plot_calibration
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
+from sinuous.studies.calibration.calibrate import Frame, calibrate
+from sinuous.studies.calibration.table import read_table
+from sinuous.view.pictures.charts import plot_calibration
 
 
 def calibrate_file(asked: Calibrate) -> int:

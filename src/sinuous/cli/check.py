@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 import typer
 
-from sinuous.checks import Floats
+from sinuous.answer.verification import Verification, verified, verify
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.words import counted, number, span
 from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
-from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
 from sinuous.scene.extents import box_of
-from sinuous.solution.verification import Verification, verified, verify
-from sinuous.words import counted, number, span
 
 MOST = 12
 """Most obstacles of which sizes are printed."""

@@ -4,20 +4,20 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.cli.app import Design
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
 from sinuous.cli.reading import interruptible, say, say_notes
-from sinuous.designing.find import design
-from sinuous.designing.reading import read_design
-from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.documents import parse
+from sinuous.studies.design.find import design
+from sinuous.studies.design.reading import read_design
 
 
 def design_file(asked: Design) -> int:
     """Find a robot for the tasks of a file; return the exit code."""
     check_outputs([asked.file], out=asked.out, csv=asked.csv, plot=asked.plot)
     if asked.plot is not None:
-        from sinuous.pictures.files import check_picture  # noqa: PLC0415
+        from sinuous.view.pictures.files import check_picture  # noqa: PLC0415
 
         check_picture("--plot", asked.plot)
     task, solving = read_design(asked.file), asked.solving
@@ -46,7 +46,7 @@ def design_file(asked: Design) -> int:
     if asked.out is not None and found.solved:
         found.robot.save(asked.out)
     if asked.plot is not None and found.solved:
-        from sinuous.pictures.charts import plot_design  # noqa: PLC0415
+        from sinuous.view.pictures.charts import plot_design  # noqa: PLC0415
 
         plot_design(found, asked.plot)
     say(asked.file, found, json=asked.json)

@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.plain import described
 from sinuous.cli.options import Solving, as_typed
-from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.problem.target import target_table
-from sinuous.solving.options import SolveOptions
-from sinuous.writing.plain import described
+from sinuous.solver.options import SolveOptions
+from sinuous.studies.batch.checkpoint import Checkpoint, hash_of, problem_record
 
 EVERY = 1.0
 """Seconds of work that may be lost when a process is killed."""

@@ -5,10 +5,10 @@ from importlib.resources import files
 
 import typer
 
-from sinuous import checks
+from sinuous.base import checks
+from sinuous.base.errors import InputError
 from sinuous.cli.app import KINDS, New
 from sinuous.cli.options import SOLVED, check_writable
-from sinuous.errors import InputError
 
 
 def write_new(asked: New) -> int:

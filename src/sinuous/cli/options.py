@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
@@ -112,7 +112,7 @@ class Solving:
         InputError
             That names the option.
         """
-        from sinuous.solving.options import SolveOptions  # noqa: PLC0415
+        from sinuous.solver.options import SolveOptions  # noqa: PLC0415
 
         typed = {key: getattr(self, key) for key in ("time", "max_starts", "routes", "seed")} | self.demands
         with as_typed(*typed):
@@ -240,11 +240,11 @@ class Output:
         """
         check_outputs(files, out=self.out, plot=self.plot, csv=self.csv)
         if self.plot is not None and is_page(self.plot):
-            from sinuous.viewer.show import check_page  # noqa: PLC0415
+            from sinuous.view.page.show import check_page  # noqa: PLC0415
 
             check_page("--plot", self.plot)
         elif self.plot is not None:
-            from sinuous.pictures.files import check_picture  # noqa: PLC0415
+            from sinuous.view.pictures.files import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
 
@@ -258,7 +258,7 @@ class MotionOutput(Output):
     def check(self, files: list[str]) -> None:
         """See `Output.check`."""
         if self.rate is not None:
-            from sinuous import checks  # noqa: PLC0415
+            from sinuous.base import checks  # noqa: PLC0415
 
             checks.number("--rate", self.rate, above=0.0)
             if self.csv is None:
@@ -282,7 +282,7 @@ class Timed:
         InputError
             That names the option.
         """
-        from sinuous import checks  # noqa: PLC0415
+        from sinuous.base import checks  # noqa: PLC0415
 
         if self.duration is not None:
             checks.number("--duration", self.duration, above=0.0)
@@ -329,7 +329,7 @@ def _typed(name: str) -> str:
 
 
 def _one_or_some(option: str, typed: str) -> float | tuple[float, ...] | dict[str, float]:
-    from sinuous import checks  # noqa: PLC0415
+    from sinuous.base import checks  # noqa: PLC0415
 
     wanted = "a number of at least 0, or one a segment, as 1,1,2, or by names, as wrist=2,s1=1"
     parts = [part.rpartition("=") for part in typed.split(",")]
@@ -382,7 +382,7 @@ def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()
-    from sinuous.writing.documents import written  # noqa: PLC0415  # with NumPy, which help does without
+    from sinuous.base.documents import written  # noqa: PLC0415  # with NumPy, which help does without
 
     with written(file, option):
         with file.open("ab"):

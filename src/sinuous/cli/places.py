@@ -5,15 +5,15 @@ from typing import Any
 
 import typer
 
-from sinuous.batch.solve import solve_batch
+from sinuous.base.errors import InputError
 from sinuous.cli.app import Batch, Explore, Reach, Train
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
 from sinuous.cli.reading import interruptible, remembered, say, setting_of
-from sinuous.errors import InputError
-from sinuous.exploring.explore import explore
 from sinuous.methods.learned.training import train
-from sinuous.solving.memory import Memory
-from sinuous.workspace.find import reach
+from sinuous.solver.memory import Memory
+from sinuous.studies.batch.solve import solve_batch
+from sinuous.studies.exploring.explore import explore
+from sinuous.studies.workspace.find import reach
 
 
 def batch_file(asked: Batch) -> int:
@@ -68,7 +68,7 @@ def reach_file(asked: Reach) -> int:
     if out is not None and out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(out), "a name that ends in .npz")
     if asked.plot is not None:
-        from sinuous.pictures.workspace import check_map  # noqa: PLC0415
+        from sinuous.view.pictures.workspace import check_map  # noqa: PLC0415
 
         check_map("--plot", asked.plot)
     grid: dict[str, Any] = {key: getattr(asked, key) for key in ("spacing", "directions", "workers")}
@@ -77,7 +77,7 @@ def reach_file(asked: Reach) -> int:
         given = solving.arguments(setting.tolerance, setting.prefer)
         found = reach(setting.robot, setting.scene, **grid, out=out, progress=True, **given)
     if asked.plot is not None:
-        from sinuous.pictures.workspace import plot_reach  # noqa: PLC0415
+        from sinuous.view.pictures.workspace import plot_reach  # noqa: PLC0415
 
         plot_reach(found, asked.plot)
     say(asked.file, found, json=asked.json)

@@ -12,14 +12,14 @@ from typing import Any, Protocol
 
 import typer
 
-from sinuous import checks
+from sinuous.base import checks
+from sinuous.base.errors import SuspiciousInput
+from sinuous.base.progress import rich_progress
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
-from sinuous.errors import SuspiciousInput
 from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
 from sinuous.files.results import json_line
-from sinuous.progress import rich_progress
-from sinuous.robot.robot import Robot
-from sinuous.solving.memory import Memory
+from sinuous.model.robot import Robot
+from sinuous.solver.memory import Memory
 
 PATIENCE = 0.5
 """Seconds of the process, from its start, after which a person wants to know what takes so long."""

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import typer
 
+from sinuous.answer.solution import Solution
+from sinuous.base.errors import InputError
 from sinuous.cli.app import View
 from sinuous.cli.options import SOLVED, as_typed, check_writable
 from sinuous.cli.reading import remembered, say_notes
-from sinuous.errors import InputError
 from sinuous.motion.job import Job, load
 from sinuous.motion.motion import Motion
-from sinuous.solution.solution import Solution
-from sinuous.solving.memory import Memory
-from sinuous.viewer.show import check_page, require_viser, show
+from sinuous.solver.memory import Memory
+from sinuous.view.page.show import check_page, require_viser, show
 
 TURN = 0.001
 """Seconds after which a thread hands on Python's lock: what answers the mouse shall not wait for what sends."""
@@ -75,7 +75,7 @@ def is_loopback(host: str) -> bool:
 
 def _serve(job: Job, asked: View, answer: Solution | Motion | None, memory: Memory | None) -> int:
     """Serve the page until it is interrupted."""
-    from sinuous.viewer.page import Page  # noqa: PLC0415
+    from sinuous.view.page.page import Page  # noqa: PLC0415
 
     job.scene.prepare()
     sys.setswitchinterval(TURN)

@@ -11,19 +11,19 @@ from typing import Any
 
 import typer
 
-from sinuous import checks
+from sinuous.base import checks
+from sinuous.base.errors import InputError
+from sinuous.base.processes import pool_of
+from sinuous.base.progress import rich_progress
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
-from sinuous.errors import InputError
 from sinuous.kernels.compiling.helpers import cores
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.kernels.compiling.store import CACHE, clear, size_of
 from sinuous.kernels.compiling.targets import shipped
 from sinuous.kernels.compiling.tiers import TOOK, code_first
 from sinuous.methods.registry import METHODS
-from sinuous.processes import pool_of
-from sinuous.progress import rich_progress
 
 
 def warm_up(asked: Warm) -> int:

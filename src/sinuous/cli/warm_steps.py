@@ -7,29 +7,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.arguments import MethodName
+from sinuous.base.arguments import MethodName
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import FEWEST, train
 from sinuous.methods.registry import METHODS, name_of
+from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.motion.planning.walk import load_walk
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import least_gap
-from sinuous.solving.between.steps import load_motions
-from sinuous.solving.between.tip import Tip
-from sinuous.solving.classes.curves import ClassCurves
-from sinuous.solving.memory import MEGABYTES
-from sinuous.solving.options import SolveOptions
-from sinuous.solving.routing.searches import Searches
-from sinuous.solving.shapes import Shapes
-from sinuous.solving.solver import Solver
+from sinuous.solver.certificates.steps import load_motions
+from sinuous.solver.certificates.tip import Tip
+from sinuous.solver.memory import MEGABYTES
+from sinuous.solver.options import SolveOptions
+from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.routing.searches import Searches
+from sinuous.solver.shapes import Shapes
+from sinuous.solver.solver import Solver
 from sinuous.statics.rest import Rest
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)

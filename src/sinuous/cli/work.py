@@ -8,14 +8,17 @@ from typing import Any
 
 import typer
 
-from sinuous import checks
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError, SuspiciousInput
+from sinuous.base.progress import ProgressBar
 from sinuous.cli.answers import Alternatives, Answer, AnswerWriter, read_solution, write_solution
 from sinuous.cli.app import Plan, Solve, Track
 from sinuous.cli.journal import Journal, record_of
 from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Remembering, Timed
 from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
-from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of
@@ -25,12 +28,9 @@ from sinuous.motion.paced import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
-from sinuous.progress import ProgressBar
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solving.memory import Memory
-from sinuous.solving.several import KINDS, Kind
-from sinuous.solving.solver import Solver
+from sinuous.solver.memory import Memory
+from sinuous.solver.several import KINDS, Kind
+from sinuous.solver.solver import Solver
 
 MOST_ALTERNATIVES = 10_000
 """Most solutions that `--all` may ask for."""

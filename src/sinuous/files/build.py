@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any, TypeVar
 
-from sinuous import checks
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.errors import InputError
+from sinuous.base.words import suggested
 from sinuous.files.documents import join
-from sinuous.words import suggested
 
 Noun = TypeVar("Noun")
 

@@ -20,9 +20,9 @@ from typing import Any, NoReturn, TypeVar
 
 import yaml
 
-from sinuous import checks
-from sinuous.errors import InputError, shown
-from sinuous.writing.documents import readable
+from sinuous.base import checks
+from sinuous.base.documents import readable
+from sinuous.base.errors import InputError, shown
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML has it; only its parser is used
 

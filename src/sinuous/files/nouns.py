@@ -8,19 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.files.build import each, keys_of, known_entries, make
 from sinuous.files.documents import parse_json, read_part, read_text
 from sinuous.files.path_csv import parse_path
-from sinuous.poses import pose
+from sinuous.model.actuators import Actuators, Chambers, Stage, Tendons
+from sinuous.model.loads import Payload
+from sinuous.model.names import MOST_SEGMENTS, segment_number
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot, Uncertainty
+from sinuous.model.segment import Segment, Stiffness
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
-from sinuous.robot.loads import Payload
-from sinuous.robot.names import MOST_SEGMENTS, segment_number
-from sinuous.robot.robot import Robot, Uncertainty
-from sinuous.robot.segment import Segment, Stiffness
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.files.documents import NUMBER
 from sinuous.problem.target import Target
 

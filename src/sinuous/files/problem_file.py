@@ -6,26 +6,26 @@ from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import OneEach, Rows, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.arguments import OneEach, Rows, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.documents import write_document
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.gc_pause import gc_paused
+from sinuous.base.plain import described, plain
+from sinuous.base.reprs import text
 from sinuous.files.build import each, known_entries, make
 from sinuous.files.documents import read_text, read_values
 from sinuous.files.nouns import read_configuration, read_place, read_robot, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
-from sinuous.frozen import Frozen
-from sinuous.gc_pause import gc_paused
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions, suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
-from sinuous.reprs import text
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot, demanding
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
-from sinuous.writing.documents import write_document
-from sinuous.writing.plain import described, plain
 
 QUESTIONS = ("target", "targets", "path", "goal")
 DEMANDS = ("clearance", "self_clearance")

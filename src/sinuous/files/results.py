@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.errors import InputError
 from sinuous.files.documents import parse_json, read_text
 
 

@@ -19,9 +19,9 @@ from typing import Any
 
 from numba import types
 
+from sinuous.base.work_time import looked, work_time
 from sinuous.kernels.compile import interpreted_as, shared
 from sinuous.kernels.maths.vectors import Array
-from sinuous.work_time import looked, work_time
 
 _READ, _REST, DEADLINE, LOOKS, _LISTENED, STOPPED, _RAISED = range(7)
 """Places in a clock: two that the operating system fills; when all has to end (ns); looks since the time was read; when

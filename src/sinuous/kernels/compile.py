@@ -21,14 +21,14 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.extending import _Intrinsic
 from numba.extending import typeof_impl
 
-from sinuous.gc_pause import gc_paused
+from sinuous.base.gc_pause import gc_paused
+from sinuous.base.work_time import counting_looks, no_work
 from sinuous.kernels.compiling import once
 from sinuous.kernels.compiling.calls import call_leanly
 from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, makes_functions, plain, written
 from sinuous.kernels.compiling.sources import read_sources
 from sinuous.kernels.compiling.store import COPIES, Store
 from sinuous.kernels.compiling.tiers import MODE, tiered
-from sinuous.work_time import counting_looks, no_work
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

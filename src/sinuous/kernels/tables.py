@@ -1,6 +1,6 @@
 """The boundary between nouns and kernels: the layout of every table, and the numbers that stand for words.
 
-This module alone owns columns, widths, codes and kinds. `sinuous.packing` writes the tables, kernels read them, and
+This module alone owns columns, widths, codes and kinds. `kernels.packing` writes the tables, kernels read them, and
 both use the names below. All tables are float64 and C-contiguous. What belongs together travels as one *group*, a
 single flat array, because every array that Python hands to a compiled function costs 0.08 us, and a tuple of arrays
 more:

@@ -8,11 +8,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.body import Meeting, free_shares, nearest_pair, places_of
 from sinuous.measures.following import PLACES, backbones, together
 from sinuous.measures.obstacles import measure
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
 STRIDE = 0.01

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import Indices, at_most, measure
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
 SAMPLES = 200

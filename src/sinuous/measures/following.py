@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sinuous.arguments import Rows
-from sinuous.checks import Floats
+from sinuous.base.arguments import Rows
+from sinuous.base.checks import Floats
+from sinuous.base.reprs import call
+from sinuous.model.robot import Robot
 from sinuous.problem.curve import Curve
-from sinuous.reprs import call
-from sinuous.robot.robot import Robot
 
 PLACES = 50
 """Places of every segment."""

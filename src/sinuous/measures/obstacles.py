@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.grids import Field, Grid, evaluate
 from sinuous.scene.meshes.mending import winding_numbers
 from sinuous.scene.meshes.mesh import Mesh

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.arguments import BoundName
-from sinuous.checks import Floats
+from sinuous.base.arguments import BoundName
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 
 
 def target_errors(robot: Robot, target: Target, ends: Floats) -> tuple[float, float]:
@@ -51,7 +51,7 @@ class Bound(NamedTuple):
     Attributes
     ----------
     name : str
-        See `sinuous.solution.reasons.Reason`.
+        See `sinuous.answer.reasons.Reason`.
     needed, available : float
         Lengths; for `turning` angles (rad).
     pointing : bool

@@ -5,8 +5,8 @@ Arcs, their centers of gravity and the holes of tendons are put together from ro
 
 import numpy as np
 
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.statics.body import Body, body_of
 
 DIFFERENCE = 1e-5

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.tables import GOAL, HAS_POSITION, ORIENTATION, ROTATION, TARGET_SEGMENT
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 
 LIMITS = ("length", "bend", "curvature", "actuators")
 """Limits that a robot may have."""

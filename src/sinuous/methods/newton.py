@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels import tables
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.room import GRAZING
@@ -15,9 +15,9 @@ from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 

@@ -8,16 +8,16 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.reprs import ShortRepr
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.prepared import Compiled, Prepared
 from sinuous.methods.search import check_size
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
-from sinuous.reprs import ShortRepr
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
 

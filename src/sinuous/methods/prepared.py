@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.tables import CODE, FAILED, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 

@@ -9,16 +9,16 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import cast
 
-from sinuous.arguments import MethodName
-from sinuous.errors import InputError
+from sinuous.base.arguments import MethodName
+from sinuous.base.errors import InputError
+from sinuous.base.words import suggested
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Prepared
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.words import suggested
 
 Choice = MethodName | Options
 """How a method is chosen: its name, or its options."""

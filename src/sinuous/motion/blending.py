@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot
-from sinuous.solving.between.steps import Steps
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
+from sinuous.solver.certificates.steps import Steps
 from sinuous.statics.between import bounded_aside, leave
 from sinuous.statics.rest import Rest
 

@@ -5,17 +5,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.answer.worst import Worst, find_overlap
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.model.limits import unit_of
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.body_question import ask_body
-from sinuous.robot.limits import unit_of
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
-from sinuous.solution.worst import Worst, find_overlap
-from sinuous.solving.between.steps import Prover
+from sinuous.solver.certificates.steps import Prover
 
 KEPT = 64
 """Robots whose levers are kept in memory."""

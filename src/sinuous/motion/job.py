@@ -3,23 +3,23 @@
 from pathlib import Path
 from typing import Any, TypeVar, Unpack, overload
 
-from sinuous import checks
-from sinuous.errors import InputError
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
+from sinuous.base.errors import InputError
+from sinuous.base.gc_pause import gc_paused
 from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
 from sinuous.files.nouns import read_place, read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
-from sinuous.gc_pause import gc_paused
+from sinuous.model.robot import Robot
 from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import TimedArguments, track
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
-from sinuous.solving.options import SolveArguments
-from sinuous.solving.solver import Solver
+from sinuous.solver.options import SolveArguments
+from sinuous.solver.solver import Solver
 
 
 class Job(ProblemFile):
@@ -116,7 +116,7 @@ def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
     """
     scene = problem.scene.snapshot()
     if problem.goal is not None:
-        return report.read(Motion, values, (), (problem.robot, scene))
+        return Motion.restored(values, (), (problem.robot, scene))
     return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
 
 
@@ -138,7 +138,7 @@ def _saved_motion(values: dict[str, Any], file: str) -> Motion:
     with checks.inside("motion"):
         untried = found.get("remaining", 0) if isinstance(found, dict) else 0
         asked = len(problems) + checks.integer("remaining", untried, 0, report.MOST_WAYPOINTS)
-        return report.read(Motion, found, problems, (robot, around), around if around.moves else None, asked)
+        return Motion.restored(found, problems, (robot, around), around if around.moves else None, asked)
 
 
 Noun = TypeVar("Noun", Job, Robot, Scene, Motion)

@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.kernels.tables import Outcome
 from sinuous.problem.target import Target
-from sinuous.solution.solution import Solution
 
 
 class TipLine:

@@ -10,11 +10,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.kernels.packing import scales_of
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import within_limits
-from sinuous.packing import scales_of
 from sinuous.problem.curve import Curve
-from sinuous.robot.robot import Robot
 from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest
 

@@ -5,29 +5,29 @@ from itertools import pairwise
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, OneEach, Rows
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.answer.solution import Solution
+from sinuous.answer.solutions import Solutions
+from sinuous.base import checks
+from sinuous.base.arguments import Number, OneEach, Rows
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.work_time import work_time
 from sinuous.measures.following import line_in_front
+from sinuous.model.actuators import Stage
+from sinuous.model.robot import Robot, Uncertainty
+from sinuous.model.segment import Segment
 from sinuous.motion.laying import depths_of, lay
 from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
-from sinuous.robot.actuators import Stage
-from sinuous.robot.robot import Robot, Uncertainty
-from sinuous.robot.segment import Segment
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Solutions
-from sinuous.solving.between.steps import Prover, Steps, unproved
-from sinuous.solving.options import TIME, SolveOptions
-from sinuous.solving.solver import Solver
+from sinuous.solver.certificates.steps import Prover, Steps, unproved
+from sinuous.solver.options import TIME, SolveOptions
+from sinuous.solver.solver import Solver
 from sinuous.statics.between import bounded
 from sinuous.statics.rest import bodies_at
-from sinuous.work_time import work_time
 
 EXACT = 1e-10
 """How exactly the tip is on the curve at every knot, in lengths of the robot."""

@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.arguments import LeaderParameter
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.groups import ByGroups, Column, read_names
+from sinuous.base.arguments import LeaderParameter
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.parameter_groups import ByGroups, Column, read_names
+from sinuous.model.robot import Robot
 from sinuous.motion.laying import lay
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from sinuous.statics.response import KINK, motions_of_base
 
 STEP = 1e-3

@@ -1,7 +1,7 @@
 """A motion: configurations at times, linear in q between them, and what is proved of all of it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -9,41 +9,43 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Rows, Stack, Vector, Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError, NotSolvedError
-from sinuous.export.ros import Of
-from sinuous.frozen import Frozen
-from sinuous.guesses import answers_attributes
+from sinuous.answer.solution import Solution, finite_or_none
+from sinuous.answer.status import Status
+from sinuous.answer.worst import Worst
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.documents import write_document
+from sinuous.base.doors import door
+from sinuous.base.errors import InputError, NotSolvedError, warn_of
+from sinuous.base.frozen import Frozen
+from sinuous.base.guesses import answers_attributes
+from sinuous.base.notebook import NotebookMixin
+from sinuous.base.plain import described
+from sinuous.base.words import duration
+from sinuous.files.ros import Of
+from sinuous.kernels.packing import read_only
+from sinuous.model.robot import Robot
 from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.report import Report
-from sinuous.motion.resampling import lines_between, warn_of_corners
-from sinuous.notebook import NotebookMixin
-from sinuous.packing import read_only
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import SceneLike, as_snapshot
+from sinuous.motion.resampling import lines_between
+from sinuous.scene.scene import SceneLike, as_snapshot, entries_of
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solution.worst import Worst
-from sinuous.solving.between.steps import SAMPLES, Steps, prove_steps
+from sinuous.solver.certificates.steps import SAMPLES, Steps, prove_steps
 from sinuous.statics.rest import bodies_at
-from sinuous.words import duration
-from sinuous.writing.documents import write_document
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from sinuous.arguments import LeaderParameter
+    import sinuous as sn
+    from sinuous.answer.verification import Verification
+    from sinuous.base.arguments import LeaderParameter
     from sinuous.measures.following import Deviation
+    from sinuous.model.rates import Rates
     from sinuous.motion.leader_derivative import LeaderDerivative
-    from sinuous.motion.trajectory import Trajectory
     from sinuous.problem.curve import Curve
     from sinuous.problem.problem import Problem
-    from sinuous.robot.rates import Rates
-    from sinuous.solution.verification import Verification
 
 Between = Literal["proved", "sampled", "unproved"]
 """What is known of the motion between knots: all of it is proved clear; or, of a loaded body, what is not proved is
@@ -247,7 +249,7 @@ class Motion(NotebookMixin, Frozen):
             raise InputError("t", "", float(wrong), f"times from {self.times[0]:g} to {self.times[-1]:g}")
         return tables.interpolate(self.times, self.q, when)
 
-    def timed(self, rates: "Rates", blend: Number = 0.0) -> "Trajectory":
+    def timed(self, rates: "Rates", blend: Number = 0.0) -> "sn.Trajectory":
         """Pass the same way as fast as rates and accelerations allow, from rest to rest.
 
         The way is made of straight lines, so under limits of acceleration the robot stops in every corner, unless that
@@ -269,9 +271,8 @@ class Motion(NotebookMixin, Frozen):
             When `rates` do not limit all that moves, an argument is not what it should be, or obstacles move: then what
             is proved is proved for its times.
         """
-        from sinuous.motion.trajectory import timed  # noqa: PLC0415
-
-        return timed(self, rates, blend)
+        trajectory: sn.Trajectory = door("motion.trajectory").timed(self, rates, blend)
+        return trajectory
 
     def reversed(self) -> Self:
         """Return the same motion backwards: the knots from the last to the first, in the same time.
@@ -320,7 +321,14 @@ class Motion(NotebookMixin, Frozen):
         q = tables.interpolate(self.times, self.q, times) if len(self.q) else self.q
         if len(q) < 2:
             raise InputError("motion", "has less than two knots", self, "a motion with steps")
-        return self.made(self.robot, self.scene, q, times, lines_between(self, times, q), Report())
+        return self.made(
+            self.robot,
+            self.scene,
+            q,
+            times,
+            lines_between(self.robot, self.scene, self.times, self.steps, times, q),
+            Report(),
+        )
 
     def deviation(self, curve: "Rows | Curve", between: Whole = 4) -> "Deviation":
         """Measure how far the tip and the body are off a curve, by independent sampling.
@@ -398,7 +406,7 @@ class Motion(NotebookMixin, Frozen):
         """
         written = self._at_rate(rate)
         tables.write_motion(file, self.robot, written.times, written.q)
-        warn_of_corners(written, self, "lines")
+        written.warn_of_corners(self, "lines")
         return written
 
     def to_ros(
@@ -433,8 +441,15 @@ class Motion(NotebookMixin, Frozen):
         written = self._at_rate(rate)
         self._refuse_empty()
         tables.write_ros(file, self.robot, written.times, written.q, None, of, joints_per_segment)
-        warn_of_corners(written, self, "lines")
+        written.warn_of_corners(self, "lines")
         return written
+
+    def warn_of_corners(self, motion: "Motion", way: str) -> None:
+        """Warn where a motion is proved, and this, which was written of it, is not."""
+        if motion.between == "proved" and self.between == "unproved":
+            count, whole = len(self.unproved_steps), len(self.q) - 1
+            text = f"{count} of {whole} {way} between rows are not proved clear, as the motion is: a higher rate helps"
+            warn_of([f"rate: {text}"])
 
     def _refuse_empty(self) -> None:
         if not len(self.q):
@@ -457,7 +472,7 @@ class Motion(NotebookMixin, Frozen):
             clearances over so many configurations that no place of the body moves by more than a hundredth of the
             length of the body from one to the next. Of a step no target is asked.
         """
-        from sinuous.solution.verification import verify_steps  # noqa: PLC0415
+        from sinuous.answer.verification import verify_steps  # noqa: PLC0415
 
         waypoints = [solution.verify() for solution in self.solutions]
         return waypoints + verify_steps(self.robot, self.q, self.scene, self.times)
@@ -489,12 +504,57 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When `values` are no result of a motion, or one of another number of waypoints.
         """
-        place = None if scene is None else as_snapshot(scene)
-        return report.read(cls, values, tuple(problems), scene=place)
+        return cls.restored(values, tuple(problems), scene=None if scene is None else as_snapshot(scene))
+
+    @classmethod
+    def restored(
+        cls,
+        values: Any,
+        problems: "tuple[Problem, ...]",
+        place: tuple[Robot, Snapshot] | None = None,
+        scene: Snapshot | None = None,
+        asked: int | None = None,
+    ) -> Self:
+        """Make a motion of its result; see `sinuous.motion.report.read` for what is given."""
+        parts = report.read(values, problems, place, scene, asked)
+        motion = cls.made(*parts)
+        status, worst = report.read_end(values)
+        if motion.status is status and (worst is None or motion.worst is not None):
+            return motion
+        return cls.made(*parts._replace(found=replace(parts.found, ended=status, blocking=worst)))
 
     def to_dict(self) -> dict[str, Any]:
         """Return totals, knots and waypoints as plain values, in the order of the file format."""
-        return report.write(self)
+        waypoints = [solution.to_dict() for solution in self.solutions]
+        bend, length = self.largest_step
+        worst = self.worst
+        return {
+            "status": str(self.status),
+            "base": self.robot.base.tolist(),
+            "position_error": _largest(waypoints, "position_error"),
+            "angle_error": _largest(waypoints, "angle_error"),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
+            "demanded_clearance": self.robot.clearance if np.any(self.robot.clearance) else None,
+            "demanded_self_clearance": self.robot.self_clearance if np.any(self.robot.self_clearance) else None,
+            "worst": None if worst is None else worst.to_dict(),
+            "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
+            "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
+            "iterations": sum(w["iterations"] for w in waypoints),
+            "starts": sum(w["starts"] for w in waypoints),
+            "seconds": self.seconds,
+            "method": self.method,
+            "seed": self.seed,
+            "between": self.between,
+            "unproved_steps": list(self.unproved_steps),
+            "reconfigured": list(self.reconfigured),
+            "largest_step": {"bend": bend, "length": length},
+            "remaining": self.remaining,
+            "times": self.times.tolist(),
+            "knots": self.q.tolist(),
+            "waypoint_knots": list(self.waypoint_knots),
+            "waypoints": waypoints,
+        }
 
     def save(self, file: str | Path) -> None:
         """Write the motion with its robot, scene and waypoints, JSON when it is called so, YAML otherwise.
@@ -507,7 +567,19 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When an obstacle is neither exact nor from a file, or the file cannot be written.
         """
-        write_document(file, report.saved(self, Path(file).parent))
+        proved = [list(map(finite_or_none, row)) for row in self.steps.answers.tolist()]
+        asked = [[described(target) for target in solution.problem.targets] for solution in self.solutions]
+        parts = {
+            "robot": self.robot.to_dict(),
+            "scene": entries_of(self.scene.obstacles, Path(file).parent),
+            "path": asked,
+            "tolerance": described(self.solutions[0].problem.tolerance) if asked else None,
+            "motion": {
+                **self.to_dict(),
+                "steps": proved,
+            },
+        }
+        write_document(file, {key: value for key, value in parts.items() if value})
 
     def to_npz(self, file: str | Path) -> None:
         """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.
@@ -622,3 +694,7 @@ def _median(motion: Motion) -> str:
         return ""
     middle = float(np.median([solution.seconds for solution in motion.solutions]))
     return f", median {duration(middle)} a solve"
+
+
+def _largest(results: list[dict[str, Any]], key: str) -> float | None:
+    return max((result[key] for result in results if result[key] is not None), default=None)

@@ -8,16 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.answer.status import Status
+from sinuous.base import checks
+from sinuous.base.arguments import Number
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.timing import largest
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.status import Status
 
 ROUNDING = 1e-9
 """Share of a duration that it may be too short by."""

@@ -8,12 +8,17 @@ from typing import Any, Unpack, cast
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Whole
-from sinuous.checks import Floats
-from sinuous.errors import warn_of
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import warn_of
+from sinuous.base.reprs import call
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
 from sinuous.motion.motion import Motion
 from sinuous.motion.paced import Pace
@@ -26,16 +31,11 @@ from sinuous.motion.times import spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Targets, is_place, target_list
-from sinuous.reprs import call
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solving.between.steps import Prover, Steps, load_motions
-from sinuous.solving.options import SolveArguments, SolveOptions, refuse_unknown
-from sinuous.solving.solver import Initial, Solver
+from sinuous.solver.certificates.steps import Prover, Steps, load_motions
+from sinuous.solver.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solver.solver import Initial, Solver
 
 TIME = 5.0
 """Default budget of a plan, in seconds."""

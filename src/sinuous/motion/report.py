@@ -1,28 +1,23 @@
 """How a motion was found, and motions as plain values: what a result file says, and back."""
 
 import math
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.errors import InputError
+from sinuous.answer.reading import Entries
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.answer.worst import Worst
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Problem
-from sinuous.robot.robot import Robot, demanding
-from sinuous.scene.scene import entries_of
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.reading import Entries
-from sinuous.solution.solution import Solution, finite_or_none
-from sinuous.solution.status import Status
-from sinuous.solution.worst import Worst
-from sinuous.solving.between.steps import Steps
-from sinuous.writing.plain import described
-
-if TYPE_CHECKING:
-    from sinuous.motion.motion import Motion
+from sinuous.solver.certificates.steps import Steps
 
 MOST_WAYPOINTS = 1_000_000
 MOST_KNOTS = 10_000_000
@@ -53,62 +48,25 @@ class Report:
     blocking: Worst | None = None
 
 
-def write(motion: "Motion") -> dict[str, Any]:
-    """Return a motion as plain values; see `Motion.to_dict`."""
-    waypoints = [solution.to_dict() for solution in motion.solutions]
-    bend, length = motion.largest_step
-    worst = motion.worst
-    return {
-        "status": str(motion.status),
-        "base": motion.robot.base.tolist(),
-        "position_error": _largest(waypoints, "position_error"),
-        "angle_error": _largest(waypoints, "angle_error"),
-        "clearance": finite_or_none(motion.clearance),
-        "self_clearance": finite_or_none(motion.self_clearance),
-        "demanded_clearance": motion.robot.clearance if np.any(motion.robot.clearance) else None,
-        "demanded_self_clearance": motion.robot.self_clearance if np.any(motion.robot.self_clearance) else None,
-        "worst": None if worst is None else worst.to_dict(),
-        "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
-        "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
-        "iterations": sum(w["iterations"] for w in waypoints),
-        "starts": sum(w["starts"] for w in waypoints),
-        "seconds": motion.seconds,
-        "method": motion.method,
-        "seed": motion.seed,
-        "between": motion.between,
-        "unproved_steps": list(motion.unproved_steps),
-        "reconfigured": list(motion.reconfigured),
-        "largest_step": {"bend": bend, "length": length},
-        "remaining": motion.remaining,
-        "times": motion.times.tolist(),
-        "knots": motion.q.tolist(),
-        "waypoint_knots": list(motion.waypoint_knots),
-        "waypoints": waypoints,
-    }
+class MotionParts(NamedTuple):
+    """What a motion is made of; see `Motion.made`."""
 
-
-def saved(motion: "Motion", folder: Path) -> dict[str, Any]:
-    """Return a motion with its robot, its scene and the questions of its waypoints; see `Motion.save`."""
-    asked = [[described(target) for target in solution.problem.targets] for solution in motion.solutions]
-    parts = {
-        "robot": motion.robot.to_dict(),
-        "scene": entries_of(motion.scene.obstacles, folder),
-        "path": asked,
-        "tolerance": described(motion.solutions[0].problem.tolerance) if asked else None,
-        "motion": {**write(motion), "steps": [list(map(finite_or_none, row)) for row in motion.steps.answers.tolist()]},
-    }
-    return {key: value for key, value in parts.items() if value}
+    robot: Robot
+    scene: Snapshot
+    q: Floats
+    times: Floats
+    steps: Steps
+    found: Report
 
 
 def read(
-    kind: "type[Motion]",
     values: Any,
     problems: tuple[Problem, ...],
     place: tuple[Robot, Snapshot] | None = None,
     scene: Snapshot | None = None,
     asked: int | None = None,
-) -> "Motion":
-    """Make a motion of plain values and the problems of its waypoints; see `Motion.from_dict`.
+) -> MotionParts:
+    """Read plain values and the problems of the waypoints of a motion; see `Motion.from_dict`.
 
     A motion to a configuration has no waypoints, and no problems: its robot and scene are given in their `place`. The
     `scene` is the one whose obstacles move, where they do. So many waypoints were `asked`; by default those of the
@@ -136,8 +94,7 @@ def read(
         method=entries.text("method"),
         seed=entries.integer("seed", 2**31 - 1),
     )
-    motion = kind.made(robot, around, q, times, steps, report)
-    return _as_it_ended(motion, values, report)
+    return MotionParts(robot, around, q, times, steps, report)
 
 
 def _read_steps(values: dict[str, Any], count: int, robot: Robot) -> Steps | None:
@@ -161,14 +118,10 @@ def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene
     return tuple(problem.changed(scene=scene.at(t)) for problem, t in zip(problems, when, strict=False))
 
 
-def _as_it_ended(motion: "Motion", values: dict[str, Any], report: Report) -> "Motion":
-    """Tell how it ended, where solutions and steps do not say the same."""
+def read_end(values: dict[str, Any]) -> tuple[Status, Worst | None]:
+    """Read how a motion ended, and the constraint that was farthest from being met then."""
     status = Status(checks.choice("status", Entries(values).value("status"), tuple(Status)))
-    worst = None if values.get("worst") is None else Worst.from_dict(values["worst"])
-    if motion.status is status and (worst is None or motion.worst is not None):
-        return motion
-    ended = replace(report, ended=status, blocking=worst)
-    return motion.made(motion.robot, motion.scene, motion.q, motion.times, motion.steps, ended)
+    return status, None if values.get("worst") is None else Worst.from_dict(values["worst"])
 
 
 def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...], some: bool, asked: int) -> list[Solution]:
@@ -199,7 +152,3 @@ def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> tuple[int
         None if one is None else checks.integer(key, one, 0, max(0, knots - 1))
         for key, one in zip(keys, listed, strict=True)
     )
-
-
-def _largest(results: list[dict[str, Any]], key: str) -> float | None:
-    return max((result[key] for result in results if result[key] is not None), default=None)

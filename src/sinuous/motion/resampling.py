@@ -1,21 +1,16 @@
 """Motions at an even rate: what is proved of the ways that other programs take from row to row of a file."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
-from sinuous.errors import warn_of
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
+from sinuous.model.robot import Robot
 from sinuous.motion.blending import levers_of, reach_of, steps_margins
-from sinuous.robot.robot import Robot
-from sinuous.solving.between.steps import Steps, prove_steps
-
-if TYPE_CHECKING:
-    from sinuous.motion.motion import Motion
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.certificates.steps import Steps, prove_steps
 
 BULGE = 4.0 / 27.0
 """How far a cubic spline is from its chord at most, for what its slope at one end differs from that, in durations."""
@@ -30,22 +25,22 @@ STRETCHED = 3.0
 """How much a gap of the body shrinks at most where all of its places move, in lengths of that, see `steps_margins`."""
 
 
-def lines_between(motion: "Motion", times: Floats, q: Floats) -> Steps:
-    """Prove the straight lines between samples (T, n, 3) of a motion at these times (T,).
+def lines_between(robot: Robot, scene: Snapshot, knot_times: Floats, steps: Steps, times: Floats, q: Floats) -> Steps:
+    """Prove the straight lines between samples (T, n, 3), at `times` (T,), of a motion with these knots and steps.
 
     A line within one step of the motion is a part of that. One that cuts corners is proved anew.
     """
-    first = np.clip(np.searchsorted(motion.times, times[:-1], side="right") - 1, 0, len(motion.times) - 2)
-    last = np.clip(np.searchsorted(motion.times, times[1:], side="left") - 1, 0, len(motion.times) - 2)
-    answers = motion.steps.answers[first].copy()
+    first = np.clip(np.searchsorted(knot_times, times[:-1], side="right") - 1, 0, len(knot_times) - 2)
+    last = np.clip(np.searchsorted(knot_times, times[1:], side="left") - 1, 0, len(knot_times) - 2)
+    answers = steps.answers[first].copy()
     cutting = first != last
     begins = np.flatnonzero(np.diff(cutting.astype(np.int8), prepend=0) == 1)
     ends = np.flatnonzero(np.diff(cutting.astype(np.int8), append=0) == -1) + 1
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         run = slice(begin, end + 1)
-        answers[begin:end] = prove_steps(motion.robot, motion.scene, q[run], times=times[run]).answers
+        answers[begin:end] = prove_steps(robot, scene, q[run], times=times[run]).answers
     answers[:, UNTIL] = np.where(answers[:, VERDICT] == CLEAR, 1.0, 0.0)
-    return Steps(answers, motion.robot.least_demanded)
+    return Steps(answers, robot.least_demanded)
 
 
 def splines_between(robot: Robot, times: Floats, q: Floats, velocities: Floats, lines: Steps) -> Steps:
@@ -79,11 +74,3 @@ def _within_limits(robot: Robot, control: Floats) -> NDArray[np.bool_]:
     if robot.excess(control) <= slack:
         return np.ones(len(control), bool)
     return np.array([robot.excess(pair) <= slack for pair in control], bool)
-
-
-def warn_of_corners(written: "Motion", motion: "Motion", way: str) -> None:
-    """Warn where a motion is proved, and what was written of it is not."""
-    if motion.between == "proved" and written.between == "unproved":
-        count, whole = len(written.unproved_steps), len(written.q) - 1
-        text = f"{count} of {whole} {way} between rows are not proved clear, as the motion is: a higher rate helps"
-        warn_of([f"rate: {text}"])

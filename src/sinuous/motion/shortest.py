@@ -10,12 +10,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sinuous.arguments import Shortest
-from sinuous.checks import Floats
+from sinuous.base.arguments import Shortest
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric
 from sinuous.motion.knots import Knot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 
 ROUNDS, ENOUGH = 20, 1e-3
 """Most rounds; and the share of its effort by which a motion must get easier for another one."""

@@ -7,15 +7,15 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks
-from sinuous.arguments import Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.export.ros import Of, joint_map, joint_trajectory, write_json
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import coordinate_names
-from sinuous.solution.solution import Solution
-from sinuous.writing.documents import readable, write_archive, write_table
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
+from sinuous.base.arguments import Whole
+from sinuous.base.checks import Floats
+from sinuous.base.documents import readable, write_archive, write_table
+from sinuous.base.errors import InputError
+from sinuous.files.ros import Of, joint_map, joint_trajectory, write_json
+from sinuous.model.robot import Robot
+from sinuous.model.segment import coordinate_names
 
 
 def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import distances
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 

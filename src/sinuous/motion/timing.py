@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.rates import Spread
+from sinuous.model.robot import Robot
 from sinuous.motion.blending import BlendedPath
-from sinuous.robot.rates import Spread
-from sinuous.robot.robot import Robot
 
 FACETS = 16
 """Sides of the polygon within the circle that limits the acceleration of a bend: 2 % less than the circle at worst."""

@@ -3,11 +3,14 @@
 from collections.abc import Callable, Iterable
 from typing import Any, Unpack
 
-from sinuous import checks
-from sinuous.arguments import Number, Shortest, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Shortest, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.paced import Pace
 from sinuous.motion.report import MOST_WAYPOINTS
@@ -17,12 +20,9 @@ from sinuous.problem.path import Path
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
-from sinuous.solution.solution import Solution
-from sinuous.solving.options import SolveArguments, refuse_unknown
-from sinuous.solving.solver import Initial, Solver
+from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.solver import Initial, Solver
 
 ROOM = 0.02
 """Clearance that is wished for by default, in mean lengths of a segment."""

@@ -6,8 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from sinuous.arguments import Shortest
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.answer.worst import Worst
+from sinuous.base.arguments import Shortest
+from sinuous.base.checks import Floats
+from sinuous.base.work_time import work_time
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by
 from sinuous.motion.knots import Entry, Knot, TipLine
@@ -20,13 +24,9 @@ from sinuous.motion.report import Report
 from sinuous.motion.shortest import metric_of, shorten
 from sinuous.motion.times import Timetable, spread_times, with_start
 from sinuous.problem.target import Target, Targets
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solution.worst import Worst
-from sinuous.solving.between.steps import Prover, Steps, load_motions, passes
-from sinuous.solving.between.tip import Tip
-from sinuous.solving.solver import Initial, Solver
-from sinuous.work_time import work_time
+from sinuous.solver.certificates.steps import Prover, Steps, load_motions, passes
+from sinuous.solver.certificates.tip import Tip
+from sinuous.solver.solver import Initial, Solver
 
 SLACK = 0.5
 """How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""

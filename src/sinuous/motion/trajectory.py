@@ -5,21 +5,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Vector, Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.export.ros import Of
-from sinuous.frozen import Frozen
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Vector, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.notebook import NotebookMixin
+from sinuous.base.reprs import call
+from sinuous.files.ros import Of
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot
 from sinuous.motion import tables
 from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at_corners
 from sinuous.motion.report import Report
-from sinuous.motion.resampling import splines_between, warn_of_corners
+from sinuous.motion.resampling import splines_between
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
-from sinuous.notebook import NotebookMixin
-from sinuous.reprs import call
-from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
 
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
@@ -146,7 +146,7 @@ class Trajectory(NotebookMixin, Frozen):
         """
         written = self._through(self._samples(rate))
         tables.write_motion(file, self.robot, written.times, written.q)
-        warn_of_corners(written, self.motion, "lines")
+        written.warn_of_corners(self.motion, "lines")
         return written
 
     def to_ros(
@@ -176,7 +176,7 @@ class Trajectory(NotebookMixin, Frozen):
         tables.write_ros(file, self.robot, lines.times, lines.q, velocities, of, joints_per_segment)
         steps = splines_between(self.robot, lines.times, lines.q, velocities, lines.steps)
         written = lines.made(self.robot, lines.scene, lines.q, lines.times, steps, Report())
-        warn_of_corners(written, self.motion, "splines")
+        written.warn_of_corners(self.motion, "splines")
         return written
 
     def __repr__(self) -> str:

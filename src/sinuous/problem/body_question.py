@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.statics import layout as t
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import Equilibrium
 

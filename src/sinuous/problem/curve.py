@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Rows, Stack, Vector, Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
-from sinuous.packing import read_only
-from sinuous.reprs import call
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.reprs import call
+from sinuous.kernels.packing import read_only
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicHermiteSpline, CubicSpline

@@ -5,14 +5,14 @@ from typing import Any, Self, TypedDict, Unpack, overload
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Orientations, Rows, Vector, Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
-from sinuous.poses import least_rotation
+from sinuous.base import checks
+from sinuous.base.arguments import Orientations, Rows, Vector, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.reprs import call
+from sinuous.model.poses import least_rotation
 from sinuous.problem.target import GoalArrays, Target, TipGoals
-from sinuous.reprs import call
 
 MOST_BETWEEN = 100_000
 

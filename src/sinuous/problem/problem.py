@@ -4,14 +4,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self, TypedDict, Unpack
 
-from sinuous import checks, packing
-from sinuous.arguments import Number
-from sinuous.checks import Floats
-from sinuous.frozen import Frozen
-from sinuous.packing import read_only
+from sinuous.base import checks
+from sinuous.base.arguments import Number
+from sinuous.base.checks import Floats
+from sinuous.base.frozen import Frozen
+from sinuous.base.reprs import text
+from sinuous.kernels import packing
+from sinuous.kernels.packing import read_only
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
-from sinuous.reprs import text
-from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
@@ -165,7 +166,7 @@ def check_sizes(robot: Robot, scene: Scene | Snapshot) -> None:
 def settings_group(
     robot: Robot, tolerance: Tolerance, prefer: Preferences | None = None, options: Sequence[float] | Floats = ()
 ) -> Floats:
-    """Return the settings of a solve as kernels read them, a new array; see `sinuous.packing.settings_group`."""
+    """Return the settings of a solve as kernels read them, a new array; see `kernels.packing.settings_group`."""
     wishes = Preferences() if prefer is None else prefer.beyond(robot.least_demanded[0])
     return packing.settings_group(
         mount=robot.mount,

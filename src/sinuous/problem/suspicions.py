@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from sinuous import words
+from sinuous.base import words
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.extents import box_of
 from sinuous.scene.snapshot import Snapshot
 

@@ -8,16 +8,16 @@ from typing import Any, ClassVar, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks
-from sinuous.arguments import Number, Orientation, Orientations, Rows, Vector, Which
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
-from sinuous.guesses import QUATERNION, answers_guesses
-from sinuous.packing import read_only, target_parts, target_row, target_rows
-from sinuous.poses import any_rotation, any_rotations, as_pose, is_pose
-from sinuous.robot.names import any_segment, segment_number
-from sinuous.robot.robot import Robot
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Orientation, Orientations, Rows, Vector, Which
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.guesses import QUATERNION, answers_guesses
+from sinuous.kernels.packing import read_only, target_parts, target_row, target_rows
+from sinuous.model.names import any_segment, segment_number
+from sinuous.model.poses import any_rotation, any_rotations, as_pose, is_pose
+from sinuous.model.robot import Robot
 
 
 class GoalArrays(TypedDict, total=False):

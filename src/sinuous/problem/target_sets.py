@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import KEYS, Target, Targets, TipGoals, Tolerance, is_place, target_list
-from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
 INSTEAD = "for positions use positions="

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Moving

@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks
-from sinuous.arguments import Number, Occupancy, Truth, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Occupancy, Truth, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.scene.obstacles import IDENTITY, Obstacle
 from sinuous.scene.reading import Origin, check_file
 

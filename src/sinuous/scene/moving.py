@@ -7,13 +7,13 @@ from typing import Any, Self
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Orientations, Rows, Stack, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
-from sinuous.poses import any_rotations
-from sinuous.reprs import text
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Orientations, Rows, Stack, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.reprs import text
+from sinuous.model.poses import any_rotations
 from sinuous.scene.grids import Field
 from sinuous.scene.obstacles import Obstacle, Primitive
 

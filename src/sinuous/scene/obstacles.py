@@ -10,14 +10,14 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Orientation, Truth, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Orientation, Truth, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.kernels.packing import primitive_row
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
-from sinuous.packing import primitive_row
-from sinuous.poses import any_rotation, least_rotation
+from sinuous.model.poses import any_rotation, least_rotation
 from sinuous.scene.reading import Origin
 
 IDENTITY = checks.closed(np.eye(3))

@@ -9,10 +9,10 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks
-from sinuous.arguments import Number, Orientation, Rows, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Orientation, Rows, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.scene.meshes.mesh import load_geometry
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.reading import Origin, Placement, check_file

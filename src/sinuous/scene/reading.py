@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Number, Orientation, Vector
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
-from sinuous.poses import pose
-from sinuous.writing.documents import readable
-from sinuous.writing.plain import plain, pose_arguments
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Orientation, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.documents import readable
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.plain import plain, pose_arguments
+from sinuous.model.poses import pose
 
 
 def check_file(file: Path, kinds: Sequence[str]) -> None:

@@ -5,18 +5,18 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from sinuous.arguments import Number, Orientation, Rows, Vector
-from sinuous.errors import InputError
-from sinuous.notebook import NotebookMixin
-from sinuous.poses import pose
+from sinuous.base.arguments import Number, Orientation, Rows, Vector
+from sinuous.base.documents import write_document
+from sinuous.base.errors import InputError
+from sinuous.base.notebook import NotebookMixin
+from sinuous.base.plain import described, plain
+from sinuous.model.poses import pose
 from sinuous.scene.moving import Moving, moved
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared.parts import unsampled
 from sinuous.scene.reading import Origin
 from sinuous.scene.snapshot import Snapshot, Surroundings
-from sinuous.writing.documents import write_document
-from sinuous.writing.plain import described, plain
 
 
 def entries_of(obstacles: Sequence[Obstacle], folder: Path) -> list[dict[str, Any]]:

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks, packing
-from sinuous.arguments import Number, Stack
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Stack
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.kernels import packing
 from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at

@@ -20,9 +20,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.statics import layout as t
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.statics.body import Tables, body_of
 from sinuous.statics.rest import Rest, Way
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import packing
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.kernels import packing
 from sinuous.kernels.statics import layout as t
-from sinuous.robot.loads import Force, Load
+from sinuous.model.loads import Force, Load
 
 if TYPE_CHECKING:
-    from sinuous.robot.robot import Robot
-    from sinuous.robot.segment import Segment
+    from sinuous.model.robot import Robot
+    from sinuous.model.segment import Segment
 
 GIVE = 1e-4
 """How much a tendon without a stiffness stretches, relative to what bends of the body give way to its tension."""

@@ -6,20 +6,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import LoadParameter, Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.frozen import Frozen
+from sinuous.base import checks
+from sinuous.base.arguments import LoadParameter, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.reprs import call
 from sinuous.kernels.statics import layout as t
-from sinuous.reprs import call
-from sinuous.robot.loads import Force, Load
-from sinuous.robot.segment import straight
+from sinuous.model.loads import Force, Load
+from sinuous.model.segment import straight
 from sinuous.statics.body import KEPT, Tables, body_of, rolled, tables_of, unrolled
 from sinuous.statics.response import EquilibriumQuestion, Response
 
 if TYPE_CHECKING:
-    from sinuous.robot.robot import Robot
+    from sinuous.model.robot import Robot
 
 ALIKE = 1e-4
 """Distance between ends of arcs up to which two equilibria are one, relative to the length of the robot."""

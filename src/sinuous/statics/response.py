@@ -5,20 +5,19 @@ three steps: exact to the second order of a step of 1e-4, in the scale of what c
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from sinuous.arguments import LoadParameter
-from sinuous.checks import Floats
-from sinuous.groups import TWIST, ByGroups, Column, read_names
-from sinuous.robot.loads import Force, Load
-from sinuous.robot.segment import Stiffness, coordinate_names
+from sinuous.base.arguments import LoadParameter
+from sinuous.base.checks import Floats
+from sinuous.base.parameter_groups import TWIST, ByGroups, Column, read_names
+from sinuous.model.loads import Force, Load
+from sinuous.model.segment import Stiffness, coordinate_names
 from sinuous.statics.body import body_of
 
 if TYPE_CHECKING:
-    from sinuous.robot.robot import Robot
-    from sinuous.statics.equilibrium import Equilibrium
+    from sinuous.model.robot import Robot
 
 STEP = 1e-4
 """Of the differences, in the scale of what changes."""
@@ -53,6 +52,22 @@ class EquilibriumQuestion(NamedTuple):
     initial: Floats | None
 
 
+class Resting(Protocol):
+    """What is derived: an `Equilibrium`."""
+
+    question: EquilibriumQuestion
+    states: Floats
+    tensions: Floats
+    stable: bool
+
+    @property
+    def tip(self) -> Floats:
+        """Pose (4, 4) of the tool."""
+
+    def beside(self, question: EquilibriumQuestion) -> "Resting | None":
+        """Return the equilibrium of another question that is found from this one."""
+
+
 class Response(ByGroups[LoadParameter]):
     """Derivatives of an equilibrium, by groups of parameters; as `Derivative` of an answer.
 
@@ -70,7 +85,7 @@ class Response(ByGroups[LoadParameter]):
         NaN of actuators without.
     """
 
-    def __init__(self, found: "Equilibrium", wrt: LoadParameter | Iterable[LoadParameter]) -> None:
+    def __init__(self, found: "Resting", wrt: LoadParameter | Iterable[LoadParameter]) -> None:
         known = [name for name in GROUPS if name not in DRIVES or name == found.question.drive]
         columns = {name: tuple(GROUPS[name](found.question)) for name in read_names(wrt, known)}
         derived = {name: [_derive(found, column) for column in listed] for name, listed in columns.items()}
@@ -99,7 +114,7 @@ class _Derived(NamedTuple):
     regular: bool
 
 
-def _derive(found: "Equilibrium", column: Column) -> _Derived:
+def _derive(found: "Resting", column: Column) -> _Derived:
     """Derive by one parameter; NaN, and not regular, where there is no equilibrium to one side."""
     h, here = STEP * column.scale, _State(found.states, np.zeros(6), found.tensions)
     below, above = (_beside(found, column.changed(sign * h)) for sign in (-1.0, 1.0))
@@ -111,7 +126,7 @@ def _derive(found: "Equilibrium", column: Column) -> _Derived:
     return _Derived(change, bent <= ROUNDING + KINK * float(np.abs(ahead + behind).max()))
 
 
-def _beside(found: "Equilibrium", question: EquilibriumQuestion) -> _State | None:
+def _beside(found: "Resting", question: EquilibriumQuestion) -> _State | None:
     """The equilibrium of a question that differs a little; `None` where there is none nearby."""
     near = found.beside(question)
     if near is None:

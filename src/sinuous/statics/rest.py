@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import packing
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.kernels import packing
 from sinuous.kernels.statics import layout as t
-from sinuous.robot.robot import LIMIT_ROUNDING, Robot
+from sinuous.model.robot import LIMIT_ROUNDING, Robot
 from sinuous.statics.body import Tables, body_of, lengths_of_lines, rolled, tables_of, unrolled
 from sinuous.statics.equilibrium import longest_body, run
 

@@ -22,11 +22,11 @@ from benchmarks.harness.plan import Plan
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.solvers.among_spheres import AmongSpheres
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
 from sinuous.problem.target import Tolerance
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
 
 RIGHT = Attempt(1e-5, 1e-5, "solved", "arc", True, True)
 LIE = Attempt(1e-5, 1e-5, "solved", "arc", True, False)

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.clutter import gallery
 from benchmarks.places import FAMILIES
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 
 def test_families_are_drawn(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from benchmarks.harness.experiment import Findings, OfLines
 from benchmarks.harness.lines import Goal, Line, together
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.report import Report
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from tests.cases import with_each
 
 TIME = Line("cold", "solve", 9e-6, "us", Goal(15e-6), solved=(2000, 2000), reference=5e-4)

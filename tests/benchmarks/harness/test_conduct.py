@@ -17,7 +17,7 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.reference import Look
 from benchmarks.pictures.style import new_figure, tidy
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 
 @pytest.fixture(autouse=True)

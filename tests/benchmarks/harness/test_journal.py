@@ -12,7 +12,7 @@ import benchmarks
 import sinuous
 from benchmarks.harness import journal
 from benchmarks.harness.journal import Journal, code_version
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 SETTINGS: dict[str, Any] = {"seed": 3, "sizes": (5, 10), "code": "abc"}
 

@@ -13,7 +13,7 @@ from benchmarks.judges import clearances
 from benchmarks.judges.clearances import Clearances, distance_of, least_clearance
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import body_points
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Obstacle, Sphere

@@ -12,7 +12,7 @@ from benchmarks import problems
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge, within_limits
 from benchmarks.judges.kinematics import arc_poses, body_points, segment_ends, tip_poses, twist_norm
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.problem.target import Tolerance
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene

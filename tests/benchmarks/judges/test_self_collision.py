@@ -9,7 +9,7 @@ import sinuous as sn
 from benchmarks.judges.kinematics import body_points
 from benchmarks.judges.self_collision import FINEST, look, surely_clear
 from benchmarks.problems import random_configurations
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 
 def brute(robot: sn.Robot, q: Floats, samples: int) -> float:

@@ -11,14 +11,14 @@ from benchmarks.paper.contest import BLOCK, Judge, Tally, follow_in_turns, judge
 from benchmarks.paper.entrants import ALONE, FAITHFUL, STEP, Entrant, divide, entrants, gradients, roster
 from benchmarks.paper.scenes import paper_pose, path_through
 from benchmarks.problems import ProblemSet, among_spheres, arm, reachable
-from sinuous.errors import InputError
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.base.errors import InputError
 from sinuous.kernels.tables import FAILED
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
-from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from tests.benchmarks.tampering import moved
 
 OURS = [Entrant("newton", "newton")]

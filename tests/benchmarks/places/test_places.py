@@ -15,7 +15,7 @@ from benchmarks.places.around.spheres import spheres
 from benchmarks.places.parts.robots import long_robot, robot_of, stout_robot, various_robot
 from benchmarks.places.place import Sketch, settle
 from benchmarks.problems import random_configurations
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
 from sinuous.scene.meshes.mesh import Mesh

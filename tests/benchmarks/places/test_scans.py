@@ -9,7 +9,7 @@ from benchmarks.places.around.spheres import spheres
 from benchmarks.places.families import _DRAWN
 from benchmarks.places.place import Sketch
 from benchmarks.places.scans import scan, triangles
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.point_cloud import PointCloud
 

@@ -5,8 +5,8 @@ import pytest
 from benchmarks.harness.plan import Plan
 from benchmarks.problems import paper_poses
 from benchmarks.solvers.answers import solve_all
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.answer.solution import Solution
+from sinuous.solver.solver import Solver
 from tests.benchmarks.tampering import moved
 
 

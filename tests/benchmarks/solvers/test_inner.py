@@ -4,7 +4,7 @@ import numpy as np
 
 from benchmarks.problems import paper_poses
 from benchmarks.solvers.inner import inner_times
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 
 
 def test_the_compiled_loop_solves_the_same_problem() -> None:

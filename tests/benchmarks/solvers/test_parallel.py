@@ -17,7 +17,7 @@ from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.solvers import parallel
 from benchmarks.solvers.parallel import Abreast, in_processes
-from sinuous.errors import warn_of
+from sinuous.base.errors import warn_of
 
 
 def square(number: int) -> int:

@@ -13,8 +13,8 @@ from benchmarks.harness.plan import Plan
 from benchmarks.problems import full_poses, paper_poses
 from benchmarks.speed import budgets, cold, endurance, honesty, paper
 from benchmarks.speed.experiment import SECTIONS, Speed
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.answer.solution import Solution
+from sinuous.solver.solver import Solver
 
 
 def test_every_section_is_a_file() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.wild import calls, odd
 from benchmarks.wild.calls import Called
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 
 
 def only(monkeypatch: pytest.MonkeyPatch, error: Exception | None) -> None:

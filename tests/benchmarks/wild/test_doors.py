@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.judges.collisions import Body
 from benchmarks.wild import doors
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.answer.solution import Solution
+from sinuous.solver.solver import Solver
 
 
 @cache

@@ -9,9 +9,9 @@ import sinuous as sn
 from benchmarks.judges.clearances import Clearances
 from benchmarks.wild import loaded
 from benchmarks.wild.motions import Judged
+from sinuous.answer.solution import Solution
 from sinuous.kernels.tables import NO_ROUTE
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Solution
 from tests.benchmarks.wild.test_trials import changed
 
 ROD = sn.Segment((0.8, 1.0), 2.0, radius=0.02, stiffness=sn.Stiffness(0.5), mass=0.01, arcs=3)

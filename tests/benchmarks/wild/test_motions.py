@@ -7,8 +7,8 @@ from benchmarks.judges.bodies import thicker
 from benchmarks.wild import motions
 from benchmarks.wild.motions import Judged
 from sinuous import Trajectory
-from sinuous.checks import Floats
-from sinuous.robot.robot import Robot, Uncertainty
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot, Uncertainty
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 

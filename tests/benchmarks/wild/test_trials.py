@@ -22,10 +22,10 @@ from benchmarks.wild.trials import (
     solutions_of,
 )
 from benchmarks.wild.worlds import World
+from sinuous.answer.solution import Solution
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, SOLVED, TARGET_BLOCKED
 from sinuous.problem.target import Tolerance
-from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from tests.benchmarks.tampering import moved
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])

@@ -19,9 +19,9 @@ from benchmarks.wild.experiment import Wild
 from benchmarks.wild.tally import MANY, Tally
 from benchmarks.wild.trials import FALSE, OVERLAP, Trial, examine
 from benchmarks.wild.worlds import World
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.problem.target import Target, Tolerance
-from sinuous.solving.solver import Solver
+from sinuous.solver.solver import Solver
 from tests.cases import with_each
 
 

@@ -11,8 +11,8 @@ from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import audit, curled, worlds
 from benchmarks.wild.worlds import World
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import HalfSpace, Sphere
 from sinuous.scene.scene import Scene
 

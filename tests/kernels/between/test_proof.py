@@ -18,7 +18,7 @@ from sinuous.kernels.between.sweep import (
     sweep_size,
 )
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
-from sinuous.robot.robot import robot_group
+from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
 from tests.kernels.between.motions import Case, random_case, sampled_case, shape

@@ -14,8 +14,8 @@ from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import (

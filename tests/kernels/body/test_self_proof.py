@@ -11,7 +11,7 @@ from sinuous.kernels.body import self_proof
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.clock import LOOKS, STRIDE
-from sinuous.packing import segment_row
+from sinuous.kernels.packing import segment_row
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
 from tests.kernels.workspace import make_clock
 from tests.self_gaps import gaps_of, sample_body

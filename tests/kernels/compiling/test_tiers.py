@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sinuous.base.work_time import TooLongError, counting_looks, looked, no_work, work_time
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling import helpers, pieces, store, tiers
 from sinuous.kernels.maths.vectors import Array
-from sinuous.work_time import TooLongError, counting_looks, looked, no_work, work_time
+from tests.base.processes import alive, until
 from tests.kernels.compiling import parts
-from tests.processes import alive, until
 
 HERE = Path(__file__).parents[3]
 
@@ -146,7 +146,7 @@ def test_a_call_that_takes_too_long_begins_again_with_its_code(orders: Orders, m
 
 def test_interpreted_time_is_what_looks_are_worth(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [100.0]
-    monkeypatch.setattr("sinuous.work_time.perf_counter", lambda: wall[0])
+    monkeypatch.setattr("sinuous.base.work_time.perf_counter", lambda: wall[0])
     began = work_time()
     with counting_looks():
         wall[0] += 7.0
@@ -221,7 +221,7 @@ from pathlib import Path
 from numba import types
 from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from tests.kernels.compiling import parts
-from tests.processes import alive, until
+from tests.base.processes import alive, until
 signature = types.float64, types.float64
 foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
 while not foreman._processes: time.sleep(0.01)

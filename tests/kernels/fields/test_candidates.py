@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.fields.distances import beside
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, SHAPE
 from sinuous.scene.meshes.mesh import Mesh

@@ -5,10 +5,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_groups

@@ -10,10 +10,10 @@ from sinuous import pose
 from sinuous.kernels.fitting.query import ASSUMED, THINNEST, route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from tests.helpers import Floats, as_matrix, kernel_groups, random_pose
 
 ROBOT = Robot(

@@ -8,9 +8,9 @@ import pytest
 from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.settle import REACH, ROUNDS, settle_chain
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_groups

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous import packing
+from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.fields.solids import STEP

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.growing.bending import KEPT, Nearby, come_out
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_problem, mat, vec

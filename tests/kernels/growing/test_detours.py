@@ -3,7 +3,7 @@
 import numpy as np
 
 from sinuous import Box, Cylinder, Scene, Sphere
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.growing.detours import ENOUGH, NUMBERS, TURNS, detours_size, lead_aside
 
 POINTS, RADIUS = 64, 0.1

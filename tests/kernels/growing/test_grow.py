@@ -7,12 +7,12 @@ import pytest
 
 from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, DISTANCE, FRAME, LAST, PARENT
 from sinuous.kernels.growing.grow import grow_chains, growing_size
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box, Cylinder
 from sinuous.scene.scene import Scene
-from sinuous.solving.polylines import respaced
+from sinuous.solver.polylines import respaced
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.growing.turning import turn_round
-from sinuous.poses import pose
-from sinuous.robot.robot import Robot, robot_group
-from sinuous.robot.segment import Segment
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot, robot_group
+from sinuous.model.segment import Segment
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -11,9 +11,9 @@ from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, VERDICT
 from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH, sweep_size
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size
-from sinuous.robot.robot import robot_group
+from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
-from sinuous.solving.between.steps import prove_steps
+from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
 from tests.kernels.between.motions import shape
 

@@ -9,7 +9,7 @@ from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.scene.scene import Scene
-from sinuous.solving.between.steps import prove_steps
+from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
 from tests.kernels.between.motions import shape
 

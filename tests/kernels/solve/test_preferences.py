@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sinuous.answer.verification import verify
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
-from sinuous.solution.verification import verify
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(5, (0.7, 1.3), 2.5, radius=0.05)

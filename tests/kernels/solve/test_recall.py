@@ -6,7 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.kernels.solve.recall import ANGLE_WEIGHT, compare, recall
 from sinuous.problem.target import target_table
-from sinuous.solving.shapes import poses_of
+from sinuous.solver.shapes import poses_of
 
 ROBOT = sn.Robot.uniform(3, (0.5, 1.5), max_bend=2.5)
 RNG = np.random.default_rng(0)

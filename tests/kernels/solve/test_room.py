@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.answer.verification import verify
+from sinuous.base.checks import Floats
 from sinuous.kernels import tables
 from sinuous.kernels.clock import DEADLINE, LOOKS, STRIDE
 from sinuous.kernels.solve.room import GRAZING, STEPS, take_room
 from sinuous.problem.problem import Problem
-from sinuous.solution.verification import verify
 from tests.helpers import kernel_problem
 from tests.kernels.workspace import NEVER, make_workspace
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sinuous.answer.verification import verify
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
@@ -23,11 +24,10 @@ from sinuous.kernels.tables import (
     Outcome,
     answer_size,
 )
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Sphere
-from sinuous.solution.verification import verify
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.05)

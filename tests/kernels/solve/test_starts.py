@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve import starts
-from sinuous.packing import pose_row
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
 
 MIXED = Robot(

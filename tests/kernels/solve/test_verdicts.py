@@ -11,10 +11,10 @@ from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
 from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.measures.reach import bounds
-from sinuous.poses import pose
+from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_problem, random_pose

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sinuous.kernels.step import limits
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from tests.helpers import BENDS, Floats
 
 SEGMENTS = (

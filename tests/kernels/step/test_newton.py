@@ -16,10 +16,10 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, pick
+from sinuous.model.actuators import Tendons
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.actuators import Tendons
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from tests.helpers import Floats, kernel_problem, random_pose
 from tests.kernels.workspace import NEVER, make_workspace, put

@@ -6,9 +6,9 @@ import pytest
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.states import STATES, carve, pick, workspace_size
+from sinuous.model.actuators import Tendons
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Tendons
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from tests.helpers import kernel_problem, random_pose
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from sinuous.kernels.body.rows import END
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.step import targets
-from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from tests.helpers import (
     Floats,

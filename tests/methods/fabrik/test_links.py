@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from sinuous.methods.fabrik import links as fabrik
-from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from tests.cases import with_each
 from tests.helpers import Floats, expm_chain, vec
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from sinuous.kernels.packing import pose_row
 from sinuous.kernels.problem import Problem
 from sinuous.methods.fabrik import links as fabrik
 from sinuous.methods.fabrik.links import STEEPEST
-from sinuous.packing import pose_row
+from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 from tests.cases import with_each
 from tests.helpers import Floats, as_matrix, expm_chain, frames_of, random_pose, skew, vec
 from tests.methods.fabrik.test_links import MIXED, make_chain

@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.arguments import MethodName
+from sinuous.base.arguments import MethodName
 from sinuous.methods.fabrik.reaching import FabrikAvoid
 from tests.helpers import refused
 from tests.methods import laws

@@ -5,7 +5,7 @@ import pytest
 
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path.path import Path
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from tests.cases import with_each
 from tests.helpers import Floats, expm_chain
 

@@ -6,7 +6,7 @@ import pytest
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
 from sinuous.methods.opti_path.path import Aim, Path
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from tests.helpers import Floats, frames_of, random_unit, vec
 from tests.methods.opti_path.test_gradient_costs import setting
 from tests.methods.opti_path.test_path import make_path

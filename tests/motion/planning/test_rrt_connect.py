@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
+from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, unproved
 
 ROBOT = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1)
 SCENE = sn.Scene([sn.Sphere((2.0, 0.0, 2.0), 0.3)])

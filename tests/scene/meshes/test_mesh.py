@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.errors import InputError
+from sinuous.base.errors import InputError
 from sinuous.scene.meshes import mending
 from sinuous.scene.meshes.mesh import Mesh
 from tests.cases import with_each

@@ -22,7 +22,7 @@ from numba.core import serialize
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 
-from sinuous.caches import places, writable
+from sinuous.base.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
 from sinuous.kernels.compiling.once import LIBRARIES, LoweredKernel, Whole, as_was
 from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from numba import types
 
+from sinuous.base.work_time import TooLongError, no_work
 from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
 from sinuous.kernels.compiling.store import ENTRIES, Store, begun
-from sinuous.work_time import TooLongError, no_work
 
 FIRST = 45
 """Seconds that compiling takes about for somebody who begins."""

@@ -28,7 +28,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
@@ -50,7 +50,7 @@ from sinuous.methods.fabrik.links import (
 )
 from sinuous.methods.options import Options, count, flag, number
 from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 PATIENCE, PATIENCE_ASIDE = 25, 40

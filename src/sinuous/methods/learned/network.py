@@ -8,18 +8,18 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.documents import read_archive, write_archive
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
 from sinuous.files.nouns import read_robot
-from sinuous.frozen import Frozen
+from sinuous.kernels.packing import read_only
 from sinuous.kernels.tables import GOAL, ORIENTATION, TARGET_POSITION
 from sinuous.methods.capabilities import Capabilities
-from sinuous.packing import read_only
+from sinuous.model.robot import Robot, same_body
 from sinuous.problem.target import GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
-from sinuous.robot.robot import Robot, same_body
-from sinuous.writing.documents import read_archive, write_archive
 
 FORMAT = 1
 """Version of the file; the kind of file is told by the key `network`."""

@@ -12,19 +12,20 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.checks import Floats
+from sinuous.base import checks
+from sinuous.base.checks import Floats
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import GIVEN, GOAL, ORIENTATION, REMEMBERED, TARGET_POSITION
-from sinuous.methods import dls
 from sinuous.methods.capabilities import Capabilities
+from sinuous.methods.dls import carve as carve_steps
+from sinuous.methods.dls import descend, scratch_size
 from sinuous.methods.learned.network import CAPABILITIES, MOST_WIDTH, Network
 from sinuous.methods.learned.training import train
 from sinuous.methods.options import OptionKind, Options, count
 from sinuous.methods.search import NO_START, Answer, Check, Start, offer, own_number, search_by
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 DAMPING, CLAMP = 0.1, 0.5
@@ -77,7 +78,7 @@ def follow(
 ) -> tuple[int, bool]:
     """Follow one start; see `sinuous.methods.search`. The `options` are the steps, then the networks."""
     own, rest = carve(scratch)
-    work = dls.carve(rest, problem.limits.shape[0])
+    work = carve_steps(rest, problem.limits.shape[0])
     number, source = own_number(start), REMEMBERED
     if number > 0:
         return NO_START, False
@@ -86,7 +87,7 @@ def follow(
         source = GIVEN
     else:
         predict(options[1:], problem.targets[0], own, work.q)
-    used = dls.descend(problem, check, work, int(options[0]), DAMPING, CLAMP)
+    used = descend(problem, check, work, int(options[0]), DAMPING, CLAMP)
     return used, offer(problem, check, work.kept, source, answer)
 
 
@@ -128,7 +129,7 @@ class Learned(Options):
 
     def scratch(self, segments: int) -> int:
         """Return the size of the scratch; see `Options.scratch`."""
-        return 2 * MOST_WIDTH + dls.scratch_size(segments)
+        return 2 * MOST_WIDTH + scratch_size(segments)
 
     def told(self, robot: Robot, scene: Scene) -> Floats:
         """Return the number of steps, then the networks; see `Options.told`."""

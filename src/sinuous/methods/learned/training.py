@@ -10,19 +10,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from sinuous import checks
-from sinuous.arguments import Truth, Whole
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base import checks
+from sinuous.base.arguments import Truth, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.progress import ProgressBar
 from sinuous.kernels import tables as t
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import answer_size
 from sinuous.methods.learned.network import INPUTS, KINDS, MOST_WIDTH, Layers, Network, inputs
 from sinuous.methods.newton import Newton
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
-from sinuous.progress import ProgressBar
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 
 WIDEST = 0.5 * math.pi

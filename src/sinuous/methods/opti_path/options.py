@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Self, Unpack, get_args
 
 import numpy as np
 
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.opti_path.gradient import (
     Exponent,
@@ -27,7 +27,7 @@ from sinuous.methods.opti_path.gradient import (
 from sinuous.methods.opti_path.potential import sample
 from sinuous.methods.opti_path.search import scratch_size, search
 from sinuous.methods.options import Options, choice, count, flag, number
-from sinuous.robot.robot import Robot
+from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 
 MOST_NODES = 2**24

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.motion.configurations import random_configuration
 from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner
 from sinuous.motion.planning.tree import Chain, Tree

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import overlap_at
@@ -17,7 +17,7 @@ from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees, rrt_conn
 from sinuous.motion.planning.timed_tree import grow_timed_tree
 from sinuous.scene.moving import Moving
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.steps import LOOSE_SECONDS, SLACK, Prover
+from sinuous.solver.certificates.steps import LOOSE_SECONDS, SLACK, Prover
 
 STRAIGHT_GOALS = 4
 """Goals to which straight lines are paced."""

@@ -9,16 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.motion.planning.query import Query
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solving.between.steps import Prover
-from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import Solver
+from sinuous.solver.certificates.steps import Prover
+from sinuous.solver.options import SolveOptions
+from sinuous.solver.solver import Solver
 
 ROOMS = (0.2, 0.05)
 """Room that retractions ask for, in radii of each segment: by so much thicker robots are solved."""

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.motion.planning.query import ROUNDING, ProvedPath, TimedQuery
 
 SHARE = 0.3

@@ -8,17 +8,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.answer.solution import Solution
+from sinuous.base.checks import Floats
+from sinuous.base.work_time import work_time
+from sinuous.model.rates import Rates, Spread
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import distances
 from sinuous.motion.timing import largest
 from sinuous.problem.target import Target
-from sinuous.robot.rates import Rates, Spread
-from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, passes
-from sinuous.solving.solver import Solver
-from sinuous.work_time import work_time
+from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, passes
+from sinuous.solver.solver import Solver
 
 GOALS_AT_ONCE = 8
 """Solves that look for more goals each time a planner asks for them."""

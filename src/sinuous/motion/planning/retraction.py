@@ -11,17 +11,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.kernels.packing import scales_of
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, within_limits
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect, shortened
 from sinuous.motion.planning.tree import Chain
-from sinuous.packing import scales_of
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.solving.polylines import lengths_along, points_at
+from sinuous.solver.polylines import lengths_along, points_at
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""

@@ -9,17 +9,17 @@ from functools import cached_property
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.between.sweep import sweep_size
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
+from sinuous.model.robot import Robot, robot_group
 from sinuous.motion.planning.local_planner import QueryEnds, roots_of
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query
 from sinuous.motion.planning.tree import Chain
-from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
+from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, unproved
 
 MOST_NODES = 20_000
 """Nodes of one tree."""

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import random_configuration
 from sinuous.motion.planning.query import ROUNDING, ProvedPath, TimedQuery
 from sinuous.motion.planning.tree import Tree
-from sinuous.robot.robot import Robot
 
 MOST_NODES = 20_000
 

@@ -7,9 +7,9 @@ these trees grow in a kernel (`rrt_connect`).
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric
-from sinuous.robot.robot import Robot
 
 Chain = list[Floats]
 """Configurations (n, 3); the motion from each to the next is proved clear, and so is the one back."""

@@ -9,20 +9,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.walk import walk, walk_size
+from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.query import FixedGoal, ProvedPath, Query, TargetGoals
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.target import target_table
-from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.steps import Prover
-from sinuous.solving.memory import Memory
-from sinuous.solving.shapes import POSE_SIZE, Graph, Whole
+from sinuous.solver.certificates.steps import Prover
+from sinuous.solver.memory import Memory
+from sinuous.solver.shapes import POSE_SIZE, Graph, Whole
 
 CLOSEST, LINKS = 64, 2
 """Shapes with the nearest poses of which those with the nearest configurations are tried, and to how many an end is

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mending import Integers, cones, pieces, winding_numbers
 
 Flags = NDArray[np.bool_]

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.words import counted
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.words import counted
 
 Integers = NDArray[np.int64]
 

@@ -7,9 +7,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from sinuous import packing
-from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.bodies import bodies_overlap

@@ -9,10 +9,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
+from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import COUNT, ITEM_KIND, LEVELS, TRIANGLES
 from sinuous.scene.prepared import kept
-from sinuous.work_time import work_time
 
 CELLS, ENTRIES = 29_000, 1_900_000
 """Most cells about a mesh, and most triangles of all their lists: 16 MB."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.kernels.tables import BALLS, CUBES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.meshes.mending import sides_of
 

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from benchmarks.places.parts.marching import around
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 LINE = np.linspace([0.3, -0.2, 0.5], [0.3, 2.8, 0.5], 60)
 """Of length 3."""

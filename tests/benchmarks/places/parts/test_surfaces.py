@@ -8,7 +8,7 @@ import trimesh
 
 from benchmarks.places.parts.shapes import arc
 from benchmarks.places.parts.surfaces import Surface, blind_bore, joined, loft, open_tube, plate, tube, widening_tube
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 
 
 def as_trimesh(surface: Surface) -> trimesh.Trimesh:

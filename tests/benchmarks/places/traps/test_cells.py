@@ -7,7 +7,7 @@ from benchmarks.places import make
 from benchmarks.places.parts.robots import various_robot
 from benchmarks.places.parts.shapes import draw_shape
 from benchmarks.places.traps.cells import Cell, cell_around, doorway, draw_half, in_frame, line_of
-from sinuous.checks import Floats
+from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Box
 

@@ -1,0 +1,186 @@
+"""Derivatives of many answers at once, as arrays."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.answer.derivatives.derivative import actuator_change, derivative_of, tip_twist
+from sinuous.answer.derivatives.parameters import DerivativePlan
+from sinuous.answer.derivatives.preferred import Wish
+from sinuous.base import checks
+from sinuous.base.arguments import Batch, Parameter
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.parameter_groups import PerGroup, read_tangent
+from sinuous.base.reprs import call
+from sinuous.kernels.derivative import layout as a
+from sinuous.kernels.derivative.query import derive_many
+from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target, TipGoals
+from sinuous.problem.target_sets import ManyProblems
+
+
+class Derivatives:
+    """How many answers change with what they depend on, to first order; as `Derivative`, with one more axis in front.
+
+    Attributes
+    ----------
+    wrt : tuple of str
+    regular : ndarray (m,) of bool
+        False also where an answer is not solved; its derivatives are NaN.
+    q : mapping of str to ndarray (m, n, 3, p)
+        Derivatives of the configurations by a group of p parameters.
+    tip : mapping of str to ndarray (m, 6, p)
+    actuators : mapping of str to ndarray (m, k, p)
+    """
+
+    __slots__ = ("_chosen", "_configurations", "_moved", "_problem", "_status", "wrt")
+
+    def __init__(
+        self, problem: Problem, q: Floats, wrt: tuple[Parameter, ...], moved: Floats, status: Floats, chosen: Any
+    ) -> None:
+        self._problem, self._configurations, self._moved, self._status = problem, q, moved, status
+        self.wrt, self._chosen = wrt, chosen
+
+    @classmethod
+    def of_parts(cls, count: int, parts: "Sequence[tuple[NDArray[np.int64], Derivatives]]") -> "Derivatives":
+        """Put parts together as rows with these numbers of so many; all others are NaN."""
+        _, first = parts[0]
+        moved = np.full((count, *first._moved.shape[1:]), np.nan)
+        q, status = np.full((count, *first._configurations.shape[1:]), np.nan), np.full(count, float(a.KINK))
+        for rows, part in parts:
+            moved[rows], q[rows], status[rows] = part._moved, part._configurations, part._status
+        return cls(first._problem, q, first.wrt, moved, status, first._chosen)
+
+    @property
+    def regular(self) -> NDArray[np.bool_]:
+        """Which answers have a derivative (m,)."""
+        return np.asarray(self._status == 0.0)
+
+    @property
+    def q(self) -> Mapping[Parameter, Floats]:
+        """Derivatives (m, n, 3, p) of the configurations."""
+        return PerGroup(self.wrt, self._of_q)
+
+    @property
+    def tip(self) -> Mapping[Parameter, Floats]:
+        """Twists (m, 6, p) of the tool."""
+        return PerGroup(self.wrt, partial(self._each, partial(tip_twist, self._problem)))
+
+    @property
+    def actuators(self) -> Mapping[Parameter, Floats]:
+        """Derivatives (m, k, p) of the values of all actuators."""
+        return PerGroup(self.wrt, partial(self._each, partial(actuator_change, self._problem.robot)))
+
+    def __len__(self) -> int:
+        return len(self._moved)
+
+    def vjp(self, cotangent: Batch) -> dict[Parameter, Floats]:
+        """Derivatives (m, p) of `sum(cotangent * q)` of each answer by each group, for cotangents (m, n, 3).
+
+        Raises
+        ------
+        InputError
+            When they have another shape.
+        """
+        given = checks.array("cotangent", cotangent, self._configurations.shape)
+        flat = given.reshape(len(self), 1, self._moved.shape[1])
+        whole = (flat @ self._moved)[:, 0]
+        return {name: whole[:, self._chosen[name]] for name in self.wrt}
+
+    def jvp(self, tangent: Batch | Mapping[Parameter, Batch]) -> Floats:
+        """Motions (m, n, 3) of the configurations when the parameters move along tangents (m, p).
+
+        Where an answer has a kink, whatever is active stays as it is; `solutions[i].jvp` tells what happens in this
+        direction.
+
+        Raises
+        ------
+        InputError
+            When a name was not asked for, or a tangent has another shape.
+        """
+        moved = np.zeros(self._configurations.shape)
+        for name, value in read_tangent(tangent, self.wrt).items():
+            change = self.q[name]
+            given = checks.array(f"tangent[{name!r}]", value, (len(self), change.shape[-1]))
+            moved += np.einsum("mkcp,mp->mkc", change, given)
+        return moved
+
+    def __repr__(self) -> str:
+        return call("Derivatives", [f"{len(self):,} answers", ", ".join(self.wrt), f"{self.regular.sum():,} regular"])
+
+    def _of_q(self, name: Parameter) -> Floats:
+        chosen = self._moved[:, :, self._chosen[name]]
+        return chosen.reshape(*self._configurations.shape, chosen.shape[-1])
+
+    def _each(self, compute: Any, name: Parameter) -> Floats:
+        changes, q = self.q[name], self._configurations
+        return np.stack([compute(q[i], {name: changes[i]}, name) for i in range(len(self))])
+
+
+def _nothing_asked(problems: ManyProblems) -> Problem:
+    """Some problem for no answers, of the kind of the others."""
+    sets = problems.target_sets
+    target = Target((0.0, 0.0, 0.0))
+    if isinstance(sets, TipGoals):
+        place, axis, turn = (
+            None if part is None else each
+            for part, each in zip(
+                (sets.positions, sets.directions, sets.rotations), (np.zeros(3), np.eye(3)[2], np.eye(3)), strict=True
+            )
+        )
+        target = Target(place, direction=axis, rotation=turn)
+    return Problem.prepared(problems.robot, (target,), problems.scene, problems.tolerance)
+
+
+def _alike(rows: Floats) -> bool:
+    """Whether the same is asked of the targets (m, t, 15) of all answers."""
+    asked = rows[:, :, [HAS_POSITION, ORIENTATION]]
+    return bool((asked == asked[:1]).all())
+
+
+def derivatives_of(
+    problems: ManyProblems,
+    q: Floats,
+    solved: NDArray[np.bool_],
+    liked: Mapping[int, Wish | None],
+    wrt: tuple[Parameter, ...],
+) -> Derivatives:
+    """Derive those answers `q` (m, n, 3) that are solved; `liked` are chosen by these wishes.
+
+    Raises
+    ------
+    InputError
+        When targets are asked for, and not all answers have equally many.
+    """
+    runs = problems.target_sets.runs()
+    if len(runs) > 1 and "target" in wrt:
+        raise InputError("wrt", "needs equally many targets of each answer", "target", "other groups, or one by one")
+    q = q.copy()
+    problem = problems.problem(0) if len(q) else _nothing_asked(problems)
+    plan = DerivativePlan(problem, wrt)
+    moved, status = np.empty((len(q), 3 * q.shape[1], plan.columns)), np.empty(len(q))
+    scene = problems.scene
+    group = scene._kernel_group if len(scene) else None
+    rows = []
+    for first, last in runs:
+        own = plan if first == 0 else DerivativePlan(problems.problem(first), wrt)
+        rows.append(problems.target_sets.chunk(first, last))
+        tables = own.group, group, own.settings, rows[-1], own.asked, own.lines
+        workspace = np.empty(own.workspace.size + own.answer)
+        derive_many(*tables, q[first:last], workspace, moved[first:last], status[first:last])
+    for i, wish in liked.items():
+        if wish is None:
+            status[i] += a.PREFERRED
+        elif solved[i]:
+            least = derivative_of(problems.problem(i), q[i], wrt, True, wish)
+            q[i], moved[i], status[i] = least.configuration, least._rows.moved, least._rows.answer[a.STATUS]
+    moved[~solved], status[~solved] = np.nan, a.KINK
+    chosen = {name: plan.chosen(name, problem) for name in wrt}
+    if "target" in wrt and rows and not _alike(rows[0]):
+        chosen["target"] = slice(*plan.spans["target"])
+    return Derivatives(problem, q, wrt, moved, status, chosen)

@@ -1,0 +1,134 @@
+"""Why a solve ended as it did, and what would help."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from sinuous.answer.binding import Binding, in_words, nearest_limits
+from sinuous.answer.reasons import Reason
+from sinuous.answer.remedies import Remedy, find_remedies
+from sinuous.answer.residual import residual_of
+from sinuous.answer.resolver import LoadedResult
+from sinuous.answer.status import Status
+from sinuous.answer.trials import Case, Trials
+from sinuous.base.errors import InputError
+from sinuous.base.notebook import NotebookMixin
+from sinuous.base.reprs import call
+from sinuous.base.words import degrees, number
+from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import Problem
+
+LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
+
+TOO_SHORT = "the time was too short to try everything"
+
+NOTHING = "nothing that was tried would help"
+
+ALONE = "the target is not reached even without obstacles"
+
+MOST_LINES = 6
+"""Most lines about what holds a configuration back."""
+
+
+@dataclass(frozen=True, repr=False)
+class Explanation(NotebookMixin):
+    """Why a solve ended as it did, and what would help; prints itself.
+
+    Attributes
+    ----------
+    status : Status
+    sentence : str
+        What the status means here.
+    reason : Reason or None
+        What proves that there is no solution.
+    misses : str
+        By how much the best configuration misses the targets; empty when it meets them.
+    binding : tuple of Binding
+        What holds the best configuration back, strongest first.
+    nearest : tuple of Binding
+        When solved: the limits of which least is left.
+    remedies : tuple of Remedy
+        Changes that were tried; with each the problem is solved and proved.
+    untried : str
+        Why not all changes were tried; empty where they were.
+    obstacles_matter : bool
+        False where no solution was found without obstacles either.
+    segments : int
+        Of the robot.
+    """
+
+    status: Status
+    sentence: str
+    reason: Reason | None
+    misses: str
+    binding: tuple[Binding, ...]
+    nearest: tuple[Binding, ...]
+    remedies: tuple[Remedy, ...]
+    untried: str
+    obstacles_matter: bool
+    segments: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether all changes were tried."""
+        return not self.untried
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return {
+            "status": str(self.status),
+            "sentence": self.sentence,
+            "reason": None if self.reason is None else str(self.reason),
+            "binding": [each.to_dict() for each in self.binding],
+            "remedies": [each.to_dict() for each in self.remedies],
+            "complete": self.complete,
+        }
+
+    def __str__(self) -> str:
+        lines = [f"{self.status}: {self.sentence}"]
+        if self.reason is not None:
+            lines.append(f"  because    {self.reason}")
+        if self.misses:
+            lines.append(f"  best found {self.misses}")
+        lines += _labelled("held by", in_words(self.binding, self.segments, values=True))
+        lines += _labelled("nearly at", in_words(self.nearest, self.segments, values=True))
+        lines += _labelled("would help", [str(each) for each in self.remedies])
+        none = self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED
+        said = "" if self.obstacles_matter else ALONE, NOTHING if none else "", self.untried
+        return "\n".join([*lines, *(f"  {each[0].upper()}{each[1:]}." for each in said if each)])
+
+    def __repr__(self) -> str:
+        counted = [f"{len(self.binding)} binding", f"{len(self.remedies)} remedies"]
+        return call("Explanation", [str(self.status), *counted])
+
+
+def _labelled(label: str, texts: list[str]) -> list[str]:
+    """Lines with a label before the first; a long list is cut."""
+    shown = texts if len(texts) <= MOST_LINES + 1 else [*texts[:MOST_LINES], f"and {len(texts) - MOST_LINES} more"]
+    return [f"  {label if i == 0 else '':<10} {text}" for i, text in enumerate(shown)]
+
+
+def explain(case: Case, sentence: str, end: float) -> Explanation:
+    """Explain a solve, until the time is `end` (by `work_time`); `sentence` is what its status means here."""
+    own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
+    if case.status is Status.SOLVED:
+        return Explanation(*own, nearest_limits(case.problem, case.q), (), "", True, count)
+    if isinstance(case.resolver, LoadedResult):
+        return Explanation(*own, (), (), LOADED, True, count)
+    trials = Trials(case, end)
+    remedies = find_remedies(trials, case)
+    return Explanation(*own, (), remedies, "" if trials.complete else TOO_SHORT, trials.obstacles_matter, count)
+
+
+def _misses(case: Case) -> str:
+    """By how much the best configuration misses its targets."""
+    problem, tolerance = case.problem, case.problem.tolerance
+    try:
+        body = ask_body(problem.robot, case.q, problem.targets)
+    except InputError:  # no equilibrium
+        return ""
+    residual = residual_of(Problem(body.body, body.targets, problem.scene, tolerance), body.arcs)
+    off, turn = residual.position_error, residual.angle_error
+    parts = [f"{number(off)} from the position"] if off > (tolerance.position or 0.0) else []
+    aim = "rotation" if any(each.rotation is not None for each in case.problem.targets) else "direction"
+    parts += [f"{number(turn)} rad ({degrees(turn)}) from the {aim}"] if turn > tolerance.angle else []
+    return " and ".join(parts)

@@ -1,0 +1,291 @@
+"""Judge shapes by an independent, slow path: what `sinuous.measures` computes. No kernel is used, nothing is solved."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base import checks
+from sinuous.base.arguments import Batch, Number, Truth
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.progress import ProgressBar
+from sinuous.base.reprs import ShortRepr, call
+from sinuous.measures.between import least_clearances, least_meeting, shares_between
+from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
+from sinuous.measures.reach import target_errors
+from sinuous.measures.statics import imbalance
+from sinuous.model.limits import unit_of
+from sinuous.model.robot import Robot
+from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
+from sinuous.scene.scene import SceneLike, as_snapshot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.statics.body import body_of
+from sinuous.statics.equilibrium import longest_body
+from sinuous.statics.rest import Rest, Way, tensions_kept
+
+LIMIT_SLACK = 1e-9
+"""By how much a limit may be exceeded: rad, or mean lengths of the robot."""
+
+
+ROUNDING = 1e-9
+"""What rounding may add to an error, relative to the robot's length."""
+
+AT_REST = 1e-5
+"""How far the shape of a loaded body may be from one at rest, relative to the robot's length."""
+
+
+@dataclass(frozen=True, repr=False)
+class Verification(ShortRepr):
+    """What the slow path found.
+
+    Attributes
+    ----------
+    ok : bool
+        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere; nor
+        nearer to either than the robot demands.
+    position_error, angle_error : float
+        Largest over the targets; 0 where nothing is asked.
+    excess : float
+        By how much the limits are exceeded; 0 within.
+    clearance : float
+        Least over the sampled places: the true clearance is at most this. Infinite without obstacles.
+    segment, obstacle : int or None, str or None
+        Where the least clearance is: segment (1 = first) and name of the obstacle.
+    self_clearance : float
+        Least distance of the body from itself over the sampled places: the true one is at most this. Infinite where it
+        does not matter: the body may run through itself, or is too short to.
+    self_segments : (int, int) or None
+        The two segments that are nearest to each other, 1 = first.
+    """
+
+    ok: bool
+    position_error: float
+    angle_error: float
+    excess: float
+    clearance: float
+    segment: int | None
+    obstacle: str | None
+    self_clearance: float
+    self_segments: tuple[int, int] | None
+
+    def _shown(self) -> Iterator[str]:
+        yield f"ok={self.ok}"
+        for name in ("position_error", "angle_error", "excess", "clearance", "self_clearance"):
+            yield f"{name}={getattr(self, name):.3g}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Verifications:
+    """What the slow path found of many shapes; every attribute is an array (...), see `Verification`.
+
+    Attributes
+    ----------
+    ok : ndarray of bool
+    position_error, angle_error, excess, clearance, self_clearance : ndarray
+    segment, obstacle, self_segments : ndarray of object
+        With None where a single one has it.
+    """
+
+    ok: NDArray[np.bool_]
+    position_error: Floats
+    angle_error: Floats
+    excess: Floats
+    clearance: Floats
+    segment: NDArray[np.object_]
+    obstacle: NDArray[np.object_]
+    self_clearance: Floats
+    self_segments: NDArray[np.object_]
+
+    def __repr__(self) -> str:
+        return call("Verifications", [f"{int(self.ok.sum())} of {self.ok.size} ok"])
+
+
+def verify(problem: Problem, q: Floats) -> Verification:
+    """Recompute errors, limits and clearances of the configuration `q` (n, 3) for `problem`."""
+    return verified(problem.robot, q, problem.scene, problem.targets, problem.tolerance)
+
+
+def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target], tolerance: Tolerance) -> Verification:
+    """Recompute errors, limits and clearances of a configuration `q` (n, 3); there may be no targets."""
+    asked = ask_body(robot, q, targets)
+    body, arcs = asked.body, asked.arcs
+    ends = segment_ends(body, arcs)
+    errors = [target_errors(body, target, ends) for target in asked.targets]
+    off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
+    clearance, segment, obstacle = least_clearance(body, scene, arcs, ends)
+    itself = nearest_meeting(body, arcs, ends)
+    spare = clearance - robot.least_demanded[0]
+    if isinstance(robot.clearance, tuple):
+        spare = least_clearance(body, scene, arcs, ends, beyond=True).distance
+    slack = ROUNDING * robot.mean_length
+    at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length
+    ok = (
+        at_rest
+        and (asked.shape is None or tensions_kept(robot, asked.shape.tensions))
+        and off <= (tolerance.position or 0.0) + slack
+        and turn <= tolerance.angle + 1e-7
+        and _within_limits(robot, q)
+        and spare >= -slack
+        and itself.gap >= -slack
+    )
+    gap = itself.gap + robot.least_demanded[1]
+    where, pair = asked.segment(segment), itself.segments
+    both = None if pair is None else (asked.owners[pair[0] - 1], asked.owners[pair[1] - 1])
+    return Verification(ok, off, turn, robot.excess(q), clearance, where, obstacle, gap, both)
+
+
+def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> list[Verification]:
+    """Look at the steps between knots (T, n, 3) at many places of each, in the scene as it is at their `times` (T,)."""
+    return [_step(robot, q[i : i + 2], scene, times[i : i + 2]) for i in range(len(q) - 1)]
+
+
+def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
+    """Look at one step: limits at both ends, for they are convex; clearances at shares of it."""
+    if robot.hangs:
+        return _loaded_step(robot, ends, scene, times)
+    shares = shares_between(robot, *ends)
+    q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
+    return _seen(robot, ends, robot, q, range(1, len(robot) + 1), scene, times[0] + shares * (times[1] - times[0]))
+
+
+def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
+    """Look at a step of a loaded body: every shape of it has to be at rest, too, by other code than that found it."""
+    one, other = Rest(robot, ends[0]), Rest(robot, ends[1])
+    body, owners = longest_body(robot), (body_of(robot).owners + 1).tolist()
+    if one.states is None or other.states is None:
+        raise InputError("q", "no equilibrium was found", ends.tolist(), "knots at which the robot holds its load")
+    shares, way = shares_between(body, one.arcs, other.arcs), Way(one, other)
+    rests = [one, *map(way.rest, shares[1:-1].tolist()), other]
+    shapes = [each for each in rests if each.states is not None]
+    off = max(imbalance(robot, each.q, each.found[0], each.displacements) for each in shapes)
+    when = times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0])
+    found = _seen(robot, ends, body, np.stack([each.arcs for each in shapes]), owners, scene, when)
+    return replace(found, ok=found.ok and len(shapes) == len(rests) and off <= AT_REST * robot.mean_length)
+
+
+def _seen(
+    robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[int], scene: Snapshot, when: Floats
+) -> Verification:
+    """Judge shapes `q` (T, N, 3) of a body, whose segments belong to these `owners` of the robot, at times (T,)."""
+    if scene.moves:
+        seen = [least_clearances(body, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
+        clearances, spares, segments, obstacles = (np.concatenate(each) for each in zip(*seen, strict=True))
+    else:
+        clearances, spares, segments, obstacles = least_clearances(body, scene, q)
+    at = int(clearances.argmin())
+    itself = least_meeting(body, q)
+    gap, slack = itself.gap + robot.least_demanded[1], ROUNDING * robot.mean_length
+    ok = all(_within_limits(robot, one) for one in ends) and spares.min() >= -slack and itself.gap >= -slack
+    nothing = obstacles[at] < 0
+    segment, obstacle = (None, None) if nothing else (owners[int(segments[at])], scene.name(int(obstacles[at])))
+    pair = itself.segments
+    both = None if pair is None else (owners[pair[0] - 1], owners[pair[1] - 1])
+    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), float(clearances[at]), segment, obstacle, gap, both)
+
+
+def _within_limits(robot: Robot, q: Floats) -> bool:
+    return all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
+
+
+KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}
+"""What arrays of these attributes of a verification hold; all others are numbers."""
+
+
+@overload
+def check(
+    robot: Robot,
+    q: Sequence[Sequence[Number]],
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+    progress: Truth = True,
+) -> Verification: ...
+
+
+@overload
+def check(
+    robot: Robot,
+    q: Sequence[Sequence[Sequence[Number]]],
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+    progress: Truth = True,
+) -> Verifications: ...
+
+
+@overload
+def check(
+    robot: Robot,
+    q: Batch,
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+    progress: Truth = True,
+) -> Any: ...
+
+
+def check(
+    robot: Robot,
+    q: Batch,
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+    progress: Truth = True,
+) -> Any:
+    """Judge shapes: limits, clearance, and targets where there are any. No kernel is used, nothing is solved.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like (..., n, 3)
+        One configuration, or many.
+    scene : Scene or list of obstacles, optional
+    targets : Target or list of Target, optional
+        To be met at once, by every configuration.
+    tolerance : Tolerance, optional
+        Of the targets; default as for a solve.
+    progress : bool
+        Whether to show on a terminal how many of many are done.
+
+    Returns
+    -------
+    Verification or Verifications
+        Of many configurations every attribute is an array (...).
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+    checks.instance("robot", robot, Robot, "a Robot")
+    shapes, place = robot.configuration("q", q), as_snapshot(scene)
+    place.refuse_moving()
+    check_sizes(robot, place)
+    asked = () if targets is None else target_list("targets", targets, robot)
+    exactly = as_tolerance(tolerance).for_robot(robot)
+    every = shapes.reshape(-1, len(robot), 3)
+    found = []
+    with ProgressBar(len(every) if checks.truth("progress", progress) else 0, what="checking") as bar:
+        for one in every:
+            found.append(verified(robot, one, place, asked, exactly))
+            bar.advance()
+    return found[0] if shapes.ndim == 2 else _stacked(found, shapes.shape[:-2])
+
+
+def _stacked(found: list[Verification], lead: tuple[int, ...]) -> Verifications:
+    arrays: dict[str, Any] = {}
+    for name in (field.name for field in fields(Verification)):
+        values = np.empty(len(found), KINDS.get(name, np.float64))
+        for i, one in enumerate(found):
+            values[i] = getattr(one, name)
+        arrays[name] = values.reshape(lead)
+    return Verifications(**arrays)

@@ -1,0 +1,1 @@
+"""Words of refusal, checks, and how values are written down: what every other room uses, and knows none of them."""

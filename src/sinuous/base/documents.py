@@ -1,0 +1,207 @@
+"""Plain values as a document: YAML that a person likes to read, or JSON; and arrays as an archive (NPZ)."""
+
+import csv
+import json
+import os
+import platform
+import re
+import threading
+import zipfile
+from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, ElementTree, indent
+
+import numpy as np
+
+from sinuous.base.errors import InputError
+
+ENDINGS = (".yaml", ".yml", ".json")
+"""How files of documents are called."""
+
+WIDTH = 120
+"""Lists and mappings stand on one line up to this many letters."""
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
+_WORDS = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"})
+"""Texts that some version of YAML takes for something else."""
+
+
+def written(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be written."""
+    return _usable(file, key, "written", "a file that can be written")
+
+
+def readable(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be read."""
+    return _usable(file, key, "read", "the name of a file that can be read")
+
+
+@contextmanager
+def _usable(file: str | Path, key: str, use: str, expected: str) -> Iterator[None]:
+    if "\0" in str(file):
+        raise InputError(key, f"cannot be {use}: a null character in its name", str(file), expected)
+    try:
+        yield
+    except OSError as error:
+        raise InputError(key, f"cannot be {use}: {error.strerror or error}", str(file), expected) from None
+
+
+@contextmanager
+def draft_of(file: Path) -> Iterator[Path]:
+    """Yield another name, to be written within; the file gets its own name when that succeeds.
+
+    No two threads or processes write the same draft, also not on different machines.
+    """
+    own = f"{platform.node()}-{os.getpid()}-{threading.get_ident()}"
+    draft = file.with_name(f".{file.stem}.{own}{file.suffix}")
+    try:
+        yield draft
+        draft.replace(file)
+    except BaseException:
+        draft.unlink(missing_ok=True)
+        raise
+
+
+def write_table(file: str | Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table as CSV; what is not known (`None`) is an empty cell.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with written(file), Path(file).open("w", encoding="utf-8", newline="") as out:
+        table = csv.writer(out, lineterminator="\n")
+        table.writerow(header)
+        table.writerows(rows)
+
+
+def write_xml(file: str | Path, root: Element) -> None:
+    """Write an element as a document of XML, indented. A file that is there is replaced.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    tree = ElementTree(root)
+    indent(tree)
+    with written(file):
+        tree.write(Path(file), encoding="utf-8", xml_declaration=True)
+
+
+def write_document(file: str | Path, values: Any) -> None:
+    """Write plain values: as JSON when the file is called so, as YAML otherwise. A file that is there is replaced.
+
+    Raises
+    ------
+    InputError
+        When the name of the file has another ending than `ENDINGS`, it cannot be written, or a text has no form in
+        UTF-8.
+    """
+    path = Path(file)
+    if path.suffix and path.suffix.lower() not in ENDINGS:
+        raise InputError("file", "its ending names no format of documents", str(file), "one of " + ", ".join(ENDINGS))
+    text = json.dumps(values, indent=1) + "\n" if path.suffix.lower() == ".json" else yaml_text(values)
+    try:
+        data = text.encode()
+    except UnicodeEncodeError as error:
+        raise InputError("file", "a name in it has no form in UTF-8", error.object, "texts in UTF-8") from None
+    with written(file):
+        path.write_bytes(data)
+
+
+def yaml_text(values: Any) -> str:
+    """Write plain values as YAML, which reads the same by YAML 1.1 and 1.2."""
+    lines = _block(values, "") if isinstance(values, dict | list) and values else [_flow(values)]
+    return "\n".join(lines) + "\n"
+
+
+def _block(value: Any, indent: str) -> Iterator[str]:
+    """Yield the lines of a mapping or list that stands on several."""
+    entries = value.items() if isinstance(value, dict) else ((None, entry) for entry in value)
+    for key, entry in entries:
+        front = f"{indent}- " if key is None else f"{indent}{_scalar(key)}: "
+        line = front + _flow(entry)
+        if not entry or not isinstance(entry, dict | list) or len(line) <= WIDTH:
+            yield line
+        elif key is None:
+            first, *rest = _block(entry, indent + "  ")
+            yield front + first.lstrip(" ")
+            yield from rest
+        else:
+            yield front.rstrip()
+            yield from _block(entry, indent + "  ")
+
+
+def _flow(value: Any) -> str:
+    """Write a value on one line."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_scalar(key)}: {_flow(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    return _scalar(value)
+
+
+def _scalar(value: Any) -> str:
+    if value is None or isinstance(value, bool):
+        return json.dumps(value)
+    if isinstance(value, float):
+        text = repr(value)  # with a point, without which YAML 1.1 takes 1e-05 for a text
+        return text if "." in text or "e" not in text else text.replace("e", ".0e")
+    if not isinstance(value, str):
+        return str(value)
+    if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
+        return value
+    return '"' + "".join(_letter(letter) for letter in value) + '"'
+
+
+def _letter(letter: str) -> str:
+    """Write a letter of a quoted text; those that YAML would fold or refuse are escaped."""
+    if letter in '"\\':
+        return "\\" + letter
+    code = ord(letter)
+    if letter.isprintable() or 0xD800 <= code <= 0xDFFF:  # half of a letter is no text, and will be refused
+        return letter
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def write_archive(file: str | Path, *, compressed: bool = False, **arrays: Any) -> None:
+    """Write arrays by their names, perhaps compressed: a file that was there stays until the new one is complete.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    path = Path(file)
+    with written(path), draft_of(path) as draft, draft.open("wb") as out:
+        (np.savez_compressed if compressed else np.savez)(out, **arrays)
+
+
+@contextmanager
+def read_archive(file: str | Path, key: str, versions: tuple[int, ...], what: str) -> Iterator[Any]:
+    """Open an archive that holds under `key` one of these versions, the newest last.
+
+    What is wrong with what it holds, as it turns out within, is said under that key, too.
+
+    Raises
+    ------
+    InputError
+        When it is not `what` is expected.
+    """
+    with readable(file, key), Path(file).open("rb") as stream:
+        if not zipfile.is_zipfile(stream) or f"{key}.npy" not in zipfile.ZipFile(stream).namelist():
+            raise InputError(key, "damaged, or another kind of file", str(file), what)
+        try:
+            stream.seek(0)
+            with np.load(stream) as data:
+                version = int(data[key])
+                if version in versions:
+                    yield data
+                    return
+        except Exception as error:  # a damaged archive raises errors of zipfile, zlib, numpy, json
+            raise InputError(key, f"damaged: {error}", str(file), what) from None
+    raise InputError(key, "of another version", version, str(versions[-1]), str(file))

@@ -1,0 +1,201 @@
+"""How numbers are laid out for the kernels: the one place that fills the tables of `sinuous.kernels.tables`.
+
+This is the boundary of nouns and kernels. Below it there are rows of numbers, above it robots, scenes and targets. It
+knows no noun: each noun hands over its numbers (`sinuous.model.robot.robot_group`,
+`sinuous.problem.problem.settings_group`, `Target`, the obstacles, `Snapshot`).
+
+Rows are returned as new arrays. Kernels are compiled for writable arrays alone; whoever keeps a table and shows it to
+users keeps the array for itself and shows a read-only view of it.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from sinuous.base.checks import Floats, closed
+from sinuous.kernels import tables as t
+
+ITERATIONS = 60
+"""Most iterations from one start."""
+
+LOOK_DEPTH = 0
+"""How often a segment is halved in the search for contacts where starts are compared at a glance."""
+
+STEP_DEPTH = 3
+"""How often a segment is halved in the search for contacts in a step."""
+
+ROUNDOFF = 1e-13
+"""What arithmetic may make of a distance, relative to the coordinates that are subtracted."""
+
+MARGIN = 1e-4
+"""Clearance that steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
+
+
+def read_only(array: Any) -> Any:
+    """Return a view of an array that cannot be written to."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def segment_row(
+    length: tuple[float, float], max_bend: float, max_curvature: float, radius: float, self_radius: float
+) -> list[float]:
+    """Return the row of a segment; what cannot move has the scale 0.
+
+    Within `radius` of its backbone no obstacle may be; two of its `self_radius` may not overlap.
+    """
+    low, high = length
+    bends = 1.0 if max_bend > 0.0 and max_curvature > 0.0 and high > 0.0 else 0.0
+    row = [0.0] * t.SEGMENT_WIDTH
+    row[t.MIN_LENGTH], row[t.MAX_LENGTH] = low, high
+    row[t.MAX_BEND], row[t.MAX_CURVATURE] = max_bend if bends else 0.0, max_curvature
+    row[t.RADIUS], row[t.SELF_RADIUS] = radius, self_radius
+    row[t.BEND_SCALE], row[t.LENGTH_SCALE] = bends, 0.5 * (low + high) if high > low else 0.0
+    return row
+
+
+def scales_of(limits: Floats) -> Floats:
+    """Scales (n, 3) in which coordinates of segments (n, 8) count: 1 rad, and mean lengths; 0 for what cannot move."""
+    return limits[:, [t.BEND_SCALE, t.BEND_SCALE, t.LENGTH_SCALE]]
+
+
+def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[float, float]) -> list[float]:
+    """Return the row of an actuator limit on segments `first` to `last`, counted from 0."""
+    return [float(first), float(last), *weights, *limits]
+
+
+def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
+    """Return the table (n, 8) of segments, base to tip; read-only."""
+    return closed(np.array(rows, np.float64))
+
+
+def actuator_table(rows: Sequence[Sequence[float]]) -> Floats:
+    """Return the table (p, 7) of all limits of actuators, in the order of their last segment; read-only."""
+    ordered = sorted(rows, key=lambda row: row[t.LAST_SEGMENT])
+    return closed(np.array(ordered, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
+
+
+def pose_row(matrix: Floats) -> Floats:
+    """Return the row (1, 12) of a pose (4, 4)."""
+    return np.concatenate([matrix[:3, :3].ravel(), matrix[:3, 3]])[None, :].copy()
+
+
+def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
+    """Return the group of a robot, of its tables (n, 8) and (p, 7), and the poses (4, 4) of base and tool."""
+    header = [float(len(limits)), float(len(actuation)), float(avoids_itself)]
+    parts = (header, limits, actuation, pose_row(base), pose_row(tool))
+    return np.concatenate([np.ravel(part) for part in parts])
+
+
+def primitive_row(
+    kind: int, inside: bool, center: Floats, axes: Floats, half_extents: Any, rounding: float = 0.0
+) -> Floats:
+    """Return the row (33,) of a sphere, box, cylinder or half-space."""
+    row = np.zeros(t.OBSTACLE_WIDTH)
+    row[t.KIND], row[t.SIGN], row[t.ROUNDING] = kind, -1.0 if inside else 1.0, rounding
+    row[t.CENTER : t.CENTER + 3] = center
+    row[t.AXES : t.AXES + 9] = np.ravel(axes)
+    row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
+    row[t.ROUNDOFF] = roundoff(np.abs([center]) + np.abs([half_extents]), rounding)
+    endless = inside or kind == t.HALF_SPACE
+    row[t.EXTENT] = math.inf if endless else np.linalg.norm(row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3]) + rounding
+    return row
+
+
+def roundoff(corners: Floats, more: float = 0.0) -> float:
+    """What arithmetic may make of the distance to what lies among these corners (m, 3), rounded by `more`."""
+    return ROUNDOFF * (float(np.abs(corners).max(axis=0).sum()) + more)
+
+
+def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
+    """Return the group of a scene; places in the rows count from the start of the obstacle's own store."""
+    table = np.array(rows, np.float64).reshape(-1, t.OBSTACLE_WIDTH)
+    at = 0
+    for row, store in zip(table, stores, strict=True):
+        if row[t.KIND] >= t.TREE:
+            for column in (t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL):
+                if row[column] >= 0.0:
+                    row[column] += at
+        at += len(store)
+    # One number more than there is: an empty store would be another type of array to NumPy's slices.
+    return np.concatenate([[float(len(table))], table.ravel(), *stores, [0.0]])
+
+
+def scene_parts(group: Floats) -> tuple[Floats, Floats]:
+    """Return the rows (m, 33) and the store (s,) of the group of a scene, as views."""
+    end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0])
+    return group[t.SCENE_HEADER : end].reshape(-1, t.OBSTACLE_WIDTH), group[end:]
+
+
+def target_rows(count: int, positions: Floats | None, directions: Floats | None, rotations: Floats | None) -> Floats:
+    """Return the rows (m, 15) of m targets of the last segment, of arrays (m, 3), (m, 3) and (m, 3, 3)."""
+    rows = np.zeros((count, t.TARGET_WIDTH))
+    rows[:, t.TARGET_SEGMENT] = -1
+    if positions is not None:
+        rows[:, t.HAS_POSITION] = 1.0
+        rows[:, t.TARGET_POSITION : t.TARGET_POSITION + 3] = positions
+    if directions is not None:
+        rows[:, t.ORIENTATION], rows[:, t.GOAL : t.GOAL + 3] = t.DIRECTION, directions
+    elif rotations is not None:
+        rows[:, t.ORIENTATION], rows[:, t.GOAL : t.GOAL + 9] = t.ROTATION, rotations.reshape(-1, 9)
+    return rows
+
+
+def target_row(
+    segment: int | None, position: Floats | None, direction: Floats | None, rotation: Floats | None
+) -> Floats:
+    """Return the row (1, 15) of a target; `segment` 1 = first, `None` the last."""
+    row = target_rows(1, position, direction, rotation)
+    if segment is not None:
+        row[0, t.TARGET_SEGMENT] = segment - 1
+    return row
+
+
+def target_parts(row: Floats) -> tuple[int | None, Floats | None, Floats | None, Floats | None]:
+    """Return segment, position, direction and rotation of a target, from its row (15,), as views: see `target_row`."""
+    segment, orientation, goal = int(row[t.TARGET_SEGMENT]), int(row[t.ORIENTATION]), row[t.GOAL : t.GOAL + 9]
+    position = row[t.TARGET_POSITION : t.TARGET_POSITION + 3] if row[t.HAS_POSITION] else None
+    direction = goal[:3] if orientation == t.DIRECTION else None
+    rotation = goal.reshape(3, 3) if orientation == t.ROTATION else None
+    return None if segment < 0 else segment + 1, position, direction, rotation
+
+
+def settings_group(
+    *,
+    mount: float,
+    unit: float,
+    position_tolerance: float | None,
+    angle_tolerance: float,
+    start_weight: float = 0.0,
+    bends_weight: float = 0.0,
+    clearance_wish: float = 0.0,
+    options: Sequence[float] | Floats = (),
+) -> Floats:
+    """Return the settings of a solve, with the options of its method at their end; `unit` is the mean length."""
+    values = {
+        t.MOUNT: mount,
+        t.UNIT: unit,
+        t.MARGIN: MARGIN * unit,
+        t.POSITION_TOLERANCE: position_tolerance,
+        t.ANGLE_TOLERANCE: angle_tolerance,
+        t.LOOK_DEPTH: LOOK_DEPTH,
+        t.STEP_DEPTH: STEP_DEPTH,
+        t.MAX_ITERATIONS: ITERATIONS,
+        t.INITIAL_WEIGHT: start_weight,
+        t.BENDS_WEIGHT: bends_weight,
+        t.WISHED_CLEARANCE: clearance_wish,
+        t.ROOM: 0.0,
+    }
+    own = np.array([values[i] for i in range(t.METHOD_OPTIONS)], np.float64)
+    return np.concatenate([own, np.asarray(options, np.float64)])
+
+
+def plan_search(query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, prove: bool) -> Floats:
+    """Return the query (27,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
+    planned = query.copy()
+    planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_ROOM] = cell, clearance, room
+    planned[t.QUERY_MOST_CELLS], planned[t.QUERY_PROVE] = most_cells, prove
+    return planned

@@ -1,0 +1,671 @@
+"""The robot: segments that bend and stretch, one after the other on a base."""
+
+import math
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base import checks
+from sinuous.base.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Which, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.documents import write_document
+from sinuous.base.doors import door
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import Frozen
+from sinuous.base.guesses import answers_attributes
+from sinuous.base.notebook import NotebookMixin
+from sinuous.base.plain import counted, described
+from sinuous.base.reprs import call, text
+from sinuous.kernels import packing
+from sinuous.model.actuation import Actuation, Actuator, coupled_rows
+from sinuous.model.actuators import Actuators, Chambers, Tendons
+from sinuous.model.inverse import Inverse, answer_contradictions, fitting, some_of
+from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
+from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
+from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
+from sinuous.model.poses import as_pose
+from sinuous.model.segment import Segment, Stiffness, segment_names
+
+
+class Uncertainty(Frozen):
+    """A bound of the error of a model, as a calibration found it. Proofs thicken the body by it.
+
+    Parameters
+    ----------
+    bound : float or array_like (n,)
+        Distance by which places of the body may be off: of all segments, or one each.
+    level : float, optional
+        Share of the measurements for which it held.
+
+    Raises
+    ------
+    InputError
+        When the bound is negative, or the level is not between 0 and 1.
+    """
+
+    bound: float | tuple[float, ...]
+    level: float
+
+    def __init__(self, bound: OneEach, level: Number = 0.95) -> None:
+        self._set(bound=checks.one_each("bound", bound, None, "segment"))
+        self._set(level=checks.number("level", level, above=0.0, high=1.0))
+
+    def __str__(self) -> str:
+        return f"at {100.0 * self.level:.3g} %"
+
+
+if TYPE_CHECKING:
+    import sinuous as sn
+
+
+LIMIT_ROUNDING = 1e-11
+"""By how much rounding may exceed a limit: rad, or mean lengths of the robot."""
+
+
+class WholeArguments(TypedDict, total=False):
+    """Arguments of `Robot` that are not those of its segments."""
+
+    mount: Number
+    base: Rows | None
+    tool: Rows | None
+    self_collision: SelfCollision
+    actuators: Actuators | None
+    name: str | None
+    clearance: OneEach
+    self_clearance: OneEach
+    uncertainty: Uncertainty | None
+    stiffness: Stiffness | Number | None
+    mass: Number | None
+    arcs: Whole | None
+    gravity: Vector | None
+    payload: Payload | Iterable[Payload] | None
+
+
+class RobotArguments(WholeArguments, total=False):
+    """Arguments of `Robot`."""
+
+    segments: Iterable[Segment]
+    radius: Number | None
+
+
+@answers_attributes(
+    fk="robot.tip(q), and robot.forward(q) for the ends of all segments",
+    forward_kinematics="robot.tip(q), and robot.forward(q) for the ends of all segments",
+    ik="sn.solve(robot, target, scene)",
+    inverse_kinematics="sn.solve(robot, target, scene)",
+    solve="sn.solve(robot, target, scene)",
+    plot="sn.plot(robot)",
+    show="sn.show(robot)",
+)
+class Robot(NotebookMixin, Frozen):
+    """A continuum robot: segments from base to tip, where it stands, and what it carries.
+
+    A configuration `q` is an array (..., n, 3) with `bend_x`, `bend_y` (rad) and `length` of every segment.
+
+    Parameters
+    ----------
+    segments : iterable of Segment
+        Base to tip; at least one, and not all of length 0.
+    radius : float, optional
+        Radius of the body for all segments, instead of each one's own.
+    mount : float
+        Length of backbone from the base that obstacles do not concern.
+    base : array_like (4, 4), optional
+        Pose of the base in the world; its z axis is the tangent that the backbone leaves with.
+    tool : array_like (4, 4), optional
+        Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
+    self_collision : str
+        `avoid`: two places of the backbone are farther apart than the sum of their radii, unless they are neighbours
+        along it, and no segment bends more tightly than with the curvature 1 / radius. Neighbours are, where the radius
+        is the same between them, places nearer along the body than pi radii, and where it changes, places each of which
+        lies ahead of the other. `allow`: the body may run through itself.
+    actuators : Actuators, optional
+        Actuators beside the tendons and chambers of the segments.
+    name : str, optional
+    clearance : float or array_like (n,)
+        Least distance of the body from obstacles that every solution keeps: of all segments, or one each.
+    self_clearance : float or array_like (n,)
+        The same of the body from itself: two places keep the mean of what is demanded of their segments. It counts as
+        half as much thickness on either side: in `self_collision` for the radius stands the radius and half of it.
+    uncertainty : Uncertainty, optional
+        By how much the body may be elsewhere, as a calibration found: where nothing may be touched, the body is thicker
+        by it. Clearances that are reported are what is left then. It says nothing of the body against itself.
+    stiffness, mass, arcs : optional
+        For all segments, instead of each one's own.
+    gravity : array_like (3,), optional
+        In world axes. Masses times it are in the unit of force of `stiffness`: with N, kg and m (0, 0, -9.81).
+    payload : Payload or list of Payload, optional
+        What it carries.
+
+    Attributes
+    ----------
+    segments : tuple of Segment
+    segment_names : tuple of str
+        By default `s1`, `s2`, ... from base to tip.
+    radii : tuple of float
+        Radius of the body, per segment.
+    needed_radii, self_radii : tuple of float
+        Within which the backbone of a segment needs to be free of obstacles, and of other places of the body with
+        theirs: the radius, what is demanded of clearance and, of obstacles, the `uncertainty`.
+    curvatures : tuple of float
+        Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
+    linear : Actuators or None
+        What was given as `actuators`.
+    limits, actuation : ndarray (n, 8), (p, 7)
+        Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
+
+    Raises
+    ------
+    InputError
+        When there is no segment, nothing has a length, a pose is none, `self_collision` is another word, two segments
+        or two actuators have the same name, `actuators` do not fit the robot, a clearance from itself is demanded of a
+        body that may run through itself, or gravity pulls at nothing.
+    """
+
+    segments: tuple[Segment, ...]
+    segment_names: tuple[str, ...]
+    radii: tuple[float, ...]
+    needed_radii: tuple[float, ...]
+    self_radii: tuple[float, ...]
+    curvatures: tuple[float, ...]
+    mount: float
+    base: Floats
+    tool: Floats
+    self_collision: SelfCollision
+    linear: Actuators | None
+    name: str | None
+    clearance: float | tuple[float, ...]
+    self_clearance: float | tuple[float, ...]
+    uncertainty: Uncertainty | None
+    gravity: Floats | None
+    payload: tuple[Payload, ...]
+    limits: Floats
+    actuation: Floats
+    drive: Actuation
+
+    _arguments: ClassVar[Mapping[str, str]] = {"actuators": "linear"}
+
+    def __init__(
+        self,
+        segments: Iterable[Segment],
+        *,
+        radius: Number | None = None,
+        mount: Number = 0.0,
+        base: Rows | None = None,
+        tool: Rows | None = None,
+        self_collision: SelfCollision = "avoid",
+        actuators: Actuators | None = None,
+        name: str | None = None,
+        clearance: OneEach = 0.0,
+        self_clearance: OneEach = 0.0,
+        uncertainty: Uncertainty | None = None,
+        stiffness: Stiffness | Number | None = None,
+        mass: Number | None = None,
+        arcs: Whole | None = None,
+        gravity: Vector | None = None,
+        payload: Payload | Iterable[Payload] | None = None,
+    ) -> None:
+        checks.instance("segments", segments, Iterable, "a list of Segment")
+        listed = tuple(segments)
+        checks.integer("segments", len(listed), 1, MOST_SEGMENTS)
+        for k, segment in enumerate(listed):
+            checks.instance(f"segments[{k}]", segment, Segment, "a Segment")
+        if all(segment.length[1] == 0.0 for segment in listed):
+            raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
+        shared = {"radius": radius, "stiffness": stiffness, "mass": mass, "arcs": arcs}
+        given: Any = {key: value for key, value in shared.items() if value is not None}
+        if given:
+            listed = tuple(segment.changed(**given) for segment in listed)
+        names = segment_names(listed)
+        carried = payload_list(payload, names)
+        checks.choice("self_collision", self_collision, get_args(SelfCollision))
+        checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")
+        radii = tuple(segment.radius for segment in listed)
+        away = each_segment("clearance", clearance, names)
+        apart = each_segment("self_clearance", self_clearance, names)
+        if self_collision == "allow" and np.any(apart):
+            raise InputError("self_clearance", "cannot be combined with self_collision: allow", self_clearance, "0")
+        checks.instance("uncertainty", uncertainty, Uncertainty | None, "Uncertainty or nothing")
+        with checks.inside("uncertainty"):
+            unsure = 0.0 if uncertainty is None else each_segment("bound", uncertainty.bound, names)
+        needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
+        own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
+        curvatures = curvature_limits(listed, own, self_collision == "avoid")
+        drive = Actuation(listed, actuators)
+        table = packing.segment_table(
+            [
+                packing.segment_row(segment.length, segment.max_bend, *rest)
+                for segment, *rest in zip(listed, curvatures, needed, own, strict=True)
+            ]
+        )
+        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)
+        self._set(
+            segments=listed,
+            segment_names=names,
+            self_collision=self_collision,
+            curvatures=curvatures,
+            mount=checks.number("mount", mount, low=0.0),
+            base=as_pose("base", base),
+            tool=as_pose("tool", tool),
+            linear=actuators,
+            name=optional_name(name),
+            clearance=away,
+            self_clearance=apart,
+            uncertainty=uncertainty,
+            gravity=None if gravity is None else _gravity(gravity, listed, carried),
+            payload=carried,
+            radii=radii,
+            needed_radii=needed,
+            self_radii=own,
+            limits=table,
+            actuation=packing.actuator_table([*drive.limit_rows(), *coupled]),
+            drive=drive,
+        )
+
+    @classmethod
+    def uniform(
+        cls,
+        count: Whole,
+        length: Limits,
+        max_bend: Number = math.pi,
+        max_curvature: Number | None = None,
+        radius: Number = 0.0,
+        *,
+        tendons: Tendons | None = None,
+        chambers: Chambers | None = None,
+        **whole: Unpack[WholeArguments],
+    ) -> "Robot":
+        """Make a robot of `count` equal segments.
+
+        The rest as for `Segment`; and mount, base, tool, self_collision as for `Robot`.
+        """
+        number = checks.integer("count", count, 1, MOST_SEGMENTS)
+        segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
+        return cls([segment] * number, **whole)
+
+    def changed(self, **values: Unpack[RobotArguments]) -> "Robot":
+        """Return the same robot with other values of some parameters."""
+        return self._changed(values)
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+    def __repr__(self) -> str:
+        low, high = (sum(segment.length[i] for segment in self.segments) for i in (0, 1))
+        name = [] if self.name is None else [text(self.name)]
+        driven = [f"{len(self.drive)} actuators"] if len(self.drive) else []
+        return call("Robot", [*name, f"{len(self)} segments", f"total length {low:g} to {high:g}", *driven])
+
+    @property
+    def mean_length(self) -> float:
+        """Sum of the mean lengths of the segments: the unit of relative tolerances."""
+        return 0.5 * sum(sum(segment.length) for segment in self.segments)
+
+    @property
+    def avoids_itself(self) -> bool:
+        """Whether the body must not run through itself: it has a thickness, and `self_collision` is `avoid`."""
+        return self.self_collision == "avoid" and max(self.self_radii) > 0.0
+
+    @cached_property
+    def least_demanded(self) -> tuple[float, float]:
+        """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
+        return float(np.min(self.clearance)), float(np.min(self.self_clearance))
+
+    @cached_property
+    def demands(self) -> bool:
+        """Whether any clearance is demanded."""
+        return bool(np.any(self.clearance) or np.any(self.self_clearance))
+
+    @property
+    def hangs(self) -> bool:
+        """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
+        return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
+
+    def refuse_load(self) -> None:
+        """Refuse a robot that gravity bends, where shapes without load would be wrong.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.hangs:
+            wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
+            raise InputError("gravity", "here loads are not known", self.gravity, wanted)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What may surprise: segments that are too thick for their own limits."""
+        return tuple(held_back(self.segments, self.self_radii, self.curvatures))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the robot as a problem file says it: plain values that make an equal robot."""
+        return described(self) | {"segments": counted([segment.to_dict() for segment in self.segments])}
+
+    def save(self, file: str | Path) -> None:
+        """Write the robot into a file, JSON when it is called so, YAML otherwise; `sinuous.load` reads it.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        write_document(file, self.to_dict())
+
+    def to_urdf(self, file: str | Path, joints_per_segment: Whole = 8) -> "sn.files.JointChain":
+        """Write a chain of joints that stands for the robot as URDF, which RViz, MuJoCo and PyBullet load.
+
+        Its error shrinks with the square of `joints_per_segment`. Returns the chain, whose `values` are the joint
+        values of a configuration.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        chain: sn.files.JointChain = door("files.joint_chain").JointChain(self, joints_per_segment)
+        door("files.urdf").write_urdf(file, chain)
+        return chain
+
+    def to_mjcf(self, file: str | Path, joints_per_segment: Whole = 8, mass: Number = 1.0) -> "sn.files.DrivenChain":
+        """Write the robot with its motors as MJCF, so that MuJoCo moves it by them.
+
+        The controls are the values of the actuators, in the units of the motors. What no actuator determines has a
+        servo of its own, under the name of the coordinate: `s1.bend_x`, `s1.length`. Returns the chain with its drives,
+        whose `controls` are those of a configuration; the keyframe `rest` is the straight robot. The tip is off as that
+        of `to_urdf`. Masses are nominal: the file is for motion and contact, not for forces.
+
+        Parameters
+        ----------
+        file : path
+        joints_per_segment : int
+        mass : float
+            Of the whole arm.
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be, nothing can move, or the file cannot be written.
+        """
+        total = checks.number("mass", mass, above=0.0)
+        chain = door("files.joint_chain").JointChain(self, joints_per_segment)
+        driven: sn.files.DrivenChain = door("files.mjcf").DrivenChain(self, chain, self._inverse.undetermined, total)
+        door("files.mjcf").write_mjcf(file, driven)
+        return driven
+
+    def configuration(self, key: str, q: Batch) -> Floats:
+        """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
+        return checks.stack(key, q, (len(self), 3))
+
+    def forward(self, q: Batch) -> Floats:
+        """Poses (..., n, 4, 4) of the ends of all segments in the world; the tool is not applied."""
+        _, frames, lead = self._frames(q)
+        poses = np.zeros((*frames.shape[:2], 4, 4))
+        poses[..., :3, :3] = frames[..., :9].reshape(*frames.shape[:2], 3, 3)
+        poses[..., :3, 3] = frames[..., 9:]
+        poses[..., 3, 3] = 1.0
+        return poses[:, 1:].reshape(*lead, len(self), 4, 4)
+
+    def tip(self, q: Batch) -> Floats:
+        """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
+        return self.forward(q)[..., -1, :, :] @ self.tool
+
+    def backbone(self, q: Batch, samples: Whole = 20) -> Floats:
+        """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment."""
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+        count = checks.integer("samples", samples, 1, 100_000)
+        flat, frames, lead = self._frames(q)
+        points = np.empty((len(flat), len(self) * count + 1, 3))
+        batch.points_of(flat, frames, count, points)
+        return points.reshape(*lead, *points.shape[1:])
+
+    def jacobian(self, q: Batch, segment: Which | None = None) -> Floats:
+        """Geometric Jacobian (..., 6, 3 n) of the end of a segment.
+
+        `segment` is its number, 1 = first, or its name; the last one, which is the default, means the tool.
+        Rows 0 to 2 are the angular velocity, rows 3 to 5 the velocity of that point, both in world axes; columns are
+        `bend_x, bend_y, length` of the first segment, of the second, and so on.
+        """
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+        end = len(self) if segment is None else segment_number("segment", segment, self.segment_names)
+        flat, frames, lead = self._frames(q)
+        out = np.zeros((len(flat), 6, 3 * len(self)))
+        batch.jacobians_of(flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
+        return out.reshape(*lead, 6, 3 * len(self))
+
+    def _frames(self, q: Batch) -> tuple[Floats, Floats, tuple[int, ...]]:
+        """Configurations (m, n, 3), the frames (m, n + 1, 12) of base and ends of segments, and axes in front."""
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+        checked = self.configuration("q", q)
+        lead = checked.shape[:-2]
+        flat = np.array(checked.reshape(-1, len(self), 3))
+        frames = np.empty((len(flat), len(self) + 1, 12))
+        batch.frames_of(flat, packing.pose_row(self.base), frames)
+        return flat, frames, lead
+
+    def shape(self, q: Batch, load: Loads = ()) -> "sn.Equilibrium":
+        """Shape of the body under gravity, its payload and other loads, whose configuration without any would be `q`.
+
+        Tendons and chambers keep their lengths, or stretch where they have a stiffness, and tendons that would have to
+        push are slack. A segment without any keeps the moments that its drive exerts.
+
+        Parameters
+        ----------
+        q : array_like (n, 3)
+        load : Force, Payload, or list of these
+            Beside gravity and payload of the robot.
+
+        Returns
+        -------
+        Equilibrium
+            A stable one where one is found nearby; else an unstable one, whose `stable` is false.
+
+        Raises
+        ------
+        InputError
+            When nothing has a stiffness, or no equilibrium was found for all of the load.
+        """
+        checked = checks.array("q", q, (len(self), 3))
+        return self._rest(load_list("load", load, self.segment_names), "q", checked, None)
+
+    def equilibrium(
+        self,
+        actuators: Vector | Mapping[str, Number] | None = None,
+        forces: Loads = (),
+        *,
+        tensions: Vector | None = None,
+        initial: Batch | None = None,
+    ) -> "sn.Equilibrium":
+        """Shape of the body under load at these values of the actuators (m,), or at these tensions (m,).
+
+        Parameters
+        ----------
+        actuators : array_like (m,) or mapping, optional
+            As for `from_actuators`; what they hold, they keep.
+        forces : Force, Payload, or list of these
+            Beside gravity and payload of the robot.
+        tensions : array_like (m,), optional
+            Of tendons and chambers in the order of `actuators`, instead of values; positive pulls.
+        initial : array_like (n, 3), optional
+            Of what no actuator determines, its configuration without load.
+
+        Returns
+        -------
+        Equilibrium
+
+        Raises
+        ------
+        InputError
+            As for `shape`; or when neither or both of `actuators` and `tensions` are given.
+        """
+        loads = load_list("forces", forces, self.segment_names)
+        if (actuators is None) == (tensions is None):
+            raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
+        if tensions is not None:
+            q = None if initial is None else checks.array("initial", initial, (len(self), 3))
+            pulled = checks.array("tensions", tensions, (len(self.drive),))
+            return self._rest(loads, "tensions", pulled, q)
+        self.from_actuators(actuators, initial)  # values that contradict each other are told
+        given: Any = actuators
+        values, reference = fitting(given, initial, [each.name for each in self.actuators], len(self))
+        return self._rest(loads, "actuators", values, reference)
+
+    def _rest(self, loads: tuple[Load, ...], drive: str, values: Floats, initial: Floats | None) -> "sn.Equilibrium":
+        statics = door("statics.equilibrium")
+        question = statics.EquilibriumQuestion(self, loads, drive, values, initial)
+        found: sn.Equilibrium = statics.find_equilibrium(question)
+        return found
+
+    def excess(self, q: Batch) -> float:
+        """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
+
+        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: by their
+        displacements, of `Actuators` divided by their largest weight, those of bends relative to the mean length.
+        """
+        return self._shape_limits.excess(self.configuration("q", q))
+
+    def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
+        """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
+        elastic = self.drive.elastic
+        if elastic is None or not elastic.bounded:
+            return np.ones(q.shape[:-2], np.bool_)
+        return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+
+    def violations(self, q: Rows) -> list[Violation]:
+        """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
+
+        `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
+        what the curvature allows at this length.
+        """
+        checked = checks.array("q", q, (len(self), 3))
+        return self._shape_limits.violations(checked, LIMIT_ROUNDING, self.mean_length)
+
+    @cached_property
+    def _shape_limits(self) -> ShapeLimits:
+        return ShapeLimits(self.segments, self.curvatures, self.drive)
+
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """All actuators: segment by segment tendons, chambers, the stage; at the end those of `Actuators`."""
+        return self.drive.actuators
+
+    def to_actuators(self, q: Batch) -> Floats:
+        """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
+
+        They are those of the motors: gain x displacement + offset. Without a gain, a tendon's value is its displacement
+        (positive is pulled), that of a chamber or a stage its length, both in the length unit. Elastic tendons and
+        chambers are displaced by their stretch, too, at the least tensions within their limits that hold the shape.
+        """
+        return self.drive.values(self.configuration("q", q))
+
+    def from_actuators(
+        self,
+        actuators: Stack | Mapping[str, Number | Stack] | None,
+        initial: Batch | None = None,
+        tolerance: Number | Vector | None = None,
+    ) -> Floats:
+        """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
+
+        Where values contradict each other (three tendons of an arc are one too many) it is the nearest: least squares
+        of displacements, and that is said; `to_actuators(q) - actuators` is what is left. Elastic actuators take the
+        shape of least energy, in which tendons that would have to push are slack (see `tensions`). Coordinates that
+        cannot move are what they are.
+
+        Parameters
+        ----------
+        actuators : array_like (..., m), or mapping from names to array_like (...)
+            In the units of the motors; by name as `Solution.actuators` and `Solutions.actuators` give them.
+        initial : array_like (..., n, 3), optional
+            What no actuator determines stays as it is here: of all configurations with these values the nearest to
+            this one (bends in rad, lengths relative to the mean length of their segment).
+        tolerance : float or array_like (m,), optional
+            By how much values may contradict each other, in the units of the motors: up to this nothing is said, and
+            more is refused. By default what rounding does, and a `SuspiciousInput` warns of more, with the residual.
+
+        Raises
+        ------
+        InputError
+            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named. When
+            values contradict each other by more than `tolerance`, or a name is missing or unknown.
+        """
+        names = [actuator.name for actuator in self.actuators]
+        values, reference = fitting(actuators, initial, names, len(self))
+        if reference is None and self.undetermined:
+            expected = f"a configuration for what no actuator determines: {some_of(self.undetermined)}"
+            raise InputError("initial", "missing", None, expected)
+        found = self.without_load(self.drive.motors.displacements(values), reference)
+        answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
+        return found
+
+    def without_load(self, displacements: Floats, reference: Floats | None) -> Floats:
+        """Configurations (..., n, 3) that displacements (..., m) of all actuators make; see `from_actuators`."""
+        found = self._inverse.configuration(displacements, reference)
+        return found if self.drive.elastic is None else self.drive.elastic.shape(displacements, found)
+
+    def tensions(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> Floats:
+        """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
+
+        Parameters as for `from_actuators`. Positive pulls; a chamber that pushes has a negative tension. In the unit
+        of force of `stiffness`.
+        """
+        q = self.from_actuators(actuators, initial)
+        values, _ = fitting(actuators, initial, [actuator.name for actuator in self.actuators], len(self))
+        return self.drive.tensions(q, self.drive.motors.displacements(values))
+
+    def slack(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> tuple[str, ...]:
+        """Names of the elastic tendons that are slack at these values (m,)."""
+        tensions = self.tensions(actuators, initial)
+        if tensions.ndim != 1:
+            raise InputError("actuators", f"shape {tensions.shape}", actuators, f"{len(self.drive)} values")
+        return tuple(each.name for each, own in zip(self.actuators, tensions, strict=True) if own == 0.0)
+
+    def actuator_jacobian(self, q: Batch) -> Floats:
+        """Derivative (..., m, 3 n) of the values of all actuators, read-only.
+
+        Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
+        configuration, because all actuators are linear; of elastic ones the stretch is left out.
+        """
+        lead = self.configuration("q", q).shape[:-2]
+        jacobian = self.drive.value_jacobian
+        return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
+
+    @cached_property
+    def undetermined(self) -> tuple[str, ...]:
+        """What no actuator determines, like `length of s2 (segment 2)`: `from_actuators` takes it from `initial`."""
+        return tuple(self._inverse.named(self.segment_names))
+
+    @cached_property
+    def _inverse(self) -> Inverse:
+        return Inverse(self.drive, self.limits)
+
+
+def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payload, ...]) -> Floats:
+    if not any([*(each.mass for each in segments), *(each.mass for each in payload)]):
+        raise InputError("gravity", "nothing has a mass", value, "mass of the segments, or a payload")
+    return checks.array("gravity", value, (3,))
+
+
+def robot_group(robot: Robot) -> Floats:
+    """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
+    robot.refuse_load()
+    return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
+
+
+def same_body(one: Robot, other: Robot) -> bool:
+    """Whether two robots are the same, whatever clearances they demand."""
+    free, also = (demanding(each, 0.0, 0.0) for each in (one, other))
+    return free.equals(also)
+
+
+def demanding(robot: Robot, clearance: OneEach | None, self_clearance: OneEach | None) -> Robot:
+    """Return the robot with other clearances demanded, where they are given; the same one where nothing changes."""
+    given = {"clearance": clearance, "self_clearance": self_clearance}
+    asked = {key: each_segment(key, value, robot.segment_names) for key, value in given.items() if value is not None}
+    changed: Any = {key: value for key, value in asked.items() if value != getattr(robot, key)}
+    return robot.changed(**changed) if changed else robot

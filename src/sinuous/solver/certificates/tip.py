@@ -1,0 +1,67 @@
+"""How far the tip leaves a straight line on its way from one configuration to another."""
+
+import numpy as np
+
+from sinuous.base.checks import Floats
+from sinuous.kernels.between.tip import leave_line
+from sinuous.kernels.packing import pose_row
+from sinuous.kernels.statics.layout import TWIST
+from sinuous.model.robot import Robot, robot_group
+from sinuous.solver.certificates.steps import Ways
+from sinuous.statics.between import Leave, leave
+from sinuous.statics.body import rolled
+from sinuous.statics.equilibrium import longest_body
+
+
+class Tip:
+    """Bounds how far the tip of a robot leaves straight lines, one motion after the other.
+
+    Parameters
+    ----------
+    robot : Robot
+
+    Attributes
+    ----------
+    line : ndarray (2, 3)
+        Where the line begins and ends; to be written.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._ways = Ways(robot) if robot.hangs else None
+        body = longest_body(robot) if robot.hangs else robot
+        self._group, self._q = robot_group(body), np.empty((len(body), 3))
+        self._frames, self.line = np.empty((len(body) + 1, 12)), np.zeros((2, 3))
+        self._tool = robot.tool
+        self._lever = float(np.linalg.norm(robot.tool[:3, 3])), float(np.linalg.norm(robot.tool[:2, 3]))
+        self.deviation(np.zeros((2, len(robot), 3)), 0.0)  # compiled, or loaded
+
+    def deviation(self, ends: Floats, enough: float) -> float:
+        """Return an upper bound of how far the tip is from the line in a motion that is linear in q.
+
+        Parameters
+        ----------
+        ends : ndarray (2, n, 3)
+            The first and the last configuration, where the tip is on the line.
+        enough : float
+            What is not above this need not be bounded more tightly (length unit).
+        """
+        if self._ways is not None:
+            return self._under_load(self._ways, ends, enough)
+        return leave_line(self._group, ends, self.line, enough, self._q, self._frames)
+
+    def _under_load(self, ways: Ways, ends: Floats, enough: float) -> float:
+        """The same for the loaded body; where nothing bounds the equilibria between, as far as the ends show it."""
+        one, other = ways.at(ends[0]), ways.at(ends[1])
+        if one.states is None or other.states is None:
+            return np.inf
+        arcs = np.stack([one.arcs, other.arcs])
+        group, (lever, across) = self._group.copy(), self._lever
+        group[-12:] = pose_row(rolled(float(one.rolls[-1])) @ self._tool)[0]
+        bound = float(leave_line(group, arcs, self.line, enough, self._q, self._frames))
+        # The tool goes round with the roll of the tip, and bends turn it meanwhile.
+        turned = float(np.hypot(*(arcs[1] - arcs[0])[:, :2].T).sum())
+        roll = float(np.abs(other.states - one.states)[:, TWIST].sum())
+        off = leave(one, other) if ways.bounded else Leave(0.0, 0.0)
+        if off.aside == np.inf:
+            return np.inf
+        return bound + across * roll * (roll + 2.0 * turned) + off.aside + lever * off.turn

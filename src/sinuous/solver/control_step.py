@@ -1,0 +1,255 @@
+"""Control loops: one tick towards a twist or a target, and the best that is reached within given changes.
+
+The compiled tick is `sinuous.kernels.velocity.query.tick`; here is what Python hands over to it and reads from it.
+"""
+
+import math
+import threading
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous.answer.observed import GAIN, corrected, observe
+from sinuous.answer.solution import Solution
+from sinuous.answer.step import Step, WantedStep
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARGET_WIDTH, UNPROVED, Outcome
+from sinuous.kernels.velocity import layout as a
+from sinuous.kernels.velocity import query as t
+from sinuous.kernels.velocity.layout import POSE, POSITION, TARGETS
+from sinuous.model.rates import Changes, Rates
+from sinuous.model.robot import Robot, robot_group
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Targets, Tolerance, meets, target_list, target_table
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.loaded_control_step import NO_BODY, LoadedTick
+from sinuous.solver.options import SolveOptions
+from sinuous.solver.step_query import RateLimits, StepQuery
+from sinuous.solver.under_load import given
+from sinuous.statics.rest import Rest, tensions_kept
+
+ROUNDS = 30
+"""Most Newton steps of a solve within changes."""
+
+STILL: tuple[float, ...] = (0.0,) * 6
+"""No twist."""
+
+SIZES = 3, 6
+"""Numbers of a velocity, and of a twist."""
+
+NO_TARGETS: Floats = np.empty((0, TARGET_WIDTH))
+
+
+class Scratch(NamedTuple):
+    """Arrays that a thread keeps from one tick to the next.
+
+    Attributes
+    ----------
+    group : ndarray
+        What is asked, as the kernel reads it.
+    workspace : ndarray
+    room : tuple of int
+        Room for bounds, and for constraints of the working set.
+    answer : int
+        Numbers of an answer.
+    """
+
+    group: Floats
+    workspace: Floats
+    room: tuple[int, int]
+    answer: int
+
+
+class ControlLoop:
+    """Steps of a control loop of one robot; safe to share between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+        Live: every tick sees the obstacles as they are then.
+    options : SolveOptions
+        Of which the wished clearance counts, and the time of a tick.
+    tolerance : Tolerance
+        With numbers for all that is not said.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, options: SolveOptions, tolerance: Tolerance) -> None:
+        self._robot, self._scene, self._tolerance = robot, scene, tolerance
+        self._demanded = robot.least_demanded[0]
+        self._wish, self._time = options.prefer.clearance, options.time
+        self._group = None if robot.hangs else robot_group(robot)
+        self._settings = settings_group(robot, tolerance)
+        self._free = self._limits = RateLimits(robot, Changes())
+        self._local = threading.local()
+
+    def step(
+        self,
+        q: Solution | Step | Rows,
+        twist: Vector | None = None,
+        dt: Number | None = None,
+        *,
+        target: Targets | None = None,
+        rates: Rates | None = None,
+        clearance: Number | None = None,
+        velocity: Rows | None = None,
+        measured: Stack | None = None,
+        places: Vector | None = None,
+        gain: Number = GAIN,
+        delay: Whole = 0,
+    ) -> Step:
+        """Make one tick; see `Solver.step`."""
+        shape = len(self._robot), 3
+        own = _numbers("q", q.q if isinstance(q, Solution | Step) else q, shape)
+        if dt is None:
+            raise InputError("dt", "missing", None, "a number greater than 0")
+        seconds = checks.number("dt", dt, above=0.0)
+        known, observed = q.observed if isinstance(q, Step) else None, None
+        if known is not None or measured is not None:
+            observed = observe(self._robot, own, known, measured, places, gain, delay)
+        if (twist is None) == (target is None):
+            problem = "missing" if twist is None else "cannot be combined with target"
+            raise InputError("twist", problem, twist, "one of twist, target")
+        if twist is not None:
+            kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
+            targets: tuple[Target, ...] = ()
+        else:
+            targets = target_list("target", target, self._robot)
+            if observed is not None:
+                targets = tuple(corrected(self._robot, each, observed) for each in targets)
+            kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
+        wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
+        checks.instance("rates", rates, Rates | None, "Rates")
+        limits = self._limits_of(rates)
+        before = None if velocity is None else _numbers("velocity", velocity, shape)
+        if limits.accelerates and before is None:
+            raise InputError("velocity", "missing", None, "that of the step before, for rates with an acceleration")
+        scene = self._scene.snapshot()
+        asked = StepQuery(kind, motion, rows, 1, self._beyond(wish), self._time)
+        moved = before if limits.accelerates else None
+        answer = self._answer(scene, asked, targets, own, limits, seconds, moved)
+        wanted = WantedStep(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
+        return Step(wanted, own, answer, observed)
+
+    def _loaded(self, scene: Snapshot) -> LoadedTick:
+        """What makes the ticks of this thread for a robot under load; that of the last scene is kept."""
+        kept: LoadedTick | None = getattr(self._local, "loaded", None)
+        if kept is None or kept.scene is not scene:
+            kept = self._local.loaded = LoadedTick(self._robot, scene, self._tolerance)
+        return kept
+
+    def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
+        """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
+        asked = StepQuery(TARGETS, STILL, problem._rows, ROUNDS, self._beyond(self._wish), seconds)
+        limits = self._limits_of(changes)
+        answer = self._answer(problem.scene, asked, problem.targets, initial, limits, 1.0, None)
+        if answer[t.START] == NO_BODY:
+            return given(initial)
+        q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
+        off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
+        first = t.SHAPE + initial.size + 1
+        kinds = answer[first : first + t.ACTIVE_WIDTH * int(answer[t.ACTIVE]) : t.ACTIVE_WIDTH]
+        met, code = meets(problem.tolerance, off, turn), FAILED
+        if met and min(clearance, own) > 0.0 and self._holds(q) and answer[t.START] == CLEAR:
+            code = SOLVED if answer[t.PROVED] else UNPROVED
+        elif answer[t.ROUNDS] == 0:
+            code = LATE
+        elif answer[t.PROVED] and bool(((kinds >= a.LENGTH_RATE) & (kinds < a.ACCELERATION)).any()):
+            code = RATE_BOUND
+        rounds, merit = int(answer[t.ROUNDS]), float(answer[t.MERIT])
+        return Outcome(q, code, rounds, 1, GIVEN, off, turn, clearance, own, len(kinds) > 0, merit, 0.0)
+
+    def _beyond(self, clearance: float) -> float:
+        """What is wished for beyond the clearance that is demanded."""
+        return max(0.0, clearance - self._demanded)
+
+    def _limits_of(self, most: Rates | Changes | None) -> RateLimits:
+        """Limits and rates as the kernel reads them; those of the last call are kept."""
+        if most is None:
+            return self._free
+        kept = self._limits
+        if kept.most is not most:
+            kept = self._limits = RateLimits(self._robot, most)
+        return kept
+
+    def _holds(self, q: Floats) -> bool:
+        """Whether all limits are kept, under load also those of tensions."""
+        robot = self._robot
+        return not robot.violations(q) and (not robot.hangs or tensions_kept(robot, Rest(robot, q).pulls))
+
+    def _answer(
+        self,
+        scene: Snapshot,
+        asked: StepQuery,
+        targets: tuple[Target, ...],
+        initial: Floats,
+        limits: RateLimits,
+        dt: float,
+        velocity: Floats | None,
+    ) -> Floats:
+        """Make a tick, of the loaded body where there is one; see `_tick`."""
+        if self._group is None:
+            room = a.most_constraints(len(initial))
+            return self._loaded(scene)(asked, targets, initial, limits, dt, velocity, room)
+        return self._tick(scene, asked, initial, limits, dt, velocity)
+
+    def _tick(
+        self, scene: Snapshot, asked: StepQuery, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
+    ) -> Floats:
+        """Make a tick of `dt` seconds from `initial` (n, 3) and return the answer, see `kernels.velocity.query`.
+
+        `limits` are those of a second; `velocity` (n, 3) is that of the tick before, where accelerations are limited.
+        """
+        assert self._group is not None
+        table = scene._kernel_group
+        sizes = len(self._robot), int(table[0]), len(asked.targets), len(limits.actuators)
+        scratch = self._scratch(sizes, limits, dt)
+        head = asked.kind, *asked.motion, asked.rounds, asked.wish, asked.seconds, sizes[3], *scratch.room
+        scratch.group[: a.HEADER] = head
+        if velocity is not None:
+            limits.write_before(scratch.group[a.HEADER :], dt, velocity)
+        answer = np.empty(scratch.answer)
+        t.tick(self._group, table, self._settings, asked.targets, scratch.group, initial, scratch.workspace, answer)
+        return answer
+
+    def _scratch(self, sizes: tuple[int, int, int, int], limits: RateLimits, dt: float) -> Scratch:
+        """Scratch of this thread, with the limits of such a tick in it; that of the last call is kept."""
+        kept: Scratch | None = getattr(self._local, "scratch", None)
+        if kept is None or self._local.sizes != sizes:
+            n, m, _, p = self._local.sizes = sizes
+            constraints = a.most_constraints(n)
+            group = np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
+            answer = t.SHAPE + 3 * n + t.ACTIVE_WIDTH * constraints
+            kept = Scratch(group, np.empty(a.tick_size(*sizes)), (a.most_bounds(n, m, p), constraints), answer)
+            self._local.scratch, self._local.limits = kept, None
+        if self._local.limits is not limits or self._local.dt != dt:
+            limits.write(kept.group[a.HEADER :], dt)
+            self._local.limits, self._local.dt = limits, dt
+        return kept
+
+
+def _numbers(key: str, value: Any, shape: tuple[int, int]) -> Floats:
+    """Check finite numbers, and copy them: what is an array already takes a tenth of the time."""
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.shape == shape:
+        given: Floats = np.array(value, order="C")
+        if math.isfinite(given.sum()):
+            return given
+    return checks.array(key, value, shape).copy()
+
+
+def read_twist(twist: Any, dt: float) -> tuple[int, tuple[float, ...]]:
+    """Check a twist (6,) or a velocity (3,), and return what is asked for: its kind, and the motion in `dt` seconds."""
+    numbers: Any = twist.tolist() if type(twist) is np.ndarray and twist.dtype == np.float64 else twist
+    plain = isinstance(numbers, tuple | list) and len(numbers) in SIZES and set(map(type, numbers)) <= {int, float}
+    if not (plain and math.isfinite(sum(numbers))):  # the quick way out of what is right already
+        expected = "6 finite numbers (omega, v), or 3 (v)"
+        numbers = checks.array("twist", twist, (None,), expected).tolist()
+        if len(numbers) not in SIZES:
+            raise InputError("twist", "", twist, expected)
+    kind = POSITION if len(numbers) == SIZES[0] else POSE
+    return kind, (*STILL[len(numbers) :], *[dt * each for each in numbers])

@@ -1,0 +1,158 @@
+"""What a solve may be told, in one place: for `Solver`, `solve`, `solve_all`, `track` and the command line."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypedDict
+
+from sinuous.base import checks
+from sinuous.base.arguments import Number, OneEach, Truth, Whole
+from sinuous.base.errors import InputError
+from sinuous.base.words import suggested
+from sinuous.methods import registry
+from sinuous.model.robot import Robot, demanding
+from sinuous.problem.problem import Preferences
+from sinuous.problem.target import Tolerance, as_tolerance
+from sinuous.solver.attempts import read_without
+from sinuous.solver.memory import Memory
+
+TIME = 1.0
+"""Default budget of a solve, in seconds."""
+
+UNBOUNDED = 2**62
+"""Most starts of a solve where the user gives no bound: more than any time suffices for."""
+
+
+class SolveArguments(TypedDict, total=False):
+    """Options of a solve as keyword arguments; see `SolveOptions`."""
+
+    tolerance: Tolerance | None
+    method: registry.Choice
+    prefer: Preferences | None
+    time: Number
+    max_starts: Whole | None
+    seed: Whole
+    routes: Truth
+    without: str | Sequence[str]
+    memory: Memory | None
+    clearance: OneEach | None
+    self_clearance: OneEach | None
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """The options of a solve; all are checked as they come in.
+
+    Attributes
+    ----------
+    tolerance : Tolerance
+        Default: 1e-4 of the robot's mean length, and 1e-3 rad.
+    method : str or Options
+        Name of the algorithm, or its options, like `OptiPath(iterations=100)`.
+    prefer : Preferences
+        What to like better among solutions.
+    time : float
+        Budget of one solve over all its starts, in seconds.
+    max_starts : int, optional
+        Most starts of one solve; by default as many as the time allows.
+    seed : int
+        Of the scattered starts; the same seed gives the same answer, unless the time runs out.
+    routes : bool
+        Whether to search for routes through free space when the first starts fail; only for methods that take routes
+        (see `Capabilities.routes`).
+    without : str or sequence of str
+        Attempts that are switched off, by the names in `sinuous.solver.attempts.ATTEMPTS`: to see what they bring.
+    memory : Memory, optional
+        Shapes that are tried before anything is searched, and where what is solved is kept.
+    clearance, self_clearance : float or array_like (n,), optional
+        Least distance of the body from obstacles, and from itself, that a solution has to keep, instead of what the
+        robot demands: of all segments, or one each. See `Robot`.
+
+    Raises
+    ------
+    InputError
+        That names the option.
+    """
+
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    method: registry.Choice = "newton"
+    prefer: Preferences = field(default_factory=Preferences)
+    time: float = TIME
+    max_starts: int | None = None
+    seed: int = 0
+    routes: bool = True
+    without: tuple[str, ...] = ()
+    memory: Memory | None = None
+    clearance: OneEach | None = None
+    self_clearance: OneEach | None = None
+
+    def __post_init__(self) -> None:
+        prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
+        checks.instance("prefer", prefer, Preferences, "Preferences")
+        registry.name_of(self.method)
+        if not isinstance(self.memory, Memory | None):
+            raise InputError("memory", "", self.memory, "a Memory")
+        values = {
+            "tolerance": as_tolerance(self.tolerance),
+            "prefer": prefer,
+            "time": checks.number("time", self.time, low=0.0),
+            "max_starts": None if most is None else checks.integer("max_starts", most, 1, 10**9),
+            "seed": checks.integer("seed", self.seed, 0, 2**31 - 1),
+            "routes": checks.truth("routes", self.routes),
+            "without": read_without(self.without),
+            "clearance": _each("clearance", self.clearance),
+            "self_clearance": _each("self_clearance", self.self_clearance),
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    def demanded_of(self, robot: Robot) -> Robot:
+        """Return the robot with the clearances that are demanded here, where any are."""
+        return demanding(robot, self.clearance, self.self_clearance)
+
+    @property
+    def most_starts(self) -> int:
+        """Most starts of one solve, as a number."""
+        return UNBOUNDED if self.max_starts is None else self.max_starts
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> "SolveOptions":
+        """Make options of keyword arguments; one that is not known is refused.
+
+        Raises
+        ------
+        InputError
+        """
+        refuse_unknown(given, cls)
+        return cls(**given)
+
+
+def _each(key: str, value: OneEach | None) -> OneEach | None:
+    """Check what is demanded of every segment; how many there are, and their names, says the robot."""
+    if isinstance(value, Mapping):
+        return {str(name): checks.number(f"{key}.{name}", each, low=0.0) for name, each in value.items()}
+    return None if value is None else checks.one_each(key, value, None, "segment")
+
+
+MEANT = {
+    "obstacles": "scene, the obstacles as a list or a Scene",
+    "world": "scene, the obstacles as a list or a Scene",
+    "guess": "initial, the configuration to begin from",
+    "q0": "initial, the configuration to begin from",
+    "timeout": "time, the budget in seconds",
+    "rates": "rates in the call that needs them, solver.step(..., rates=) or motion.timed(rates)",
+    "radius": "the radius of the robot's segments, or clearance, a distance that is kept besides",
+}
+"""What is meant by options that are often guessed, and whose names are unlike."""
+
+
+def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
+    """Refuse options that a call does not have; `known` declares those that it has, and all of them are listed.
+
+    Raises
+    ------
+    InputError
+    """
+    names = (*more, *known.__annotations__)
+    for key, value in given.items():
+        if key not in names:
+            raise InputError(key, "is not known", value, MEANT.get(key) or suggested(key, names))

@@ -1,0 +1,156 @@
+"""Backbones and routes as curves among obstacles: drawn tight, and compared.
+
+Two are alike where one is known to deform into the other and stay clear, see `sinuous.kernels.freespace.homotopy`.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base.checks import Floats
+from sinuous.kernels.freespace import homotopy
+from sinuous.model.robot import Robot
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.polylines import lengths_along, points_at
+from sinuous.solver.starts import Deadline
+
+FEWEST = 64
+"""Least number of points of a curve."""
+
+MOST = 512
+"""Largest number of points of a curve."""
+
+A_RADIUS = 1.5
+"""Points of a curve for each radius of the body in the length of the robot."""
+
+CLEAR = 0.85
+"""Distance that a curve keeps from the obstacles while it is drawn tight, in radii of the body."""
+
+SPACED = 1.2
+"""Least distance that it keeps, in distances between its points."""
+
+ALIKE = 0.5
+"""Distance from the obstacles that the lines between two curves that are alike keep, in units of that distance."""
+
+HALFWAY = 0.7
+"""Distance from the obstacles that a curve halfway between two others keeps, in units of that distance."""
+
+DEPTH = 2
+"""How often a deformation may be divided: it leads over at most 2 ** DEPTH - 1 curves between both."""
+
+
+class Seen(NamedTuple):
+    """What lines of sight meet.
+
+    Attributes
+    ----------
+    lengths : ndarray (m,)
+        How far each is clear.
+    which : ndarray (m,)
+        Index of the obstacle that ends it; -1 where nothing does.
+    """
+
+    lengths: Floats
+    which: NDArray[np.int64]
+
+
+class ClassCurves:
+    """The curves of one robot in one scene. Not to be shared between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Snapshot
+    deadline : callable
+        See `Deadline`.
+
+    Attributes
+    ----------
+    scene : Snapshot
+    mount : float
+        Length from the base that obstacles do not concern.
+    keep : float
+        Distance from the obstacles that a curve keeps while it is drawn tight, in the length unit.
+    """
+
+    def __init__(self, robot: Robot, scene: Snapshot, deadline: Deadline = lambda: math.inf) -> None:
+        self._robot, self._deadline = robot, deadline
+        self.scene, self.mount = scene, robot.mount
+        radius, longest = min(robot.needed_radii), sum(segment.length[1] for segment in robot.segments)
+        wanted = A_RADIUS * longest / radius if radius > 0.0 else MOST
+        self._points = int(min(MOST, max(FEWEST, math.ceil(wanted))))
+        self.keep = max(CLEAR * radius, SPACED * longest / self._points)
+        self._workspace = np.empty(homotopy.homotopy_workspace_size(self._points))
+
+    def of(self, q: Floats) -> Floats:
+        """Return the backbone (N, 3) of a configuration (n, 3) beyond the mount, drawn tight."""
+        robot = self._robot
+        samples = max(2, math.ceil(self._points / len(robot)))
+        along = np.repeat(q[:, 2] / samples, samples)
+        return self._tight(robot.backbone(q, samples), np.concatenate([[0.0], np.cumsum(along)]))
+
+    def along(self, route: Floats) -> Floats:
+        """Return a route (k, 3) beyond the mount, drawn tight: (N, 3)."""
+        return self._tight(route, lengths_along(route))
+
+    def _tight(self, points: Floats, along: Floats) -> Floats:
+        """Draw a line tight whose points (k, 3) lie at these lengths (k,)."""
+        wanted = np.linspace(min(self.mount, along[-1]), along[-1], self._points)
+        curve = points_at(points, along, wanted)
+        homotopy.draw_tight(self._group, curve, self.keep, self.seconds(), self._workspace)
+        return curve
+
+    def alike(self, a: Floats, b: Floats, depth: int = DEPTH) -> bool:
+        """Whether a deformation of one curve (N, 3) into the other is found that stays clear."""
+        if homotopy.deforms(self._group, a, b, ALIKE * self.keep, self.seconds(), self._workspace):
+            return True
+        middle = np.empty_like(a)
+        if depth == 0 or not homotopy.halfway(
+            self._group, a, b, HALFWAY * self.keep, self.seconds(), self._workspace, middle
+        ):
+            return False
+        return self.alike(a, middle, depth - 1) and self.alike(middle, b, depth - 1)
+
+    def alike_one(self, curve: Floats, others: Sequence[Floats]) -> int | None:
+        """Return which of other curves this curve (N, 3) is alike, the nearest of them; `None` where there is none."""
+        apart = [float(np.abs(curve - other).max()) for other in others]
+        return next((i for i in np.argsort(apart).tolist() if self.alike(curve, others[i])), None)
+
+    def see(self, starts: Floats, ends: Floats, keep: float, seconds: float = math.inf) -> Seen:
+        """Look from points (m, 3) to points (m, 3), along lines that keep a distance from the obstacles.
+
+        Lines for which the seconds do not suffice end early.
+        """
+        lengths, which = np.empty(len(starts)), np.empty(len(starts), np.int64)
+        homotopy.see(self._group, starts.copy(), ends.copy(), keep, seconds, self._workspace, lengths, which)
+        return Seen(lengths, which)
+
+    def between(self, a: Floats, b: Floats) -> NDArray[np.int64]:
+        """Return what is first met from points of a curve (N, 3) to their counterparts on another (N,); -1: nothing."""
+        return self.see(a, b, ALIKE * self.keep).which
+
+    def load(self) -> None:
+        """Compile the entries, or load them from the cache."""
+        line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), self._points)
+        homotopy.draw_tight(self._group, line, self.keep, 0.0, self._workspace)
+        homotopy.deforms(self._group, line, line, self.keep, 0.0, self._workspace)
+        homotopy.halfway(self._group, line, line, self.keep, 0.0, self._workspace, line.copy())
+        self.see(line[:1], line[:1], self.keep)
+        self.scene.beside([Mesh(np.eye(3), [[0, 1, 2]])]).distance(np.zeros(3))
+
+    @property
+    def _group(self) -> Floats:
+        return self.scene._kernel_group
+
+    def seconds(self) -> float:
+        """Return how many seconds are left."""
+        return max(0.0, self._deadline())
+
+
+def across(axes: Floats) -> Floats:
+    """Two unit vectors (..., 2, 3) across unit vectors (..., 3), and across each other."""
+    return np.asarray(np.linalg.svd(axes[..., None, :])[2][..., 1:, :])

@@ -1,0 +1,209 @@
+"""Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from sinuous.base.checks import Floats
+from sinuous.kernels.fitting.fit import fit_workspace_size
+from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.fitting.settle import settle_chain
+from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, COST, DISTANCE, FRAME, LAST, PARENT, SCORE
+from sinuous.kernels.growing.grow import grow_chains, growing_size
+from sinuous.kernels.tables import (
+    HAS_POSITION,
+    MIN_LENGTH,
+    POSE_WIDTH,
+    QUERY_AXIS,
+    QUERY_BACK,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_LONGEST,
+    QUERY_ORIGIN,
+    QUERY_SHORTEST,
+    QUERY_STRAIGHT_MAX,
+    QUERY_STRAIGHT_MIN,
+    QUERY_WIDTH,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+)
+from sinuous.solver.polylines import respaced
+from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.starts import Deadline
+
+FIRST_WIDTH, LAST_WIDTH = 4, 1024
+"""Chains of every number of segments that are kept, at first and at most: powers of two. The widest beam takes 4 MB for
+a robot of 20 segments."""
+
+LEG_POINTS = 160
+"""Points of each leg of a route."""
+
+
+def _in_order(groups: Groups) -> dict[int, int]:
+    """By each segment whose end is asked to be somewhere, from the base on, the number of the target that says so."""
+    robot, _, _, targets = groups
+    last, order = int(robot[0]) - 1, dict[int, int]()
+    for number, row in enumerate(targets[:, : HAS_POSITION + 1].tolist()):
+        if row[HAS_POSITION] != 0.0:
+            order.setdefault(last if row[TARGET_SEGMENT] < 0.0 else int(row[TARGET_SEGMENT]), number)
+    return dict(sorted(order.items()))
+
+
+def segments_of(groups: Groups) -> list[int]:
+    """Return the segments whose ends are asked to be somewhere, from the base on."""
+    return list(_in_order(groups))
+
+
+def query_of(groups: Groups) -> Floats | None:
+    """Return what a route to the most distal target has to keep (27,); `None`: no target has a position.
+
+    See `sinuous.kernels.tables`.
+    """
+    query = np.zeros(QUERY_WIDTH)
+    return query if route_query(*groups, query) else None
+
+
+def leg_queries(groups: Groups) -> list[Floats]:
+    """What routes have to keep from target to target (l, 28): none where one target has a position, or none has.
+
+    Each leg begins where the one before it ends. See `sinuous.kernels.tables`.
+    """
+    robot, scene, settings, targets = groups
+    order = list(_in_order(groups).values())
+    queries = []
+    for target in order if len(order) > 1 else ():
+        query = np.zeros(QUERY_WIDTH)
+        route_query(robot, scene, settings, targets[target : target + 1].copy(), query)
+        queries.append(query)
+    for last, query in zip(queries[-2::-1], queries[:0:-1], strict=True):
+        departing(query, last[QUERY_GOAL : QUERY_GOAL + 3], -last[QUERY_BACK : QUERY_BACK + 3])
+        query[[QUERY_SHORTEST, QUERY_LONGEST]] -= last[[QUERY_SHORTEST, QUERY_LONGEST]]
+    return queries
+
+
+def departing(query: Floats, place: Floats, along: Floats) -> None:
+    """Let the route of a query begin at a place (3,) with a unit tangent (3,), without what the base asks for."""
+    query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_AXIS : QUERY_AXIS + 3] = place, along
+    query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+
+
+def arriving(query: Floats, place: Floats, along: Floats) -> None:
+    """Let the route of a query end at a place (3,) with a unit tangent (3,)."""
+    query[QUERY_GOAL : QUERY_GOAL + 3], query[QUERY_BACK : QUERY_BACK + 3] = place, -along
+
+
+def divided(groups: Groups, route: Floats, near: float) -> Floats | None:
+    """Return the legs (l, K, 3) of a route (K, 3), from target to target, where it leads past all of them this near.
+
+    Then no route has to be searched for from one to the next.
+    """
+    targets, legs = groups[3], []
+    points, elbows = route, list(_in_order(groups).values())[:-1]
+    for target in elbows:
+        place = targets[target, TARGET_POSITION : TARGET_POSITION + 3]
+        gaps = np.linalg.norm(points - place, axis=1)
+        at = int(gaps.argmin())
+        if gaps[at] > near or not 1 < at < len(points) - 2:
+            return None
+        legs.append(respaced(np.vstack([points[:at], place]), LEG_POINTS))
+        points = np.vstack([place, points[at + 1 :]])
+    return np.stack([*legs, respaced(points, LEG_POINTS)])
+
+
+class Grown:
+    """Chains of every number of segments, from one end on.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem, see `Groups`.
+    legs : ndarray (l, K, 3)
+        The legs of a route, from target to target, evenly spaced, in the length unit.
+    roots : ndarray (r, 12)
+        Poses in which chains may begin.
+    width : int
+        Chains of every number of segments that are kept: a power of two.
+    seconds : float
+    open_from : float
+        Distance from the obstacles, in radii of the body, from which on an end is in the open: there they stop. By
+        default they go on to the last target.
+
+    Attributes
+    ----------
+    segments : int
+        Of a chain that gets to the last target.
+    open : bool
+        Whether some end in the open: those with the most segments.
+    counts : ndarray (n + 1,) int
+        How many chains there are, by their number of segments.
+    frames : ndarray (n + 1, w, 12)
+        Poses of their ends.
+    costs, scores : ndarray (n + 1, w)
+        What is amiss with them by now, and in what is expected of them.
+    """
+
+    def __init__(
+        self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float, open_from: float = math.inf
+    ) -> None:
+        n, obstacles = int(groups[0][0]), int(groups[1][0])
+        self.segments = segments_of(groups)[len(legs) - 1] + 1
+        self.counts = np.zeros(n + 1, np.int64)
+        self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
+        workspace = np.empty(growing_size(obstacles, width))
+        self.open: bool = grow_chains(
+            *groups, legs, roots, open_from, max(0.0, seconds), workspace, levels, self.counts
+        )
+        self._open_from = open_from
+        self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
+        self.costs, self.scores = levels[..., COST], levels[..., SCORE]
+        self._rest = np.zeros((n, 3))
+        self._rest[:, 2] = groups[0][ROBOT_HEADER:][: SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)[:, MIN_LENGTH]
+
+    @property
+    def wholes(self) -> int:
+        """How many chains get to the last target."""
+        return int(self.counts[self.segments])
+
+    def outside(self) -> tuple[int, list[int]]:
+        """Number of segments of the chains that end in the open, and their numbers, the best first."""
+        last = int(np.flatnonzero(self.counts)[-1])
+        return last, np.flatnonzero(self._levels[last, : self.counts[last], DISTANCE] >= self._open_from).tolist()
+
+    def parent(self, k: int, i: int) -> int:
+        """Number of the chain of one segment less that chain number `i` of `k` segments continues."""
+        return int(self._levels[k, i, PARENT])
+
+    def chain(self, k: int, i: int) -> tuple[Floats, Floats]:
+        """Return chain (k, 3) number `i` of `k` segments, and the pose (12,) in which it begins."""
+        q = np.empty((k, 3))
+        for at in range(k, 0, -1):
+            if at == k:
+                q[at - 1] = self._levels[at, i, LAST : LAST + 3]
+            if at > 1:
+                q[at - 2] = self._levels[at, i, BEFORE : BEFORE + 3]
+            i = self.parent(at, i)
+        return q, self.frames[0, i]
+
+    def whole(self, i: int) -> tuple[Floats, Floats]:
+        """Return chain (n, 3) number `i` of those that get to the last target, and the pose in which it begins.
+
+        Segments beyond that target are as short as they can be.
+        """
+        q, root = self.chain(self.segments, i)
+        return np.concatenate([q, self._rest[self.segments :]]), root
+
+
+def settled(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:
+    """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
+    robot, scene, _, targets = groups
+    workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
+    for chain in chains:
+        seconds = deadline()
+        if seconds <= 0.0:
+            return
+        q = chain.copy()
+        settle_chain(*groups, seconds, workspace, q)
+        yield q

@@ -1,0 +1,323 @@
+"""Searches for routes through free space from the base to a target, and the chain along them."""
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from sinuous.base.checks import Floats
+from sinuous.kernels import packing
+from sinuous.kernels.fitting.lines import distances_along, widths_across
+from sinuous.kernels.fitting.query import ball_radius
+from sinuous.kernels.freespace.cells import memory_size
+from sinuous.kernels.freespace.find import find_routes
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL
+from sinuous.kernels.roadmap.enclosed import rays_met
+from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
+from sinuous.kernels.tables import POSE_WIDTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
+from sinuous.kernels.tubes import MOUTH
+from sinuous.model.robot import Robot, robot_group
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Tolerance
+from sinuous.scene.obstacles import Box, Capsule, Sphere
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.routing.bottlenecks import WIDE
+from sinuous.solver.routing.buffers import BufferPool
+from sinuous.solver.routing.detours import led_aside
+from sinuous.solver.routing.edges import SharpWalls, rims_of, walls_of
+from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, Grown, query_of, settled
+from sinuous.solver.routing.openings import route_through, tubes_beside
+from sinuous.solver.routing.parts import beyond, fitted, segments_in
+from sinuous.solver.routing.reversed import Groups, turned_back
+from sinuous.solver.routing.tubes import Tube, out_of, tube_around
+from sinuous.solver.starts import Deadline
+
+COARSE = 64
+"""Finest cells in the length of the longest robot, at most, at first."""
+
+CELLS = (1 << 14, 1 << 17, 1 << 19)
+"""Most cells of a search, by blocks of eight of which some nobody looks at."""
+
+POINTS = 1024
+"""Most points of a route."""
+
+AHEAD = 2.0
+"""Distance ahead of the base, in radii of the body, of the place from which rays say whether the base is enclosed."""
+
+ENCLOSED = 12
+"""Rays of `enclosed.RAYS`, as long as the robot, that meet an obstacle where the base is enclosed: not all do where
+there is a door."""
+
+ROUNDING = 1e-9
+"""By what share of its mount a body must be longer at least to end beyond it for certain."""
+
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
+one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
+
+
+class SearchPlan(NamedTuple):
+    """One search.
+
+    Attributes
+    ----------
+    cell : float
+        Edge of the cells.
+    clearance : float
+        Distance from the obstacles with which a cell can be passed.
+    cells : int
+        Most cells that are looked at.
+    routes : int
+        Most routes to find.
+    prove : bool
+        Whether to prove that there is none, where none is found.
+    """
+
+    cell: float
+    clearance: float
+    cells: int
+    routes: int
+    prove: bool
+
+
+class FoundRoutes(NamedTuple):
+    """What came of one search.
+
+    Attributes
+    ----------
+    routes : list of ndarray (K, 3)
+        Points from the base to the target, evenly spaced, in the length unit.
+    ended : int
+        How the last search ended: FOUND, CLOSED, FULL, TIMED_OUT or PROVED_CLOSED of `sinuous.kernels.tables`.
+    cells : int
+        How many cells it looked at.
+    """
+
+    routes: list[Floats]
+    ended: int
+    cells: int
+
+
+class Searches:
+    """Searches for routes, and chains along them, for one robot; safe to share between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+
+    Attributes
+    ----------
+    robot : Robot
+    coarse, middle, fine : SearchPlan
+        The quickest searches with coarse cells, with smaller ones, and with fine ones.
+    proves : bool
+        Whether fine cells prove that a room is closed: where no segment is thinner than the ball.
+    """
+
+    loaded: ClassVar[bool] = False
+    """Whether what they call is compiled, or loaded, in this process."""
+
+    def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
+        self.robot, self._scene, self._tolerance = robot, scene, tolerance
+        self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
+        self._radius = ball_radius(segments_in(self._group))
+        self._walls: tuple[Snapshot, SharpWalls] | None = None
+        self._about: tuple[Snapshot, bool] | None = None
+        self._longest = sum(segment.length[1] for segment in robot.segments)
+        self.coarse, self.middle, self.fine = _plans_of(self._radius, self._longest)
+        self.proves = min(robot.needed_radii) >= self._radius
+
+    @property
+    def single_plans(self) -> tuple[SearchPlan, ...]:
+        """Searches for one route, which prove nothing, from the quickest to the most thorough."""
+        few, many, _ = CELLS
+        coarse, fine = self.coarse, self.fine
+        edge = 2.0 * coarse.cell
+        first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
+        among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
+        plans = [plan._replace(cells=cells) for plan, cells in among]
+        return tuple(dict.fromkeys(plans))
+
+    @property
+    def leg_plans(self) -> tuple[SearchPlan, ...]:
+        """Searches for the route from one target to the next, from the quickest to the most thorough."""
+        many = CELLS[1]
+        plans = self.coarse, self.middle, self.fine, self.fine._replace(cells=many)
+        return tuple(dict.fromkeys(plans))
+
+    def query(self, problem: Problem) -> Floats | None:
+        """Return what a route has to keep (27,); see `query_of`."""
+        return query_of(self.groups(problem))
+
+    def find(self, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
+        """Search for routes, as one plan says, for at most so many seconds.
+
+        Obstacles do not concern the backbone within its mount. Where the body can be so short that its end lies there,
+        it may stand in an obstacle, and that no free cell leads to it proves nothing.
+        """
+        planned = packing.plan_search(
+            query,
+            cell=plan.cell,
+            clearance=plan.clearance,
+            room=max(self._radius, 0.5 * plan.cell),
+            most_cells=plan.cells,
+            prove=plan.prove and query[QUERY_SHORTEST] > (1.0 + ROUNDING) * query[QUERY_FREE_LENGTH],
+        )
+        routes = np.empty((plan.routes, POINTS, 3))
+        counts = np.zeros(plan.routes, np.int64)
+        with MEMORY.borrow(memory_size(plan.cells)) as memory:
+            group = problem.scene._kernel_group
+            found, ended, cells = find_routes(group, planned, seconds, memory, routes, counts)
+        lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
+        return FoundRoutes(lines, ended, cells)
+
+    def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
+        """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
+        fine = self.fine
+        planned = packing.plan_search(
+            query,
+            cell=fine.cell,
+            clearance=fine.clearance,
+            room=max(self._radius, 0.5 * fine.cell),
+            most_cells=0,
+            prove=False,
+        )
+        route = np.empty((POINTS, 3))
+        with MEMORY.borrow(roadmap_size(POINTS)) as buffer:
+            count = find_by_edges(
+                problem.scene._kernel_group, planned, *self._walls_of(problem.scene), seconds, buffer, route
+            )
+        return route[:count] if count > 0 else None
+
+    def edges_first(self, problem: Problem) -> bool:
+        """Whether to look for a route around edges before any more scattered starts.
+
+        It is quick where all edges are those of boxes. Where walls stand around the base, hardly any start gets out.
+        """
+        scene = problem.scene
+        if len(self._walls_of(scene).edges):
+            return self._enclosed(scene)
+        return any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+
+    def _enclosed(self, scene: Snapshot) -> bool:
+        """Whether the base is enclosed by obstacles, looked at once a scene."""
+        known = self._about
+        if known is None or known[0] is not scene:
+            base, ahead = self.robot.base, self.robot.mount + AHEAD * self._radius
+            place, frame = base[:3, 3] + ahead * base[:3, 2], base[:3, :3].reshape(1, 9).copy()
+            met = rays_met(scene._kernel_group, frame, place[None].copy(), self._longest)
+            known = self._about = scene, met >= ENCLOSED
+        return known[1]
+
+    def _walls_of(self, scene: Snapshot) -> SharpWalls:
+        """What is sharp-edged in a scene, looked for once."""
+        known = self._walls
+        if known is None or known[0] is not scene:
+            known = self._walls = scene, walls_of(scene)
+        return known[1]
+
+    def only_balls(self, problem: Problem) -> bool:
+        """Whether all obstacles are balls or capsules: nothing is enclosed, and nothing has edges."""
+        return all(
+            isinstance(obstacle, Capsule) or (isinstance(obstacle, Sphere) and not obstacle.inside)
+            for obstacle in problem.scene.obstacles
+        )
+
+    def by_tubes(self, problem: Problem, query: Floats, deadline: Deadline) -> Floats | None:
+        """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
+        group, edges = problem.scene._kernel_group, rims_of(problem.scene)
+        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, deadline()))
+        if not axes:
+            return None
+
+        def leg(asked: Floats) -> Floats | None:
+            return self.by_edges(problem, asked, max(0.0, deadline()))
+
+        def last(asked: Floats) -> Floats | None:
+            route = leg(asked)
+            if route is None:
+                found = self.find(problem, asked, self.fine, max(0.0, deadline()))
+                route = found.routes[0] if found.routes else None
+            return route
+
+        return route_through(axes, query, leg, last, POINTS)
+
+    def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
+        """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
+        groups, fits = self.groups(problem), list[Floats]()
+        for route in routes:
+            left = deadline()
+            if left <= 0.0:
+                break
+            fits.append(fitted(groups, route, left))
+        return np.array(fits).reshape(-1, len(self.robot), 3)
+
+    def load(self, *, anew: bool = False) -> None:
+        """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""
+        if anew or not Searches.loaded:
+            Searches.loaded = True
+            problem = Problem.prepared(self.robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
+            query = self.query(problem)
+            if query is not None:
+                self.find(problem, query, self.coarse._replace(cells=256), 0.0)
+                self.by_edges(problem, query, 0.0)
+            line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+            self.fit(problem, [line], lambda: 1.0)
+            self._enclosed(problem.scene)
+            self.distances(problem, line)
+            self.widths_across(problem, line)
+            groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
+            base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+            Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
+            led_aside(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
+            next(settled(groups, still[None], lambda: 1.0))
+            turned_back(groups, groups, still)
+            if query is not None:
+                tube_around(problem.scene._kernel_group, query, 0.0)
+            next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
+            beyond(groups, still[:1])
+            tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
+            ClassCurves(self.robot, problem.scene).load()
+
+    def distances(self, problem: Problem, points: Floats) -> Floats:
+        """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
+        points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
+        distances_along(
+            problem.scene._kernel_group, points, WIDE * max(self._radius, *self.robot.needed_radii), distances
+        )
+        return distances
+
+    def widths_across(self, problem: Problem, line: Floats) -> Floats:
+        """Return the greatest distance (K,) from the obstacles across a line (K, 3); any beyond `WIDE` radii."""
+        widths = np.empty(len(line))
+        widths_across(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, widths)
+        return widths
+
+    def groups(self, problem: Problem) -> Groups:
+        """Return what entries are given of a problem."""
+        return self._group, problem.scene._kernel_group, self._settings, problem._rows
+
+
+def _wide_enough(radius: float, cell: float) -> float:
+    """Clearance with which coarse cells can be passed."""
+    return max(radius - 0.5 * cell, 0.25 * radius)
+
+
+def _plans_of(radius: float, length: float) -> tuple[SearchPlan, SearchPlan, SearchPlan]:
+    """Searches for one route with coarse, middle and fine cells, for a ball of this radius and a robot of this length.
+
+    Cells of half the radius and less cannot leak through a wall, however thin it is. Coarser ones miss narrow passages.
+    """
+    fine = 0.5 * radius
+    coarse = max(fine, length / COARSE)
+
+    def plan(cell: float) -> SearchPlan:
+        clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
+        return SearchPlan(cell, clearance, CELLS[0], 1, False)
+
+    return plan(coarse), plan(math.sqrt(coarse * fine)), plan(fine)

@@ -1,0 +1,457 @@
+"""What a solve tries, in which order, and at which cost: the whole strategy in one file.
+
+A solve begins with a compiled call that follows a few starts (`opening_starts`): most solves end there. What is left
+undecided goes through a queue of attempts, the cheapest first. An attempt makes starts, and may add further attempts: a
+route that was found adds 'lay a chain along it', 'grow chains along it', each with more and more effort. After each
+attempt scattered starts follow, in proportion to what it cost. It ends with the first solution, a proof, the time, or
+the most starts that the user allows.
+
+Everything that is counted here is counted in *scattered starts*: what one takes, on average, to be followed. None of it
+is measured while it runs, so that the same seed gives the same answer, unless the time runs out.
+
+Two numbers belong to an attempt. Its *price* says when it is made: all that is cheaper comes before it. Its *cost* is
+what is put down for it in the ledger, once it is made, and what scattered starts are in proportion to. For most
+attempts both are the same; a price is higher where an attempt succeeds seldom, and is multiplied by the weight of its
+route, so that the second route is worth half as much as the first one.
+
+The figures were set on the places of `python -m benchmarks clutter`; with each are named the families that it matters
+for most.
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base.checks import Floats
+from sinuous.kernels import tables
+from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, RECORD_WIDTH, SOURCE, SOURCES, STARTS
+from sinuous.methods import registry
+from sinuous.model.robot import Robot
+from sinuous.problem.target import Tolerance
+from sinuous.scene.scene import Scene
+from sinuous.solver.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, Attempts
+from sinuous.solver.options import SolveOptions
+from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.route_classes.passages import Passages
+from sinuous.solver.routing.candidates import Candidate, Candidates, along
+from sinuous.solver.routing.growth import FIRST_WIDTH, LAST_WIDTH
+from sinuous.solver.routing.searches import CELLS, Searches, SearchPlan
+from sinuous.solver.shapes import NEAREST
+from sinuous.solver.starts import Question, Scattered, StartBatch
+
+OPENING = 3
+"""Starts of the first call among obstacles: most that suffice are among the first, and routes are known as soon."""
+
+OPENING_ALONE = 16
+"""Starts of the first call where no attempt but scattered starts follows."""
+
+SHARE = 0.6
+"""Scattered starts for each unit of cost in the ledger. More helps among balls, less in tubes."""
+
+SHARE_AMONG_BALLS = 2.0
+"""The same where all obstacles are balls and capsules: they enclose nothing, so that chains along a route are hardly
+better than scattered starts, and dearer than they are said to be (spheres 40, spheres 100)."""
+
+SCATTERED_FIRST = 3
+"""Scattered starts before any route is looked for, where that takes longer than they do: beside meshes, unless these
+enclose the base, and where nothing has edges (plates, shelf)."""
+
+CELLS_A_START = 250
+"""Cells that a search looks at in the time of one scattered start (halls, doors)."""
+
+AFTER_EDGES = 14
+"""Price of the first search over cells, where a route around edges is known: what is tried along that comes before (two
+doors, cells)."""
+
+PRICE_FINE = 8
+"""Price of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
+branches, box duct)."""
+
+ROOTS, ROOTS_PRICE = 3, 6
+"""Most searches for a route to where the backbone may end, where a tool leaves that open, and the price of the first;
+each is dearer by as much (two tubes)."""
+
+PRICE_ALTERNATIVES = 20
+"""Price of the search for routes that differ (helix)."""
+
+PRICE_LAST = 64
+"""Price of the last search, over many fine cells: for routes that differ (halls), and proofs that large rooms are
+closed."""
+
+LAST = 200
+"""Price of what comes after all searches."""
+
+ALTERNATIVES = 4
+"""Routes that differ, of a search for more than one."""
+
+GROWN_COST = 1.0
+"""Cost of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
+double as long as there is time."""
+
+GROWN_SEVERAL = 16
+"""Width of beams where several solutions are wanted: chains along one route are much alike."""
+
+DETOURS = 64
+"""Most detours of a route (cells, two doors)."""
+
+GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
+"""By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
+
+AT_ONCE = 0
+"""Price of what comes first."""
+
+REMEMBERED_FIRST = -20
+"""Price of remembered shapes: before everything else."""
+
+REMEMBERED_SEVERAL = 16
+"""Remembered shapes that are tried where several solutions are wanted."""
+
+PASSAGES = -10
+"""Price of routes through other passages, where several solutions are wanted: before everything else. A search after
+none was found with larger cells is dearer by 1 for each step."""
+
+OTHERS = 32
+"""Price of the first search for a route through other passages, where one solution is wanted (plates scan, nested)."""
+
+OTHERS_COST = 8
+"""Cost of each of them, screens and comparing included, and how much dearer each is than the one before."""
+
+PASSAGES_SEARCHES = 96
+"""Most searches for routes through other passages."""
+
+PASSAGES_CELLS_A_START = 1000
+"""Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
+classes than scattered starts do."""
+
+MakePassages = Callable[[Question, Floats], Passages]
+"""From a question and what routes have to keep (27,) to the passages of its routes."""
+
+
+class Strategy:
+    """What a solver tries, prepared once for a robot and a scene; safe to share between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+    options : SolveOptions
+
+    Attributes
+    ----------
+    searches : Searches or None
+        What finds routes, where they are searched for.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions) -> None:
+        takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
+        self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
+        takes_memory = registry.capabilities(options.method).initial and REMEMBERED not in options.without
+        own = options.memory is not None and options.memory._serves(robot)  # a remedy's robot is another one
+        self._memory = options.memory if takes_memory and own else None
+        self._segments, self._options = len(robot), options
+
+    def load(self, *, anew: bool = False) -> None:
+        """Compile what routes need, or load it, where that is not done yet, or `anew`."""
+        if self.searches is not None:
+            self.searches.load(anew=anew)
+
+    def opening_starts(self, given: int) -> int:
+        """How many starts the method makes by itself in the first call, after so many initial configurations."""
+        most = OPENING_ALONE if self.searches is None else OPENING
+        return max(0, min(self._options.most_starts, most) - given)
+
+    def opening(self, question: Question) -> StartBatch:
+        """Return the starts of the first call."""
+        return StartBatch(SOURCES[GIVEN], question.initial, (0, self.opening_starts(len(question.initial))))
+
+    def scattered(self, question: Question) -> Scattered:
+        """Return the scattered starts that follow those of the first call."""
+        given = len(question.initial)
+        return Scattered(self.opening_starts(given), self._options.most_starts - given)
+
+    def batches(
+        self, question: Question, scattered: Scattered | None = None, passages: MakePassages | None = None
+    ) -> Iterator[StartBatch]:
+        """Yield all starts after the first call; an attempt works only when its next batch is asked for.
+
+        Parameters
+        ----------
+        question : Question
+        scattered : Scattered, optional
+            Those to go on with, where some of them were followed already.
+        passages : callable, optional
+            What knows other passages: where several solutions are wanted, routes through these come before all others.
+        """
+        left = self.scattered(question) if scattered is None else scattered
+        attempts = attempts_of(question, left, self.searches, without=self._options.without, passages=passages)
+        if len(question.initial) or question.several:  # else they were tried in the first call
+            attempts.add(REMEMBERED, REMEMBERED_FIRST, partial(self._remembered_batch, question), cost=0)
+        return attempts.batches()
+
+    @property
+    def remembers(self) -> bool:
+        """Whether there is a memory."""
+        return self._memory is not None
+
+    def remembered(self, rows: Floats, count: int = NEAREST) -> Floats:
+        """Return the remembered shapes (m, k, n, 3) nearest to targets (m, t, 15); k is 0 where there is no memory."""
+        memory = self._memory
+        return np.empty((len(rows), 0, self._segments, 3)) if memory is None else memory._shapes.nearest(rows, count)
+
+    def recalled(self, starts: Floats, answers: Floats) -> NDArray[np.bool_]:
+        """Say of answers (m, 11 + 3 n) to calls from remembered shapes (m, k, n, 3) which began there.
+
+        Returns
+        -------
+        ndarray (m,) of bool
+            Which of them are hardly different from where they began.
+        """
+        rows = np.flatnonzero(answers[:, SOURCE] == GIVEN) if starts.shape[1] else np.empty(0, np.int64)
+        answers[rows, SOURCE] = tables.REMEMBERED
+        repeats = np.zeros(len(answers), np.bool_)
+        if self._memory is not None and len(rows):
+            began = starts[rows, answers[rows, STARTS].astype(np.int64) - 1]
+            found = answers[rows, RECORD_WIDTH:].reshape(began.shape)
+            repeats[rows] = self._memory._shapes.alike(found, began[:, None])[:, 0]
+        return repeats
+
+    def learn(self, found: Floats, starts: Floats | None = None) -> None:
+        """Keep solutions (m, n, 3) in the memory, if there is one, but none that is hardly different from its starts.
+
+        Starts: (m, k, n, 3).
+        """
+        if self._memory is None:
+            return
+        if starts is not None and starts.shape[1]:
+            self._memory._learn(found, np.logical_not(self._memory._shapes.alike(found, starts).any(axis=1)))
+        else:
+            self._memory._learn(found)
+
+    def _remembered_batch(self, question: Question) -> Iterator[StartBatch]:
+        count = REMEMBERED_SEVERAL if question.several else NEAREST
+        initial = self.remembered(question.problem._rows[None], count)[0]
+        if len(initial):
+            yield StartBatch(REMEMBERED, initial)
+
+
+def attempts_of(
+    question: Question,
+    scattered: Scattered,
+    searches: Searches | None,
+    *,
+    without: Collection[str] = (),
+    passages: MakePassages | None = None,
+) -> Attempts:
+    """Return the queue of all that is tried for a question.
+
+    Parameters
+    ----------
+    question : Question
+    scattered : Scattered
+        The scattered starts that the first call has left.
+    searches : Searches or None
+        What finds routes, where they are searched for.
+    without : collection of str
+        Attempts that are switched off.
+    passages : callable, optional
+        See `Strategy.batches`.
+    """
+    balls = searches is not None and searches.only_balls(question.problem)
+    attempts = Attempts(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
+    query = None if searches is None else searches.query(question.problem)
+    if searches is not None and query is not None:
+        RouteAttempts(attempts, searches, question, query, passages)
+    return attempts
+
+
+class RouteAttempts:
+    """What is tried along routes for one question: it adds attempts, and these add others.
+
+    Parameters
+    ----------
+    attempts : Attempts
+        Where they are added.
+    searches : Searches
+    question : Question
+    query : ndarray (27,)
+        What routes have to keep.
+    passages : callable, optional
+        See `Strategy.batches`.
+    """
+
+    def __init__(
+        self,
+        attempts: Attempts,
+        searches: Searches,
+        question: Question,
+        query: Floats,
+        passages: MakePassages | None = None,
+    ) -> None:
+        self._attempts, self._searches, self._question = attempts, searches, question
+        self._plans = plans_of(searches)
+        self._candidates = Candidates(searches, question, query, attempts.without)
+        self._passes = 0
+        self._make_passages = passages
+        if passages is not None or not question.several:
+            self._add_passage(frozenset(), 0)
+        self._add_first()
+
+    @cached_property
+    def _passages(self) -> Passages:
+        """The passages that routes lead through, once they are asked for."""
+        if self._make_passages is not None:
+            return self._make_passages(self._question, self._candidates.query)
+        curves = ClassCurves(self._searches.robot, self._question.problem.scene, self._question.deadline)
+        return Passages(self._searches, curves, self._question, self._candidates.query, solved=lambda curve: False)
+
+    def _add_first(self) -> None:
+        """Add what needs no route, and what finds routes."""
+        if not self._question.several:
+            self._attempts.add("base_tube", AT_ONCE, self._candidates.in_tube)
+        self._attempts.add(SCATTERED, AT_ONCE, self._scattered_first, cost=0)
+        for name, find in (
+            (EDGES, self._candidates.around_edges),
+            (SIDE_TUBES, self._candidates.through_side_tubes),
+        ):
+            self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
+        self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
+
+    def _add_passage(self, closed: frozenset[int], step: int, again: bool = False, later: bool = False) -> None:
+        """Add a search for a route while some passages are closed; `later`: there probably is none."""
+        if step < len(self._searches.single_plans):
+            several = self._question.several
+            price = (PASSAGES if several else OTHERS + OTHERS_COST * self._passes) + (1 + step if later else 0)
+            make = partial(self._pass, closed, step, again)
+            self._attempts.add("passages", price, make, cost=0 if several else OTHERS_COST)
+
+    def _pass(self, closed: frozenset[int], step: int, again: bool) -> Iterator[StartBatch]:
+        """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
+
+        `again`: a route was found so already, but no solution along it, so several that differ are searched for.
+        """
+        if self._passes >= PASSAGES_SEARCHES:
+            return
+        self._passes += 1
+        plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages
+        routes, cells = passages.routes(closed, plan)
+        yield along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
+        if not routes:
+            self._add_passage(closed, step + 1, again, later=True)
+            return
+        if self._question.several:
+            failed = yield from passages.starts(routes)
+            if failed:
+                self._add_passage(closed, step + again, again=True)
+        elif passages.differs(routes[0]):
+            self._add_routes(routes, finest=False)
+        for more in passages.closing(closed, routes[0]):
+            self._add_passage(more, 0)
+
+    def _scattered_first(self) -> Iterator[StartBatch]:
+        """Scattered starts, where looking for a route takes longer."""
+        if not (self._candidates.enclosed or self._searches.edges_first(self._question.problem)):
+            yield self._attempts.scatter(SCATTERED_FIRST)
+
+    def _find_one(self, find: Callable[[Floats], Floats | None]) -> Iterator[StartBatch]:
+        """Look for a route without cells, unless one is known."""
+        route = None if self._candidates.known else find(self._candidates.query)
+        if route is not None:
+            self._add_routes([route], finest=True)
+        return iter(())
+
+    def _search(self, searches: list[tuple[float, SearchPlan]], first: bool) -> Iterator[StartBatch]:
+        """Search for routes over cells; add the next search."""
+        candidates = self._candidates
+        if first and candidates.known:
+            searches = [(max(price, AFTER_EDGES), plan) for price, plan in searches if plan.routes > 1]
+            self._attempts.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
+            return
+        (_, plan), *others = searches
+        found = candidates.over_cells_once(plan)
+        closed = plan.cell if found.ended == PROVED_CLOSED else None
+        self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
+        if candidates.any_clear:
+            others = [(price, other) for price, other in others if other != self._searches.middle]
+        if others:
+            self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
+        yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
+
+    def _add_root(self, number: int) -> None:
+        """Add a search for a route to where the backbone may end, where a tool leaves that open."""
+        alone = len(self._question.problem.targets) == 1 and not self._question.several
+        if number < ROOTS and alone and self._candidates.has_tool:
+            make = partial(self._search_to_root, number)
+            self._attempts.add("cells", ROOTS_PRICE * (1 + number), make, cost=0)
+
+    def _search_to_root(self, number: int) -> Iterator[StartBatch]:
+        """Search for a route to where the backbone may end, and add the next search."""
+        route = self._candidates.to_root(number)
+        if route is not None:
+            self._add_routes([route], finest=False)
+        self._add_root(number + 1)
+        return iter(())
+
+    def _add_routes(self, routes: list[Floats], finest: bool) -> None:
+        """Add all that is tried along the routes (K, 3) of one search: chains are grown along the first one alone."""
+        if not routes:
+            return
+        if not self._candidates.known:
+            self._add_root(0)
+        stowed = self._candidates.to_be_stowed(routes[0])
+        noted = [self._candidates.note(route, finest) for route in routes]
+        if noted[0] is not None:
+            if not self._question.several:
+                self._add_gates(noted[0])
+            self._add_grown(noted[0])
+            if not self._question.several:
+                self._add_detour(noted[0], first=0 if stowed else 3)
+        price = min(GATES_COSTS.values()) if stowed else AT_ONCE
+        self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
+
+    def _add_along(
+        self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[StartBatch]]
+    ) -> None:
+        self._attempts.add(name, cost * candidate.weight, make, cost)
+
+    def _add_grown(self, candidate: Candidate) -> None:
+        """Add chains along a route; those for several solutions come last, because they are much alike."""
+        if self._question.several:
+            make = partial(self._candidates.grown, candidate, GROWN_SEVERAL)
+            self._attempts.add("grown", LAST, make, GROWN_COST * GROWN_SEVERAL)
+            return
+        width = FIRST_WIDTH
+        while width <= LAST_WIDTH:
+            self._add_along("grown", candidate, GROWN_COST * width, partial(self._candidates.grown, candidate, width))
+            width *= 2
+
+    def _add_detour(self, candidate: Candidate, first: int, number: int = 0) -> None:
+        """Add chains along a route that is led aside, as dear as the least beams; each is dearer than the one before.
+
+        The first is as dear as number `first`.
+        """
+        if number < DETOURS:
+            cost = GROWN_COST * FIRST_WIDTH
+            make = partial(self._detour, candidate, first, number)
+            self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
+
+    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[StartBatch]:
+        """Make chains along a route that is led aside, and add the next ones."""
+        yield from self._candidates.detour(candidate, number)
+        self._add_detour(candidate, first, number + 1)
+
+    def _add_gates(self, candidate: Candidate) -> None:
+        """Add chains through the narrowest place of a route."""
+        for starts, cost in GATES_COSTS.items():
+            self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts))
+
+
+def plans_of(searches: Searches) -> list[tuple[float, SearchPlan]]:
+    """Return the searches over cells, from the quickest to the most thorough, each with its price."""
+    coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
+    first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]
+    first = first if coarse.cell > fine.cell else [(AT_ONCE, fine)]
+    others = (PRICE_ALTERNATIVES, coarse), (PRICE_LAST, fine._replace(cells=CELLS[1]))
+    return [*first, *((price, plan._replace(routes=ALTERNATIVES)) for price, plan in others)]

@@ -1,0 +1,340 @@
+"""What a calibration found: the robot as it stands on the table, what is known of it, and what is left of errors."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous.base import checks
+from sinuous.base.arguments import HasArray, Number, Rows, Stack
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.reprs import ShortRepr, call
+from sinuous.model.robot import Robot, Uncertainty
+from sinuous.studies.calibration.bodies import at_rest
+from sinuous.studies.calibration.measurements import Measurements, read
+from sinuous.studies.calibration.model import model, predicted
+from sinuous.studies.calibration.parameters import Values
+
+LEVEL = 0.95
+"""Share of rows for which the bound of the robot held, by default."""
+
+MOST_SHOWN = 5
+"""Patterns, and parameters, that an explanation names."""
+
+
+class Parameter(NamedTuple):
+    """One parameter of a fit.
+
+    Attributes
+    ----------
+    name : str
+    group : str
+    kind : str
+        `factor`: what the drawn value is multiplied by; `angle` (rad), `length` or `mass`: what is added to it.
+    value : float
+        The factor, or what is added.
+    deviation : float
+        Standard deviation of the value (of a factor: relative to it), from how patterns of motion differ.
+    determined : bool
+        Whether the measurements say more about it than the drawing does.
+    """
+
+    name: str
+    group: str
+    kind: str
+    value: float
+    deviation: float
+    determined: bool
+
+
+class Trial(NamedTuple):
+    """A group of parameters that was tried: mean error of rows that were held back, without it and with it."""
+
+    group: str
+    before: float
+    after: float
+    kept: bool
+
+
+class Errors(NamedTuple):
+    """Errors in the length unit: how many rows, and their mean, median, 95 % quantile and largest."""
+
+    rows: int
+    mean: float
+    median: float
+    p95: float
+    worst: float
+
+    @classmethod
+    def of(cls, off: Floats) -> "Errors":
+        """Of rows (N,)."""
+        return cls(len(off), float(off.mean()), float(np.median(off)), float(np.quantile(off, 0.95)), float(off.max()))
+
+
+@dataclass(frozen=True, repr=False)
+class Calibration(ShortRepr):
+    """A calibrated robot.
+
+    Attributes
+    ----------
+    robot : Robot
+        As measured, with its `uncertainty`; it is saved and loaded as any.
+    drawn : Robot
+        As it was given.
+    device : ndarray (4, 4)
+        Pose of the measuring device in the robot's world; the identity where the base was fitted instead.
+    groups : tuple of str
+        What was fitted.
+    trials : tuple of Trial
+        Groups that were tried, in order, where the fit chose by itself.
+    parameters : tuple of Parameter
+    residuals : ndarray (N, k, 3)
+        Predicted less measured, in the frame of the device; NaN where nothing was seen.
+    held_back : ndarray (N, k, 3)
+        The same, each row predicted by a fit without rows of patterns like its own.
+    rows : ndarray of int (N,)
+        Numbers of the rows that were used.
+    dropped : tuple of int
+        Rows without a measurement (NaN).
+    labels : tuple of str (N)
+        The pattern of each row.
+    notes : tuple of str
+        What may surprise.
+    """
+
+    robot: Robot
+    drawn: Robot
+    device: Floats
+    groups: tuple[str, ...]
+    trials: tuple[Trial, ...]
+    parameters: tuple[Parameter, ...]
+    residuals: Floats
+    held_back: Floats
+    dropped: tuple[int, ...]
+    notes: tuple[str, ...]
+    measurements: Measurements
+
+    @property
+    def rows(self) -> Any:
+        """Numbers of the rows that were used (N,)."""
+        return self.measurements.rows
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The pattern of each row (N)."""
+        return self.measurements.labels
+
+    @property
+    def fitted(self) -> Errors:
+        """Errors of the rows that were fitted."""
+        return Errors.of(self._off(self.residuals))
+
+    @property
+    def expected(self) -> Errors:
+        """Errors of rows that were held back: what to expect of other motions."""
+        return Errors.of(self._off(self.held_back))
+
+    @property
+    def by_pattern(self) -> dict[str, Errors]:
+        """Errors of held-back rows, by pattern, the worst first."""
+        off, labels = self._off(self.held_back), np.array(self.labels)
+        found = {label: Errors.of(off[labels == label]) for label in sorted(set(self.labels))}
+        return dict(sorted(found.items(), key=lambda each: -each[1].mean))
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the parameters about which the drawing says more than the measurements."""
+        return tuple(each.name for each in self.parameters if not each.determined)
+
+    def bound(self, level: Number = LEVEL, of: str = "patterns") -> float:
+        """Error that this share of held-back rows does not exceed.
+
+        Parameters
+        ----------
+        level : float
+        of : str
+            `patterns`: it holds for at least that share of the rows of every pattern that was held back, so for more of
+            most, and about for motions unlike those that were measured (group-conditional conformal prediction).
+            `rows`: for that share of the rows of further patterns like those that were measured (hierarchical conformal
+            prediction); for that at least `1 / (1 - level) - 1` patterns are needed, with fewer it is the other. Labels
+            that go on from another, as `circle_hold` does from `circle`, are no pattern of their own here.
+        """
+        share, off = checks.number("level", level, low=0.0, high=1.0), self._off(self.held_back)
+        if checks.choice("of", of, ("patterns", "rows")) == "rows":
+            like = bound_of_further(_parts(off, whole_patterns(self.labels)), share)
+            if np.isfinite(like):
+                return like
+        return max(bound_of(part, share) for part in _parts(off, self.labels))
+
+    def for_motion(
+        self,
+        actuators: Stack,
+        measured: Stack,
+        *,
+        level: Number = LEVEL,
+        places: Sequence[Number] | HasArray | None = None,
+        markers: Rows | None = None,
+        unit: Number = 1.0,
+    ) -> Robot:
+        """The robot with a bound of its error in one motion, from some rows of that motion (split conformal).
+
+        Errors differ from motion to motion, so a bound from other motions (`bound`) holds for more rows of it, or for
+        fewer. This one holds for the share `level` of its further rows, on average over which rows are measured, where
+        these are drawn from all of it, or spread evenly over it; 40 are enough.
+
+        Parameters
+        ----------
+        actuators, measured, places, markers, unit
+            As for `calibrate`, of rows to which the robot was not fitted; in the same frame of the measuring device.
+        level : float
+
+        Returns
+        -------
+        Robot
+            Its `uncertainty` is that bound, in the places that were measured.
+
+        Raises
+        ------
+        InputError
+            When there are too few rows for this level (at least `level / (1 - level)`), or they are off by more than
+            the length of the robot.
+        """
+        share = checks.number("level", level, above=0.0, high=1.0)
+        rows = read(self.robot, actuators, measured, places, markers, ["motion"] * len(np.asarray(actuators)), unit)
+        count = len(rows.rows)
+        if share * (count + 1) > count:
+            needed = f"at least {math.ceil(share / (1.0 - share))} rows" if share < 1.0 else "a level below 1"
+            raise InputError("measured", f"rows for a bound at {share:.4g}", count, needed)
+        points = rows.points @ self.device[:3, :3].T + self.device[:3, 3]
+        off = predicted(model(self.robot, Values((), np.zeros(0)), rows.places), rows.actuators) - points
+        usual, length = float(np.nanmedian(np.linalg.norm(off, axis=-1))), self.robot.mean_length
+        if usual > length:
+            problem = f"rows are off by {usual:.3g}, the robot is {length:.3g} long"
+            wanted = "points in the frame of the device and the length unit of the robot, or another unit"
+            raise InputError("measured", problem, points[0].tolist(), wanted)
+        return self.robot.changed(uncertainty=Uncertainty(bounds_of(len(self.robot), off, rows, share), share))
+
+    def predict(self, actuators: Stack) -> Floats:
+        """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight.
+
+        Raises
+        ------
+        InputError
+            When the robot cannot hold its load at some of these values.
+        """
+        values = checks.stack("actuators", actuators, (len(self.robot.drive),))
+        return at_rest(self.robot, values.reshape(-1, values.shape[-1])).tips().reshape(*values.shape[:-1], 4, 4)
+
+    def save(self, file: str | Path) -> None:
+        """Write the robot into a file; `sinuous.load` reads it where it stands in a problem file."""
+        self.robot.save(file)
+
+    def explain(self) -> str:
+        """Say what was fitted, what mattered most, what is not known, and what to measure next."""
+        return "\n".join(self._lines())
+
+    def _lines(self) -> list[str]:
+        own, unit = self.expected, self.robot.mean_length
+        lines = [f"{own.rows} rows; fitted: {', '.join(self.groups) or 'nothing'} ({len(self.parameters)} parameters)"]
+        for name, each in (("fitted", self.fitted), ("held back", own)):
+            lines.append(
+                f"error of rows {name}: mean {each.mean:.3g} ({100 * each.mean / unit:.2g} % of the length), "
+                f"median {each.median:.3g}, 95 % {each.p95:.3g}, worst {each.worst:.3g}"
+            )
+        lines.append(f"bound of the error at {LEVEL:.0%}: {self.bound():.3g}")
+        kept = sorted((t for t in self.trials if t.kept), key=lambda t: t.after - t.before)
+        if kept:
+            said = [f"{t.group} ({t.before:.3g} to {t.after:.3g})" for t in kept[:MOST_SHOWN]]
+            lines.append("what matters most: " + ", ".join(said))
+        worst = list(self.by_pattern.items())[:MOST_SHOWN]
+        lines.append("worst patterns: " + ", ".join(f"{label} (mean {each.mean:.3g})" for label, each in worst))
+        if self.undetermined:
+            more = len(self.undetermined) - MOST_SHOWN
+            names = ", ".join(self.undetermined[:MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
+            lines.append(f"not determined by these rows: {names}; measure next what sinuous.suggest says")
+        return lines + [f"note: {note}" for note in self.notes]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values."""
+        return {
+            "robot": self.robot.to_dict(),
+            "device": self.device.tolist(),
+            "fitted": list(self.groups),
+            "parameters": [each._asdict() for each in self.parameters],
+            "errors": {"fitted": self.fitted._asdict(), "held_back": self.expected._asdict()},
+            "patterns": {label: each._asdict() for label, each in self.by_pattern.items()},
+            "bound": self.bound(),
+            "level": LEVEL,
+            "dropped": list(self.dropped),
+            "notes": list(self.notes),
+        }
+
+    def _off(self, residuals: Floats) -> Floats:
+        """Error of each row (N,): of its worst point."""
+        own = self.measurements.levers > 0.0
+        return np.sqrt((np.nan_to_num(residuals[:, own]) ** 2).sum(axis=2)).max(axis=1)
+
+    def __repr__(self) -> str:
+        own = self.expected
+        return call(
+            "Calibration", [f"{own.rows} rows", f"{len(self.parameters)} parameters", f"mean error {own.mean:.3g}"]
+        )
+
+
+def bounds_of(segments: int, off: Floats, rows: Measurements, level: float) -> float | tuple[float, ...]:
+    """Bound of each segment for errors (N, k, 3), the largest of all patterns: that of the first point beyond its end.
+
+    No segment has less than those before.
+    """
+    own = [(place.segment, k) for k, place in enumerate(rows.places) if rows.levers[k] > 0.0]
+    labels = np.array(rows.labels)
+    bounds: dict[int, float] = {}
+    for segment, k in own:
+        size = np.linalg.norm(off[:, k], axis=1)
+        parts = [size[(labels == label) & np.isfinite(size)] for label in set(rows.labels)]
+        bounds[segment] = max([bounds.get(segment, 0.0), *(bound_of(part, level) for part in parts if len(part))])
+    each: list[float] = []
+    worst = 0.0
+    for k in range(segments):
+        beyond = [segment for segment in bounds if segment >= k]
+        worst = max(worst, bounds[min(beyond)] if beyond else max(bounds.values()))
+        each.append(worst)
+    return each[0] if len(set(each)) == 1 else tuple(each)
+
+
+def _parts(off: Floats, labels: Sequence[str]) -> list[Floats]:
+    """The errors (N,) of each pattern."""
+    each = np.array(labels)
+    return [off[each == label] for label in set(labels)]
+
+
+def whole_patterns(labels: Sequence[str]) -> list[str]:
+    """The pattern of each label: itself, or the shortest label from which it goes on after an underscore."""
+    known, result = set(labels), []
+    for label in labels:
+        words = label.split("_")
+        begins = ("_".join(words[:count]) for count in range(1, len(words)))
+        result.append(next((begin for begin in begins if begin in known), label))
+    return result
+
+
+def bound_of(off: Floats, level: float) -> float:
+    """The quantile of errors (N,) that a further row exceeds with at most this probability (split conformal)."""
+    return float(np.quantile(off, min(1.0, level * (1.0 + 1.0 / max(len(off), 1))), method="linear"))
+
+
+def bound_of_further(parts: Sequence[Floats], level: float) -> float:
+    """The error that a row of a further pattern exceeds with at most this probability; infinite with too few patterns.
+
+    Errors (N,) of each pattern count as much together as those of any other, and one more pattern may have any (Lee,
+    Barber & Willett 2023).
+    """
+    off = np.concatenate(parts)
+    shares = np.concatenate([np.full(len(part), 1.0 / len(part)) for part in parts]) / (len(parts) + 1.0)
+    order = np.argsort(off)
+    at = int(np.searchsorted(np.cumsum(shares[order]), level - 1e-12))
+    return float(off[order[at]]) if at < len(off) else np.inf

@@ -1,0 +1,201 @@
+"""Measurements: rows of actuator values, and where places of the body were then."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base import checks
+from sinuous.base.arguments import HasArray, Number, Rows, Stack
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.model.inverse import some_of
+from sinuous.model.robot import Robot
+
+LEVER = 0.1
+"""Of the length of the robot: how far apart two points are that stand for the direction of an axis of a pose."""
+
+FARTHEST = 2.2
+"""Lengths of the robot by which points of its body may be apart at most; twice, and what noise adds."""
+
+NEAREST = 0.02
+"""Lengths of the robot: points of a body that moves are spread farther than this."""
+
+FACTORS = (1000.0, 0.001, 100.0, 0.01, 10.0, 0.1, 25.4, 1.0 / 25.4)
+"""By what one unit of length is another."""
+
+FOLDS = 8
+"""Into how many parts rows fall, each of which is held back in turn."""
+
+
+class Place(NamedTuple):
+    """A place of the body.
+
+    Attributes
+    ----------
+    segment : int
+        0 = first.
+    share : float
+        Of the length of that segment.
+    offset : ndarray (3,)
+        From the backbone there, in the frame of the cross-section.
+    """
+
+    segment: int
+    share: float
+    offset: Floats
+
+
+class Measurements(NamedTuple):
+    """Rows that can be used.
+
+    Attributes
+    ----------
+    actuators : ndarray (N, m)
+    points : ndarray (N, k, 3)
+        In the frame of the measuring device, in the length unit of the robot; NaN where a point was not seen.
+    places : tuple of Place (k)
+    labels : tuple of str (N)
+        The pattern of each row.
+    folds : ndarray of int (N,)
+        Which part each row belongs to; rows of a pattern belong to the same.
+    rows : ndarray of int (N,)
+        Their numbers among those that were given.
+    dropped : tuple of int
+        Numbers of the rows that hold no measurement.
+    levers : ndarray (k,)
+        1 where a point is one of the body, 0 where it stands for a direction.
+    """
+
+    actuators: Floats
+    points: Floats
+    places: tuple[Place, ...]
+    labels: tuple[str, ...]
+    folds: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    dropped: tuple[int, ...]
+    levers: Floats
+
+    def part(self, chosen: NDArray[np.bool_] | slice) -> "Measurements":
+        """Some of the rows."""
+        labels = tuple(np.array(self.labels)[chosen].tolist())
+        arrays = self.actuators[chosen], self.points[chosen], self.places, labels, self.folds[chosen]
+        return Measurements(*arrays, self.rows[chosen], self.dropped, self.levers)
+
+
+def refuse_loose(robot: Robot) -> None:
+    """Refuse a robot whose actuators do not determine its shape."""
+    if not len(robot.drive):
+        raise InputError("robot", "has no actuators", robot, "tendons, chambers, stages or Actuators")
+    if robot.undetermined:
+        problem = f"no actuator determines {some_of(robot.undetermined)}"
+        raise InputError("robot", problem, robot, "a robot whose shape follows from its actuators")
+
+
+def read(
+    robot: Robot,
+    actuators: Stack,
+    measured: Stack,
+    places: Sequence[Number] | HasArray | None,
+    markers: Rows | None,
+    groups: Sequence[object] | NDArray[Any] | None,
+    unit: Number,
+) -> Measurements:
+    """Check what was measured; see `sinuous.calibrate`."""
+    refuse_loose(robot)
+    values = _numbers("actuators", actuators, (None, len(robot.drive)))
+    given = _numbers("measured", measured, None)
+    factor = checks.number("unit", unit, above=0.0)
+    if len(given) != len(values):
+        raise InputError("measured", f"{len(given)} rows", measured, f"{len(values)} rows, as many as actuators")
+    points, kinds, levers = _points(robot, given, places, markers, factor)
+    labels = _labels(groups, len(values))
+    seen = np.isfinite(points).all(axis=2)
+    good = np.asarray(np.isfinite(values).all(axis=1) & np.logical_or.reduce(seen, axis=1), np.bool_)
+    points[~np.isfinite(points).all(axis=2)] = math.nan
+    if not good.any():
+        raise InputError("measured", "no row has finite numbers", measured, "rows of numbers")
+    kept = tuple(label for label, ok in zip(labels, good, strict=True) if ok)
+    dropped = tuple(int(i) for i in np.flatnonzero(~good))
+    return Measurements(values[good], points[good], kinds, kept, _folds(kept), np.flatnonzero(good), dropped, levers)
+
+
+def _numbers(key: str, value: Stack, shape: tuple[int | None, int] | None) -> Floats:
+    """Read numbers of which some may be NaN."""
+    try:
+        result = np.array(value, np.float64)
+    except (ValueError, TypeError):
+        raise InputError(key, "", value, "rows of numbers") from None
+    if shape is not None and (result.ndim != len(shape) or result.shape[1] != shape[1]):
+        raise InputError(key, f"shape {result.shape}", value, f"rows of {shape[1]} numbers")
+    if result.ndim not in (2, 3) or not len(result):
+        raise InputError(key, f"shape {result.shape}", value, "one row a measurement: (N, 3), (N, k, 3) or (N, 4, 4)")
+    return result
+
+
+def _points(
+    robot: Robot, given: Floats, places: Sequence[Number] | HasArray | None, markers: Rows | None, factor: float
+) -> tuple[Floats, tuple[Place, ...], Floats]:
+    n = len(robot)
+    tip = Place(n - 1, 1.0, robot.tool[:3, 3])
+    if given.ndim == 3 and given.shape[1:] == (4, 4):
+        if places is not None or markers is not None:
+            raise InputError("places", "poses are those of the tip", places, "no places beside poses")
+        lever = LEVER * robot.mean_length
+        origin = given[:, :3, 3] * factor
+        points = np.stack([origin, *(origin + lever * given[:, :3, i] for i in (0, 1))], axis=1)
+        sides = [tip.offset + lever * robot.tool[:3, i] for i in (0, 1)]
+        return points, (tip, *(tip._replace(offset=side) for side in sides)), np.array([1.0, 0.0, 0.0])
+    points = (given[:, None] if given.ndim == 2 else given) * factor
+    count = points.shape[1]
+    if points.shape[2] != 3:
+        raise InputError("measured", f"shape {given.shape}", given[0].tolist(), "points of 3 numbers")
+    shares = [1.0] if places is None and count == 1 else checks.array("places", places, (count,)).tolist()
+    if not all(0.0 <= share <= 1.0 for share in shares):
+        raise InputError("places", "", shares, "shares of the length of the body, 0 to 1")
+    offsets = np.tile(robot.tool[:3, 3], (1, 1)) if places is None else np.zeros((count, 3))
+    if markers is not None:
+        offsets = checks.array("markers", markers, (count, 3))
+    ends = np.cumsum([0.5 * sum(segment.length) for segment in robot.segments])
+    kinds = []
+    for share, offset in zip(shares, offsets, strict=True):
+        at = share * ends[-1]
+        k = min(int(np.searchsorted(ends, at)), n - 1)
+        begin = ends[k - 1] if k else 0.0
+        kinds.append(Place(k, float((at - begin) / (ends[k] - begin)) if ends[k] > begin else 1.0, offset))
+    return np.array(points), tuple(kinds), np.ones(count)
+
+
+def _labels(groups: Sequence[object] | NDArray[Any] | None, count: int) -> tuple[str, ...]:
+    if groups is None:
+        blocks = (i * FOLDS // count for i in range(count))
+        return tuple(f"rows {count * i // FOLDS} to {max(0, count * (i + 1) // FOLDS - 1)}" for i in blocks)
+    labels = tuple(str(label) for label in groups)
+    if len(labels) != count:
+        raise InputError("groups", f"{len(labels)} labels", list(labels[:3]), f"{count}, one a row")
+    return labels
+
+
+def _folds(labels: tuple[str, ...]) -> NDArray[np.intp]:
+    """Part of each row: labels that begin alike are held back together, for they are likely of one kind of motion."""
+    _, which, counts = np.unique(labels, return_inverse=True, return_counts=True)
+    return ((np.cumsum(counts) - counts) * FOLDS // len(labels))[which]
+
+
+def refuse_size(robot: Robot, own: Measurements) -> None:
+    """Refuse measurements that are all equal, or in another unit of length than the robot."""
+    points = own.points[:, own.levers > 0.0].reshape(-1, 3)
+    points = points[np.isfinite(points).all(axis=1)]
+    spread = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    length = sum(segment.length[1] for segment in robot.segments)
+    moves = np.ptp(own.actuators, axis=0)
+    if spread == 0.0 or not moves.any():
+        key = "measured" if spread == 0.0 else "actuators"
+        raise InputError(key, "all rows are equal", points[0].tolist(), "rows that differ")
+    if not NEAREST * length <= spread <= 2.0 * FARTHEST * length:
+        fits = [f for f in FACTORS if 0.1 * length <= spread * f <= 2.0 * FARTHEST * length]
+        hint = f"; unit={fits[0]:g} would fit" if fits else ""
+        problem = f"points spread over {spread:.3g}, the robot is {length:.3g} long{hint}"
+        raise InputError("measured", problem, points[0].tolist(), "points in the length unit of the robot")

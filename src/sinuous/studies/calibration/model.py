@@ -1,0 +1,158 @@
+"""Where a robot's places are for values of its actuators, and exact derivatives of that by the parameters of a fit.
+
+In equilibrium `S (q - rest) = A' f` with `f = k max(0, d - A q)`; a change of anything in it moves `q` by
+`H^-1 (A' df + dA' f - dS (q - rest) + S drest)`, where `H = S + A' k A` over the lines that pull. Rigid actuators are
+lines of stiffness 1 that push, too, and nothing resists them: that is their least-squares solution. Bodies that gravity
+bends are in equilibrium (`sinuous.kernels.statics.answers`).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base.checks import Floats
+from sinuous.model.elastic import Springs
+from sinuous.model.robot import Robot
+from sinuous.studies.calibration.bodies import Loaded, at_rest
+from sinuous.studies.calibration.measurements import Place
+from sinuous.studies.calibration.parameters import Values, changed, is_fixed, is_soft, lines_of
+
+STEP = 1e-6
+"""Of differences of tables of loaded bodies: share of how far a parameter may be off, or of gravity."""
+
+
+class RobotModel(NamedTuple):
+    """A robot, its drawn self, and what is asked about it.
+
+    Attributes
+    ----------
+    robot, drawn : Robot
+        With the values of the parameters, and without.
+    values : Values
+    places : tuple of Place
+    """
+
+    robot: Robot
+    drawn: Robot
+    values: Values
+    places: tuple[Place, ...]
+
+
+def model(drawn: Robot, values: Values, places: tuple[Place, ...]) -> RobotModel:
+    """Make a model of a robot with other values of its parameters."""
+    tool = values.of("tool")
+    if tool is not None:
+        places = tuple(place._replace(offset=place.offset + tool) for place in places)
+    return RobotModel(changed(drawn, values), drawn, values, places)
+
+
+def predicted(own: RobotModel, actuators: Floats) -> Floats:
+    """Points (N, k, 3) of the places at values of actuators (N, m), in the robot's world."""
+    bodies = at_rest(own.robot, actuators)
+    return np.stack([bodies.point(place).position for place in own.places], axis=1)
+
+
+def derivatives(own: RobotModel, actuators: Floats, of_gravity: bool = False) -> tuple[Floats, Floats]:
+    """Points (N, k, 3), and their derivatives (N, k, 3, P) by the parameters, and by gravity (3) if asked."""
+    bodies, tool = at_rest(own.robot, actuators), own.values.columns("tool")
+    if isinstance(bodies, Loaded):
+        sensitivity = bodies.sensitivity(*_beside(own, of_gravity))
+    else:
+        sensitivity = _sensitivity(own, actuators, bodies.q)
+    points, slopes = [], []
+    for place in own.places:
+        point = bodies.point(place)
+        slope = np.matmul(point.jacobian, sensitivity)
+        if tool is not None:
+            slope[..., tool] += point.rotation
+        points.append(point.position)
+        slopes.append(slope)
+    return np.stack(points, axis=1), np.stack(slopes, axis=1)
+
+
+def _beside(own: RobotModel, of_gravity: bool) -> tuple[list[Robot], Floats]:
+    """Robots with a little more of each parameter, and by how much."""
+    steps, gravity = STEP * own.values.widths, own.robot.gravity
+    robots = [changed(own.drawn, own.values.with_x(own.values.x + step)) for step in np.diag(steps)]
+    if of_gravity and gravity is not None:
+        step = STEP * float(np.linalg.norm(gravity))
+        robots += [own.robot.changed(gravity=gravity + axis) for axis in step * np.eye(3)]
+        steps = np.concatenate([steps, np.full(3, step)])
+    return robots, steps
+
+
+def _springs(robot: Robot) -> tuple[Springs, NDArray[np.intp]]:
+    """All actuators as lines, and the coordinates that move."""
+    moves = np.array([[s.max_bend > 0.0, s.max_bend > 0.0, s.length[0] < s.length[1]] for s in robot.segments])
+    columns = np.flatnonzero(moves.ravel())
+    drive = robot.drive
+    stiffness, one_sided = np.ones(len(drive)), np.zeros(len(drive), np.bool_)
+    resistance, rest = np.zeros(moves.size), np.zeros(moves.size)
+    arms = np.array(drive.jacobian)
+    if drive.elastic is not None:
+        own = drive.elastic.springs
+        stiffness[drive.elastic.places], one_sided[drive.elastic.places] = own.stiffness, own.one_sided
+        where = np.flatnonzero(drive.elastic.determined.ravel())
+        resistance[where], rest[where] = np.broadcast_to(own.resistance, (1, len(where)))[0], own.rest
+    return Springs(resistance[columns], rest[columns], arms[:, columns], stiffness, one_sided), columns
+
+
+def _sensitivity(own: RobotModel, actuators: Floats, q: Floats) -> Floats:
+    """Derivatives (N, 3 n, P) of configurations by the parameters."""
+    robot, values = own.robot, own.values
+    places, sets = lines_of(robot)
+    springs, columns = _springs(robot)
+    bends = [np.flatnonzero((columns // 3 == k) & (columns % 3 < 2)) for k in range(len(robot))]
+    fixed = [k for k, segment in enumerate(robot.segments) if is_fixed(segment)]
+    soft = [k for k, segment in enumerate(robot.segments) if is_soft(segment)]
+    lengths = np.array([robot.segments[k].length[0] for k in fixed])
+    x, arms = q.reshape(len(q), -1), robot.drive.jacobian
+    displaced = robot.drive.motors.displacements(actuators)
+    elongation = displaced - x @ arms.T
+    stiff = springs.pulls(elongation) * springs.stiffness
+    force = stiff * elongation
+    resisting = springs.resistance * (x[:, columns] - springs.rest)
+    count = len(values.x)
+    pushed = np.zeros((len(q), len(robot.drive), count))  # by how much forces grow, were the shape kept
+    turned = np.zeros((len(q), len(columns), count))  # and what else the balance changes by
+    listed = ((each.name, i) for each in values.groups for i in range(len(each.names)))
+    for column, (name, i) in enumerate(listed):
+        mine = places[sets == i]
+        match name:
+            case "offsets":
+                pushed[:, places[i], column] = stiff[:, places[i]]
+            case "gains":
+                offsets = values.of("offsets")
+                extra = 0.0 if offsets is None else offsets[sets == i]
+                pushed[:, mine, column] = stiff[:, mine] * (displaced[:, mine] - extra)
+            case "stretch":
+                pushed[:, mine, column] = force[:, mine]
+            case "circles" | "angles":
+                change = np.zeros_like(arms)
+                change[mine] = _moved(arms[mine], name)
+                pushed[:, mine, column] = -stiff[:, mine] * (x @ change[mine].T)
+                turned[:, :, column] += force[:, mine] @ change[np.ix_(mine, columns)]
+            case "stiffness":
+                turned[:, bends[soft[i]], column] -= resisting[:, bends[soft[i]]]
+            case "rest":
+                bend = bends[soft[i // 2]][i % 2]
+                turned[:, bend, column] += springs.resistance[bend]
+            case "lengths":
+                turned[:, bends[fixed[i]], column] += resisting[:, bends[fixed[i]]]
+                pushed[:, :, column] = -stiff * (arms[:, 3 * fixed[i] + 2] * lengths[i])
+    hessian = springs.hessian(springs.pulls(elongation))
+    right = np.einsum("mc,nmp->ncp", springs.arms, pushed) + turned
+    result = np.zeros((len(q), x.shape[1], count))
+    result[:, columns] = np.linalg.solve(hessian, right)
+    if (grown := values.columns("lengths")) is not None:
+        result[:, 3 * np.array(fixed) + 2, np.arange(grown.start, grown.stop)] = lengths
+    return result
+
+
+def _moved(rows: Floats, name: str) -> Floats:
+    """Derivative of lines (g, 3 n) by the logarithm of their circle, or by the angle of all."""
+    result = np.zeros_like(rows)
+    x, y = rows[:, 0::3], rows[:, 1::3]
+    result[:, 0::3], result[:, 1::3] = (x, y) if name == "circles" else (-y, x)
+    return result

@@ -1,0 +1,1 @@
+"""Pictures, and pages in the browser, of robots, scenes and answers."""

@@ -1,0 +1,266 @@
+"""Diagrams of answers: clearance, actuators, bends and lengths, and the time of every waypoint."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+
+from sinuous.answer.solution import Solution
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.methods.registry import options_of
+from sinuous.motion.motion import Motion
+from sinuous.solver.solver import SolvesAgain
+from sinuous.view.display.curves import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
+from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
+from sinuous.view.pictures.files import need_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Kind = Literal["clearance", "convergence", "clearance map", "actuators", "bends", "lengths", "times"]
+
+ALONG = 40
+"""Places of a segment whose clearance is drawn."""
+
+MOMENTS = 400
+"""Times of a motion, beside those of its knots, at which its clearance is drawn."""
+
+MOST_ITERATIONS = 400
+"""Iterations whose errors are drawn."""
+
+MOST_NAMED = 12
+"""Curves that a legend has a name for."""
+
+
+def diagram(answer: Solution | Motion, kind: Kind, *, ax: "Axes | None" = None) -> "Axes":
+    """Draw a diagram of a solution or a motion.
+
+    Parameters
+    ----------
+    answer : Solution or Motion
+    kind : str
+        Of a solution: `clearance` of every place of the body from the obstacles, in the length unit, from base to
+        tip; `convergence`, the errors after every iteration, of methods with an option `iterations`.
+        Of a motion: `clearance`, the least one at every moment; `clearance map`, of every place at every moment;
+        `actuators`, `bends` (rad) and `lengths` of all segments; `times` that the waypoints took (ms).
+    ax : Axes, optional
+        By default those of a new figure of pyplot.
+
+    Returns
+    -------
+    Axes
+        What was drawn on.
+
+    Raises
+    ------
+    InputError
+        When there is no such diagram of this answer, or Matplotlib is missing.
+    """
+    need_matplotlib("diagram")
+    if not isinstance(answer, Solution | Motion):
+        raise InputError("answer", "", answer, "a Solution or a Motion")
+    checks.choice("kind", kind, get_args(Kind))
+    known = diagrams_of(answer)
+    if kind not in known:
+        raise InputError("kind", "", kind, f"one that this {type(answer).__name__} has: {', '.join(known) or 'none'}")
+    if ax is None:
+        from matplotlib import pyplot  # noqa: PLC0415
+
+        ax = pyplot.figure(figsize=(6.4, 3.6), dpi=150, layout="constrained").add_subplot()
+    _DRAWN[kind](ax, answer)
+    return ax
+
+
+def diagrams_of(answer: Solution | Motion) -> list[str]:
+    """Return the kinds of diagrams that an answer has."""
+    place = answer.problem if isinstance(answer, Solution) else answer
+    near = ["clearance"] if len(place.scene) else []
+    if isinstance(answer, Solution):
+        return [*near, *(["convergence"] if _counts_iterations(answer) else [])]
+    times = ["times"] if answer.solutions else []
+    if len(answer.q) < 2:
+        return times
+    driven = ["actuators"] if answer.robot.actuators else []
+    return [*near, *(["clearance map"] if near else []), *driven, "bends", "lengths", *times]
+
+
+def _moments(motion: Motion) -> tuple[Floats, Floats]:
+    """Times (k,) of the knots and between them, and the configurations (k, n, 3) there."""
+    begin, end = motion.times[0], motion.times[-1]
+    every = np.unique(np.concatenate([np.linspace(begin, end, MOMENTS), motion.times]))
+    return every, motion.at(every)
+
+
+def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
+    if isinstance(answer, Solution):
+        _draw_along(axes, answer)
+        return
+    moments, q = _moments(answer)
+    least = clearances(answer.robot, answer.scene, q, ALONG, moments).min(axis=-1)
+    axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
+    _mark_least(axes, moments, least)
+    _limit(axes, least)
+    if answer.clearance is not None and answer.between == "proved":
+        axes.axhline(
+            answer.clearance, color=CURVES[2], linewidth=1.2, linestyle=(0, (4, 2)), label="proved all the way"
+        )
+        axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+    tidy(axes, "least clearance of the body", x="time", y="length unit")
+
+
+def _draw_along(axes: Any, solution: Solution) -> None:
+    """Draw clearance along the body, under the colours that its segments have in pictures."""
+    problem = solution.problem
+    clearance = clearances(problem.robot, problem.scene, solution.q, ALONG)
+    along = lengths_along(solution.q, ALONG)
+    colours = tones(solution.solved)
+    for k in range(len(problem.robot)):
+        part = slice(k * ALONG, (k + 1) * ALONG + 1)
+        axes.plot(along[part], clearance[part], color=colours[k % 2], linewidth=2.6, solid_capstyle="butt")
+        axes.axvline(along[part][-1], color=GRID, linewidth=0.8, zorder=0)
+    _mark_least(axes, along, clearance)
+    _limit(axes, clearance)
+    tidy(axes, "clearance along the body", x="length of backbone from the base", y="length unit")
+
+
+def _draw_convergence(axes: Any, answer: Solution) -> None:
+    position, angle = _errors(answer)
+    tolerance = answer.problem.tolerance
+    wanted = (("position, length unit", position, tolerance.position), ("angle, rad", angle, tolerance.angle))
+    for colour, (name, values, least) in zip(CURVES, wanted, strict=False):
+        if np.isfinite(values).all():
+            number = np.arange(1, len(values) + 1)
+            axes.plot(number, values, color=colour, linewidth=1.8, marker="o", markersize=3.0, label=name)
+            axes.axhline(least, color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.set_yscale("log")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+    tidy(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
+
+
+def _counts_iterations(solution: Solution) -> bool:
+    """Whether its method can be stopped after any number of iterations, and it is known with which options it ran."""
+    return isinstance(solution._resolver, SolvesAgain) and hasattr(
+        options_of(solution._resolver.options.method), "iterations"
+    )
+
+
+def _errors(solution: Solution) -> tuple[Floats, Floats]:
+    """Errors in position and angle (k,) of the best configuration after 1, 2, ... iterations from the first start.
+
+    The problem is solved again and again, each time with one iteration more; NaN where no target asks for it.
+    """
+    again = solution._resolver
+    assert isinstance(again, SolvesAgain)
+    options: Any = options_of(again.options.method)
+    given = solution._given.reshape(-1, *solution.q.shape)
+    found: list[tuple[float | None, float | None]] = []
+    for count in range(1, min(options.iterations, MOST_ITERATIONS) + 1):
+        method = replace(options, iterations=count)
+        one = again.solve(solution.problem, given[0] if len(given) else None, method=method, max_starts=1, routes=False)
+        found.append((one.position_error, one.angle_error))
+        if one.solved or one.iterations < count:
+            break
+    position, angle = np.array(found, np.float64).T  # where there is no error, NaN
+    return position, angle
+
+
+def tidy(axes: Any, title: str, *, x: str, y: str) -> None:
+    """Give the axes of a diagram a title, labels with units, a pale grid and few lines."""
+    axes.set_title(title, fontsize=TITLE, color=INK, loc="left")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(LINE)
+    axes.tick_params(which="both", color=LINE, labelcolor=PALE, labelsize=SMALL)
+    axes.set_xlabel(x, color=PALE, fontsize=TEXT)
+    axes.set_ylabel(y, color=PALE, fontsize=TEXT)
+    axes.grid(visible=True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+
+
+def _mark_least(axes: Any, x: Floats, clearance: Floats) -> None:
+    """Mark the least value, with its number beside it, on the side where there is room."""
+    at = int(clearance.argmin())
+    axes.plot(x[at], clearance[at], "o", color=TARGET, markersize=5, zorder=4)
+    right = x[at] > 0.5 * (x[0] + x[-1])
+    axes.annotate(
+        f"{clearance[at]:.3g}",
+        (x[at], clearance[at]),
+        (-6 if right else 6, 6),
+        textcoords="offset points",
+        ha="right" if right else "left",
+        color=INK,
+        fontsize=SMALL,
+    )
+
+
+def _limit(axes: Any, clearance: Floats) -> None:
+    """Show zero, and what is below it, where something is."""
+    finite = clearance[np.isfinite(clearance)]
+    if finite.min() < 0.0:
+        axes.axhline(0.0, color=TARGET, linewidth=1.0)
+        axes.axhspan(1.1 * float(finite.min()), 0.0, color=TARGET, alpha=0.08, linewidth=0.0)
+    else:
+        axes.set_ylim(0.0, 1.12 * float(finite.max()))
+
+
+def _draw_map(axes: Any, answer: Motion) -> None:
+    moments, q = _moments(answer)
+    clearance = clearances(answer.robot, answer.scene, q, ALONG, moments)
+    places = np.linspace(0.0, len(answer.robot), clearance.shape[-1])
+    known = np.where(np.isfinite(clearance), clearance, np.nan)
+    most = float(np.nanquantile(known, 0.9))
+    drawn = axes.pcolormesh(
+        moments, places, known.T, cmap="cividis", vmin=min(0.0, float(np.nanmin(known))), vmax=most, shading="gouraud"
+    )
+    bar = axes.figure.colorbar(drawn, ax=axes, extend="max", pad=0.02)
+    bar.set_label("clearance, length unit", color=PALE, fontsize=SMALL)
+    bar.ax.tick_params(labelsize=SMALL, labelcolor=PALE, color=GRID)
+    bar.outline.set_visible(False)
+    tidy(axes, "clearance of the body on its way", x="time", y="segment")
+    axes.grid(visible=False)
+    axes.yaxis.get_major_locator().set_params(integer=True)
+
+
+def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Motion) -> None:
+    curves = of(answer)
+    for k, name in enumerate(curves.names):
+        style = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(CURVES) % 3]
+        look = {"color": CURVES[k % len(CURVES)], "linestyle": style, "linewidth": 1.5, "label": name}
+        axes.plot(curves.times, curves.values[:, k], **look)
+    if len(curves.names) <= MOST_NAMED:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL, labelcolor=PALE)
+    tidy(axes, curves.title, x="time", y=curves.unit)
+
+
+def _draw_times(axes: Any, answer: Motion) -> None:
+    from matplotlib.ticker import LogLocator, NullFormatter  # noqa: PLC0415
+
+    times = 1e3 * np.array([solution.seconds for solution in answer.solutions])
+    solved = np.array([solution.solved for solution in answer.solutions])
+    number = np.arange(1, len(times) + 1)
+    axes.plot(number[solved], times[solved], "o", color=CURVES[0], markersize=3.2, label="solved")
+    if not solved.all():
+        axes.plot(number[~solved], times[~solved], "x", color=TARGET, markersize=5, label="not solved")
+        axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+    median = float(np.median(times))
+    axes.axhline(median, color=CURVES[1], linewidth=1.4, zorder=0)
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    tidy(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
+
+
+_DRAWN: dict[str, Callable[[Any, Any], None]] = {
+    "clearance": _draw_clearance,
+    "clearance map": _draw_map,
+    "convergence": _draw_convergence,
+    "actuators": partial(_draw_values, actuators_of),
+    "bends": partial(_draw_values, bends_of),
+    "lengths": partial(_draw_values, lengths_of),
+    "times": _draw_times,
+}

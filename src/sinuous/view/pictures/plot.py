@@ -1,0 +1,205 @@
+"""Pictures in space with Matplotlib: robots, scenes, targets, solutions and motions."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sinuous.base import checks
+from sinuous.base.arguments import Number
+from sinuous.base.checks import Floats
+from sinuous.base.documents import written
+from sinuous.base.errors import InputError
+from sinuous.scene.obstacles import Obstacle
+from sinuous.view.display.bounds import Bounds, best_view
+from sinuous.view.display.captions import caption
+from sinuous.view.display.contents import Contents, PlacedTarget, Things, gather
+from sinuous.view.display.obstacles import Dotted, dots
+from sinuous.view.display.style import (
+    ARROW,
+    DOTS,
+    FORCE,
+    INK,
+    PATH,
+    ROUTE,
+    TARGET,
+    TIP_PATH,
+    TITLE,
+    Viewpoint,
+    arrows_of,
+)
+from sinuous.view.pictures.files import check_picture, need_matplotlib, stills
+from sinuous.view.pictures.paint import add, paint_arm, paint_arms, paint_walls, places_of, walls_of
+from sinuous.view.pictures.space import AREA, HEAD, axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
+
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d import Axes3D
+
+GHOSTS = 7
+"""Shapes of a motion that are drawn, beside the last one."""
+
+ALONG_PATH = 400
+"""Places of a motion that the path of its tip goes through."""
+
+
+def plot(
+    *things: Things,
+    ax: "Axes3D | None" = None,
+    view: Sequence[Number] = (30, -60),
+    path: str | Path | None = None,
+) -> "Axes3D":
+    """Draw robots, scenes, targets, solutions and motions together.
+
+    Parameters
+    ----------
+    *things : Robot, Scene, obstacle, Target, Problem, Job, Solution, Solutions, Motion, or a list of them
+        A robot is drawn straight; with an array of configurations, (n, 3) or (k, n, 3), right after it, in those. A
+        solution brings its scene, its targets, and as a dashed line the route that led to it. Several robots have
+        colours of their own; what is not solved is orange. A robot that gravity bends is drawn with its load, and
+        see-through without; with an `uncertainty`, see-through around it is where the body may be. Of a motion
+        the last shape is solid, with others on the way as ghosts, and a line is the path of the tip. What is in front
+        of a robot is see-through.
+    ax : Axes3D, optional
+        Where to draw, made with `projection="3d"`; what was drawn there before stays. By default a new figure of
+        pyplot.
+    view : (float, float)
+        Where it is looked at from, in degrees: elevation above the xy plane, azimuth about z from x.
+    path : path, optional
+        Write the picture into this file, too: `.png`, `.pdf`, `.svg`, or what else Matplotlib knows. `animate` writes
+        what moves, and `show` pages that can be turned.
+
+    Returns
+    -------
+    Axes3D
+        What was drawn on.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib is missing, a thing cannot be drawn, or the file cannot be written.
+    """
+    need_matplotlib("plot")
+    if path is not None:
+        check_picture("path", Path(path), stills())
+    seen, contents = as_view(view), gather(things)
+    box = axes_box(contents)
+    if ax is None:
+        from matplotlib import pyplot  # noqa: PLC0415
+
+        ax = draw_in(pyplot.figure(**sizes(box, seen)), contents, box, seen)
+    else:
+        if not hasattr(ax, "get_proj"):
+            raise InputError("ax", "", ax, 'axes in space, made with projection="3d"')
+        if ax.has_data():
+            low, high = np.transpose([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
+            box = box.joined(low, high)
+        draw_contents(ax, contents, box, seen)
+        ax.set_title(caption(contents.answers) if contents.answers else "", fontsize=TITLE, color=INK)
+        fill(ax, box)
+    if path is not None:
+        with written(path, "path"):
+            ax.figure.savefig(path)
+    return ax
+
+
+def as_view(view: Sequence[Number]) -> Viewpoint:
+    """Check where a picture is looked at from."""
+    return Viewpoint(*checks.array("view", view, (2,), "elevation and azimuth in degrees").tolist())
+
+
+def still(contents: Contents, area: float = AREA, dpi: float = 150.0, head: float = HEAD) -> Any:
+    """Return a figure of all that there is, from the side where a robot shows most.
+
+    `area` is its longer side and `head` the height of its title, in inches.
+    """
+    box, view = axes_box(contents), best_view(contents)
+    figure = new_figure(**sizes(box, view, area) | {"dpi": dpi})
+    draw_in(figure, contents, box, view, room_of(figure, head), head > 0.0)
+    return figure
+
+
+def draw_in(
+    figure: Any, contents: Contents, box: Bounds, view: Viewpoint, room: Floats | None = None, titled: bool = True
+) -> Any:
+    """Draw everything into the room of a figure, corners (2, 2) in pixels, by default all of it; return the axes."""
+    axes, own = new_axes(figure), room_of(figure) if room is None else room
+    draw_contents(axes, contents, box, view)
+    if titled:
+        draw_head(figure, contents, own)
+    fill(axes, box, own)
+    return axes
+
+
+def draw_contents(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -> None:
+    """Draw everything at its place in the box, motions and obstacles that move at their end."""
+    set_bounds(axes, box, view)
+    draw_surfaces(axes, contents, box, view)
+    draw_lines(axes, contents, box)
+
+
+def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
+    """Write what the answers say above the room (pixels) of the picture, in letters small enough to fit."""
+    if contents.answers:
+        x, y = 0.5 * (room[0, 0] + room[1, 0]), room[1, 1] + 0.3 * HEAD * figure.dpi
+        place = x / figure.bbox.width, y / figure.bbox.height
+        head = figure.text(*place, caption(contents.answers), fontsize=TITLE, color=INK, ha="center", va="bottom")
+        head.set_fontsize(TITLE * min(1.0, (room[1, 0] - room[0, 0]) / head.get_window_extent().width))
+
+
+def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -> None:
+    """Draw all that has a surface, and the points of what has none."""
+    arms = contents.arms_at(1.0)
+    painted = paint_arms(arms, box, view)
+    for moving in contents.moving:
+        for share in [] if moving.ghost else np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():
+            painted += paint_arm(moving.at(share)._replace(ghost=True), box, view)
+    obstacles = contents.obstacles_at(1.0)
+    add(axes, paint_walls(walls_of(obstacles, box), *places_of(arms, box), view) + painted)
+    draw_dots(axes, obstacles, box)
+
+
+def draw_dots(axes: Any, obstacles: Iterable[Obstacle], box: Bounds) -> list[Any]:
+    """Draw clouds, grids and fields; return what was drawn."""
+    drawn = []
+    for obstacle in obstacles:
+        if isinstance(obstacle, Dotted):
+            points = dots(obstacle)
+            inside = ((points >= box.low) & (points <= box.high)).all(axis=-1)
+            look = {"color": DOTS, "s": 1.6, "linewidths": 0.0, "depthshade": False, "zorder": 1}
+            drawn.append(axes.scatter(*points[inside].T, **look))
+    return drawn
+
+
+def draw_lines(axes: Any, contents: Contents, box: Bounds, *, moving: bool = True) -> None:
+    """Draw targets, paths, routes and forces; of motions where the tips go, and the forces at their end."""
+    for target in contents.targets:
+        draw_target(axes, target, ARROW * box.span)
+    for path in contents.paths:
+        axes.plot(*path.T, color=PATH, linewidth=2.4, zorder=3, solid_capstyle="round")
+    draw_forces(axes, contents.forces_at(1.0) if moving else contents.forces)
+    for route in contents.routes:
+        axes.plot(*route.T, color=ROUTE, linewidth=1.3, linestyle=(0, (4, 2)), zorder=4)
+    for path in tip_paths(contents) if moving else ():
+        axes.plot(*path.T, color=TIP_PATH, linewidth=1.4, zorder=4)
+
+
+def draw_forces(axes: Any, forces: Iterable[Floats]) -> list[Any]:
+    """Draw arrows along lines (2, 3) to where forces act; return what was drawn."""
+    look = {"color": FORCE, "linewidth": 1.6, "arrow_length_ratio": 0.2, "zorder": 5}
+    return [axes.quiver(*begin, *(end - begin), **look) for begin, end in forces]
+
+
+def tip_paths(contents: Contents) -> list[Floats]:
+    """Points (m, 3) that the tip of each motion goes through, evenly spaced in time."""
+    shares = np.linspace(0.0, 1.0, ALONG_PATH + 1).tolist()
+    ways = [moving for moving in contents.moving if not moving.ghost]
+    return [way.begin.robot.tip(np.stack([way.at(share).q for share in shares]))[:, :3, 3] for way in ways]
+
+
+def draw_target(axes: Any, placed: PlacedTarget, size: float) -> None:
+    """Draw a point, and an arrow where a direction is asked, three where a whole rotation is."""
+    target, place = placed
+    axes.scatter(*place, color=TARGET, s=34, edgecolors="white", linewidths=0.8, depthshade=False, zorder=7)
+    for arrow, colour in arrows_of(target):
+        axes.quiver(*place, *(size * arrow), color=colour, linewidth=2.2, arrow_length_ratio=0.28, zorder=6)

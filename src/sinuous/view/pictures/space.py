@@ -1,0 +1,137 @@
+"""Axes in space: figures for them, the box that they show, and how it fills the room that there is."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sinuous.base.checks import Floats
+from sinuous.view.display.bounds import Bounds, bounds_of, towards
+from sinuous.view.display.contents import Contents
+from sinuous.view.display.style import GRID, LINE, PALE, SMALL, TEXT, Viewpoint
+
+MARGIN = 0.03
+"""Between what is shown and the sides of the box, as a share of its longest side."""
+
+SLENDER = 0.3
+"""Least side of the box, as a share of its longest."""
+
+NUMBERS = 4
+"""Numbers along the longest side of the box."""
+
+ROUNDS = 3
+"""How often the size of the box is corrected; numbers and names keep theirs."""
+
+AREA, EDGE, HEAD = 6.4, 0.1, 0.3
+"""Longer side of a picture, what is left free at its sides, and the height of a title, in inches."""
+
+
+def axes_box(contents: Contents) -> Bounds:
+    """Return the box that axes show: the bounds of the contents with a margin, and no side much shorter than others."""
+    bounds = bounds_of(contents)
+    sides = bounds.high - bounds.low
+    longest = max(float(sides.max()), 1e-9)
+    half = np.maximum(0.5 * sides, 0.5 * SLENDER * longest) + MARGIN * longest
+    return Bounds(bounds.middle - half, bounds.middle + half)
+
+
+def screen(view: Viewpoint) -> Floats:
+    """Return the unit vectors (2, 3) to the right and upwards on the screen."""
+    a = math.radians(view.azimuth)
+    right = np.array([-math.sin(a), math.cos(a), 0.0])
+    return np.stack([right, np.cross(towards(view), right)])
+
+
+def sizes(bounds: Bounds, view: Viewpoint, area: float = AREA) -> dict[str, Any]:
+    """Return size and resolution of a figure that the bounds fill."""
+    width, height = np.abs(screen(view)) @ (bounds.high - bounds.low)
+    longest = max(width, height)
+    return {"figsize": (area * max(width / longest, 0.6) + 0.6, area * max(height / longest, 0.5) + 0.6), "dpi": 150}
+
+
+def new_figure(**size: Any) -> Any:
+    """Return a figure of its own, which touches neither pyplot nor the backend of a caller."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    figure = Figure(**size)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def new_axes(figure: Any) -> Any:
+    """Return axes in space as large as the figure; `fill` moves them to their place."""
+    width, height = figure.get_size_inches()
+    side = max(width, height)
+    axes = figure.add_axes((0.0, 0.0, side / width, side / height), projection="3d", computed_zorder=False)
+    axes.patch.set_visible(False)
+    return axes
+
+
+def room_of(figure: Any, head: float = HEAD) -> Floats:
+    """Opposite corners (2, 2), in pixels, of the room in a figure under a title of this height (inches)."""
+    width, height = figure.get_size_inches()
+    return figure.dpi * np.array([[EDGE, EDGE], [width - EDGE, height - EDGE - head]])
+
+
+def set_bounds(axes: Any, bounds: Bounds, view: Viewpoint) -> None:
+    """Show a box from a side, at equal scales."""
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415
+
+    _tidy(axes)
+    limits = zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), bounds.low, bounds.high, strict=True)
+    for set_limits, low, high in limits:
+        set_limits(low, high)
+    for axis, side in zip((axes.xaxis, axes.yaxis, axes.zaxis), bounds.high - bounds.low, strict=True):
+        axis.set_major_locator(MaxNLocator(max(2, round(NUMBERS * side / bounds.span)), steps=(1, 2, 2.5, 5, 10)))
+    axes.set_proj_type("ortho")
+    axes.view_init(elev=view.elevation, azim=view.azimuth)
+    axes.set_box_aspect(bounds.high - bounds.low)
+
+
+def fill(axes: Any, bounds: Bounds, frame: Floats | None = None) -> None:
+    """Draw the box as large as there is room for it, its numbers and its names.
+
+    `frame` (2, 2) are opposite corners of the room, in pixels, and the axes are moved to its middle; by default the
+    room is that of the axes, which stay.
+    """
+    figure, zoom = axes.get_figure(root=True), 1.0
+    for _ in range(ROUNDS):
+        axes.set_box_aspect(bounds.high - bounds.low, zoom=zoom)
+        low, high = _drawn(axes, bounds)
+        room = np.array([axes.bbox.p0, axes.bbox.p1]) if frame is None else frame
+        zoom *= max(float(((room[1] - room[0]) / np.maximum(high - low, 1.0)).min()), 0.1)
+        if frame is not None:
+            shift = (room.mean(axis=0) - 0.5 * (low + high)) / [figure.bbox.width, figure.bbox.height]
+            place = axes.get_position()
+            axes.set_position([place.x0 + shift[0], place.y0 + shift[1], place.width, place.height])
+
+
+def _drawn(axes: Any, bounds: Bounds) -> tuple[Floats, Floats]:
+    """Opposite corners, in pixels, of the room that the box takes with its numbers and names."""
+    from mpl_toolkits.mplot3d.proj3d import proj_transform  # noqa: PLC0415
+
+    axes.apply_aspect()
+    axes.M = axes.get_proj()
+    corners = np.array([[(bounds.low, bounds.high)[i >> k & 1][k] for k in range(3)] for i in range(8)])
+    x, y, _ = proj_transform(*corners.T, axes.M)
+    points = [axes.transData.transform(np.stack([x, y], axis=-1))]
+    renderer = axes.get_figure(root=True)._get_renderer()
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis) if axes._axis3don else ():
+        box = axis.get_tightbbox(renderer)
+        points.append(np.array([box.p0, box.p1]))
+    every = np.concatenate(points)
+    return every.min(axis=0), every.max(axis=0)
+
+
+def _tidy(axes: Any) -> None:
+    """Give axes in space a pale grid and few ticks."""
+    axes.computed_zorder = False
+    for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
+        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
+        axis.line.set_color(LINE)
+        axis._axinfo["grid"].update(color=GRID, linewidth=0.7)
+        axis._axinfo["tick"].update(inward_factor=0.0, outward_factor=0.1)
+        axis.set_label_text(label, color=PALE, fontsize=TEXT)
+        axis.set_tick_params(labelsize=SMALL, labelcolor=PALE, color=LINE, pad=1.0)
+        axis.labelpad = 2.0

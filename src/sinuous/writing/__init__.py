@@ -1,1 +1,0 @@
-"""How nouns are written down: as plain values, and these as YAML or JSON. `sinuous.files` reads them."""

@@ -1,0 +1,161 @@
+"""Layers of learning libraries: gradients agree with theirs on free kinematics, in both modes, over batches."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.base.errors import NotSolvedError
+from tests.helpers import refused
+
+pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit:DeprecationWarning")  # PyTorch calls it itself
+
+ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0)
+
+
+@cache
+def exact_solver() -> sn.Solver:
+    """Not made when tests are collected, since that compiles."""
+    return sn.Solver(ROBOT, tolerance=sn.Tolerance(1e-12, 1e-12))
+
+
+GOALS = np.array([[1.0, 0.4, 3.0], [0.5, -1.0, 2.8], [-0.7, 0.2, 3.1]])
+DIRECTIONS = np.array([[0.5, 0.1, 2.0], [0.2, -0.6, 1.0], [-0.3, 0.1, 0.9]])
+
+
+def torch_tip(torch: Any, q: Any) -> Any:
+    """Position and tangent of the tip, by the matrix exponential of PyTorch."""
+    pose = torch.eye(4, dtype=q.dtype)
+    for x, y, length in q:
+        zero = torch.zeros_like(x)
+        rows = [[zero, zero, x, zero], [zero, zero, y, zero], [-x, -y, zero, length], [zero, zero, zero, zero]]
+        pose = pose @ torch.linalg.matrix_exp(torch.stack([torch.stack(row) for row in rows]))
+    return torch.cat([pose[:3, 3], pose[:3, 2]])
+
+
+def nearest(jacobian: Any) -> Any:
+    """The motion (3 n, p) of least size, bends in rad and lengths relative to their mean, with J dq = 1."""
+    weights = np.tile([1.0, 1.0, 1.0], len(ROBOT))
+    return (weights[:, None] * jacobian.T) @ np.linalg.inv(jacobian @ (weights[:, None] * jacobian.T))
+
+
+def test_torch_agrees_with_its_own_gradients_of_free_kinematics() -> None:
+    torch = pytest.importorskip("torch")
+    import sinuous.torch as layer
+
+    goal = torch.tensor(GOALS[0], requires_grad=True)
+    change = torch.autograd.functional.jacobian(lambda p: layer.solve(exact_solver(), p), goal).reshape(12, 3)
+    q = layer.solve(exact_solver(), goal).detach()
+    own = torch.autograd.functional.jacobian(lambda x: torch_tip(torch, x)[:3], q).reshape(3, 12)
+    np.testing.assert_allclose(own.numpy() @ change.numpy(), np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(change.numpy(), nearest(own.numpy()), atol=1e-9)
+
+
+def test_torch_checks_itself_in_both_modes() -> None:
+    torch = pytest.importorskip("torch")
+    import sinuous.torch as layer
+
+    start = np.array(exact_solver().solve_many(positions=GOALS, directions=DIRECTIONS).q)
+    goals, ways = (torch.tensor(each, requires_grad=True) for each in (GOALS, DIRECTIONS))
+
+    def of(positions: Any, directions: Any) -> Any:
+        return layer.solve(exact_solver(), positions, directions=directions, initial=start)
+
+    assert torch.autograd.gradcheck(of, (goals, ways), eps=1e-5, atol=1e-6, check_forward_ad=True)
+
+
+def test_torch_takes_rotations() -> None:
+    torch = pytest.importorskip("torch")
+    import sinuous.torch as layer
+
+    solver = sn.Solver(sn.Robot.uniform(6, (0.8, 1.2), max_bend=2.0), tolerance=sn.Tolerance(1e-12, 1e-12))
+    found = solver.solve(sn.Target((1.0, 0.4, 4.0), direction=(0.3, 0.1, 1.0)))
+    tip = solver.robot.tip(found.q)
+    position, rotation = (torch.tensor(tip[:3, c].copy(), requires_grad=True) for c in (3, slice(0, 3)))
+    whole = layer.solve(solver, position, rotations=rotation, initial=found.q)
+    weights = torch.tensor(np.random.default_rng(0).normal(size=(6, 3)))
+    (whole * weights).sum().backward()
+    asked = solver.solve(sn.Target(tip[:3, 3], rotation=tip[:3, :3]), found.q)
+    cotangent = asked.vjp(weights.numpy())["target"]
+    np.testing.assert_allclose(position.grad, cotangent[:3], atol=1e-9)
+    turn = np.array([0.3, -0.2, 0.5])
+    moved = np.stack([np.cross(turn, column) for column in tip[:3, :3].T], axis=1)
+    np.testing.assert_allclose((rotation.grad.numpy() * moved).sum(), cotangent[3:] @ turn, atol=1e-9)
+
+
+def test_torch_maps_over_batches() -> None:
+    torch = pytest.importorskip("torch")
+    import sinuous.torch as layer
+
+    goals = torch.tensor(GOALS)
+    together = layer.solve(exact_solver(), goals)
+    mapped = torch.func.vmap(lambda p: layer.solve(exact_solver(), p))(goals)
+    np.testing.assert_array_equal(mapped, together)
+    rows = torch.func.vmap(torch.func.jacrev(lambda p: layer.solve(exact_solver(), p)))(goals)
+    columns = torch.func.vmap(torch.func.jacfwd(lambda p: layer.solve(exact_solver(), p)))(goals)
+    own = exact_solver().solve_many(positions=GOALS).derivative().q["target"]
+    np.testing.assert_allclose(rows, own, atol=1e-12)
+    np.testing.assert_allclose(columns, own, atol=1e-12)
+
+
+def test_torch_says_what_is_not_solved() -> None:
+    torch = pytest.importorskip("torch")
+    import sinuous.torch as layer
+
+    far = torch.tensor([[9.0, 0.0, 0.0], GOALS[0].tolist()], dtype=torch.float64, requires_grad=True)
+    with pytest.raises(NotSolvedError):
+        layer.solve(exact_solver(), far)
+    layer.solve(exact_solver(), far, unsolved="best").sum().backward()
+    assert not far.grad[0].any()
+    assert far.grad[1].any()
+    refused("unsolved", lambda: layer.solve(exact_solver(), far, unsolved="perhaps"))
+    refused("positions", lambda: layer.solve(exact_solver()), "nothing is asked")
+    refused("directions", lambda: layer.solve(exact_solver(), far, directions=far[0]), "the same axes in front")
+    refused("positions", lambda: layer.solve(exact_solver(), far[:, :2]), "(..., 3)")
+
+
+def test_jax_has_both_modes_and_maps_over_batches() -> None:
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import sinuous.jax as layer
+
+    own = exact_solver().solve_many(positions=GOALS).derivative().q["target"]
+
+    def of(position: Any) -> Any:
+        return layer.solve(exact_solver(), position)
+
+    np.testing.assert_allclose(jax.vmap(jax.jacfwd(of))(GOALS), own, atol=1e-12)
+    np.testing.assert_allclose(jax.vmap(jax.jacrev(of))(GOALS), own, atol=1e-12)
+    np.testing.assert_allclose(jax.jit(jax.jacrev(of))(GOALS[0]), own[0], atol=1e-12)
+    assert of(GOALS).shape == (3, 4, 3)
+
+
+def test_jax_takes_directions_and_rotations() -> None:
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import sinuous.jax as layer
+
+    weights = np.random.default_rng(0).normal(size=(4, 3))
+    found = exact_solver().solve(sn.Target(GOALS[0], direction=DIRECTIONS[0]))
+    own = found.vjp(weights)["target"]
+
+    def of(position: Any, direction: Any) -> Any:
+        return (weights * layer.solve(exact_solver(), position, directions=direction)).sum()
+
+    position, direction = jax.grad(of, (0, 1))(GOALS[0], DIRECTIONS[0])
+    np.testing.assert_allclose(position, own[:3], atol=1e-12)
+    way = np.array([0.1, 0.2, -0.3])
+    turn = np.cross(DIRECTIONS[0], way) / (DIRECTIONS[0] @ DIRECTIONS[0])
+    np.testing.assert_allclose(direction @ way, own[3:] @ turn, atol=1e-12)
+    tip = ROBOT.tip(found.q)
+    asked = exact_solver().solve(sn.Target(rotation=tip[:3, :3]), found.q)
+
+    def turned(rotation: Any) -> Any:
+        return (weights * layer.solve(exact_solver(), rotations=rotation, initial=found.q)).sum()
+
+    moved = np.stack([np.cross(way, column) for column in tip[:3, :3].T], axis=1)
+    np.testing.assert_allclose(
+        (jax.grad(turned)(tip[:3, :3]) * moved).sum(), asked.vjp(weights)["target"] @ way, atol=1e-12
+    )

@@ -1,0 +1,145 @@
+"""The slow path agrees with the fast one, finds every kind of fault, and judges shapes from elsewhere as solutions."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.answer import verification
+from sinuous.answer.worst import find_worst
+from sinuous.base.arguments import SelfCollision
+from sinuous.measures.body import segment_ends
+from sinuous.problem.problem import Problem
+from tests.helpers import refused
+
+ROBOT = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.1, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))
+Q = np.array([[0.5, 0.2, 1.0], [-0.7, 0.4, 0.9], [0.0, 1.1, 1.1], [0.3, -0.3, 1.0]])
+
+
+def test_poses_agree_with_the_kernels() -> None:
+    ends = segment_ends(ROBOT, Q)
+    np.testing.assert_allclose(ends[1:], ROBOT.forward(Q), atol=1e-13)
+
+
+def problem(**changes: Any) -> Problem:
+    pose = ROBOT.tip(Q)
+    targets = changes.get("targets", sn.Target(pose[:3, 3], rotation=pose[:3, :3]))
+    return Problem(ROBOT, targets, changes.get("scene"), sn.Tolerance(1e-4, 1e-3))
+
+
+def test_a_right_answer_is_accepted() -> None:
+    assert verification.verify(problem(), Q).ok
+
+
+def test_obstacles_that_move_are_refused() -> None:
+    ball = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.3), [0, 1], [(2, 0, 1), (0.5, 0, 1)])
+    with pytest.raises(sn.InputError, match=r"scene: expected the scene at one time"):
+        sn.check(ROBOT, Q, [ball])
+
+
+def test_a_wrong_position_is_found() -> None:
+    moved = Q.copy()
+    moved[-1, 2] += 2e-4
+    check = verification.verify(problem(), moved)
+    assert not check.ok
+    assert check.position_error == pytest.approx(2e-4, rel=2e-2)
+
+
+def test_a_wrong_angle_is_found() -> None:
+    pose = ROBOT.tip(Q)
+    for target in (sn.Target(direction=pose[:3, 2]), sn.Target(rotation=pose[:3, :3])):
+        check = verification.verify(problem(targets=target), Q + np.array([0.01, 0, 0]))
+        assert not check.ok
+        assert check.angle_error > 0.002
+
+
+def test_a_broken_limit_is_found() -> None:
+    straight = np.array([[0, 0, 1.3], [0, 0, 1], [0, 0, 1], [0, 0, 1]], np.float64)
+    check = verification.verify(problem(targets=sn.Target(ROBOT.tip(straight)[:3, 3])), straight)
+    assert not check.ok
+    assert check.excess == pytest.approx(0.1)
+
+
+def test_an_overlap_is_found_and_named() -> None:
+    place = ROBOT.backbone(Q, 20)[50]
+    check = verification.verify(problem(scene=[sn.Sphere(place, 0.05, name="pea")]), Q)
+    assert not check.ok
+    assert (check.segment, check.obstacle) == (3, "pea")
+    assert check.clearance == pytest.approx(-0.15, abs=1e-3)
+
+
+CURLED = np.array([[2.7, 0.1, 1.0], [2.6, 0.0, 1.0], [2.6, 0.1, 1.0]])
+
+
+def through_itself(word: SelfCollision) -> Problem:
+    robot = sn.Robot.uniform(3, (0.8, 1.2), 3.0, radius=0.15, self_collision=word)
+    return Problem(robot, sn.Target(robot.tip(CURLED)[:3, 3]))
+
+
+def test_a_body_that_runs_through_itself_is_found_and_named() -> None:
+    check = verification.verify(through_itself("avoid"), CURLED)
+    assert not check.ok
+    assert check.self_clearance < -0.1
+    assert check.self_segments is not None
+    worst = find_worst(through_itself("avoid"), CURLED, True)
+    assert (worst.other_segment, worst.segment) == check.self_segments
+    assert worst.constraint == "self_clearance"
+    assert worst.amount == pytest.approx(-check.self_clearance, rel=1e-3)
+    assert str(worst) == f"segment {worst.segment} touches segment {worst.other_segment}, {worst.amount:.3g} too near"
+
+
+def test_it_may_run_through_itself_where_that_is_allowed() -> None:
+    check = verification.verify(through_itself("allow"), CURLED)
+    assert (check.ok, check.self_clearance, check.self_segments) == (True, np.inf, None)
+
+
+ARM = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
+BALL = sn.Sphere((0.0, 0.0, 2.0), 0.3, name="ball")
+SHAPES = np.random.default_rng(0).uniform((-0.9, -0.9, 0.7), (0.9, 0.9, 1.2), (2, 4, 3, 3))
+TIP = ARM.tip(SHAPES[0, 0])
+TARGET = sn.Target(TIP[:3, 3], direction=TIP[:3, 2])
+
+
+def test_one_shape_is_judged_as_a_solution_is() -> None:
+    problem = sn.Problem(ARM, [TARGET, sn.Target((0, 0, 1), segment=1)], [BALL], sn.Tolerance(0.1, 0.2))
+    found = sn.check(ARM, SHAPES[0, 1], [BALL], problem.targets, tolerance=sn.Tolerance(0.1, 0.2))
+    assert found == verification.verify(problem, SHAPES[0, 1])
+    assert sn.check(ARM, SHAPES[0, 0].tolist(), targets=TARGET).position_error < 1e-12
+
+
+def test_without_targets_limits_and_clearance_remain() -> None:
+    straight = np.tile([0.0, 0.0, 1.0], (3, 1))
+    assert sn.check(ARM, straight).ok
+    through = sn.check(ARM, straight, [BALL])
+    assert (through.ok, through.obstacle, through.position_error) == (False, "ball", 0.0)
+    assert through.clearance == pytest.approx(-0.4)
+    long = sn.check(ARM, straight * 1.3)
+    assert (long.ok, long.obstacle) == (False, None)
+    assert long.excess == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("scene", [None, [BALL]])
+def test_a_batch_is_the_same_as_one_by_one(scene: Any) -> None:
+    many: Any = sn.check(ARM, SHAPES, scene, TARGET)
+    assert many.ok.shape == (2, 4)
+    assert many.ok.dtype == bool
+    for place in np.ndindex(2, 4):
+        one = sn.check(ARM, SHAPES[place], scene, TARGET)
+        for name, value in vars(one).items():
+            assert getattr(many, name)[place] == value
+    assert many.clearance.dtype == many.excess.dtype == float
+    nothing: Any = sn.check(ARM, SHAPES[:0], scene)
+    assert nothing.ok.shape == (0, 4)
+    assert nothing.ok.dtype == bool
+
+
+def test_bad_input_is_refused() -> None:
+    three: Any = 3
+    refused("robot", lambda: sn.check(three, SHAPES))
+    refused("q", lambda: sn.check(ARM, SHAPES[..., :2]), "3, 3)")
+    refused("q", lambda: sn.check(ARM, np.full((3, 3), np.nan)))
+    refused("scene[0]", lambda: sn.check(ARM, SHAPES, [three]))
+    refused("targets", lambda: sn.check(ARM, SHAPES, None, [three]))
+    refused("targets.segment", lambda: sn.check(ARM, SHAPES, None, sn.Target((0, 0, 1), segment=4)))
+    refused("tolerance", lambda: sn.check(ARM, SHAPES, tolerance=three))

@@ -1,0 +1,240 @@
+"""Nouns do not change, and come back equal and read-only from a pickle."""
+
+import copy
+import math
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import sinuous as sn
+from sinuous.base.frozen import Frozen
+from sinuous.files.joint_chain import JointChain
+from sinuous.scene.prepared.parts import Part
+from sinuous.scene.reading import Placement
+from tests.cases import with_each
+from tests.scene.shapes import cube
+
+ROBOT = sn.Robot(
+    [
+        sn.Segment((0.8, 1.2), 2.0, tendons=sn.Tendons(3, 0.05, displacement=(-0.3, 0.3))),
+        sn.Segment((0.8, 1.2), 2.0, chambers=sn.Chambers(3, 0.05, length=(0.7, 1.3))),
+        sn.Segment(1.0, 2.0, max_curvature=1.9),
+    ],
+    radius=0.05,
+    base=sn.pose((0.1, 0.2, 0.3), direction=(0, 1, 1)),
+    tool=sn.pose((0, 0, 0.1)),
+)
+TARGET = sn.Target((0.1, 2.0, 2.0), direction=(0, 1, 1))
+LAMP = sn.Sphere((1.5, 0.0, 1.0), 0.3, name="lamp")
+SCENE = sn.Scene([LAMP, sn.PointCloud(np.array([[3.0, 0.0, 1.0], [3.0, 0.5, 1.0]]), 0.1)])
+
+
+TABLES = {"Target": ("_table",), "Problem": ("_rows",), "Snapshot": ("_group",)}
+"""What kernels read of targets, problems and snapshots; kernels are compiled for writable arrays alone."""
+
+
+def plane(points: Any) -> Any:
+    return points[:, 2] + 2.0
+
+
+def solution() -> sn.Solution:
+    return sn.Solver(ROBOT, SCENE).solve(TARGET)
+
+
+OBSTACLES: dict[str, Callable[[], Any]] = {
+    "sphere": lambda: LAMP,
+    "box": lambda: sn.Box((1, 2, 3), (1, 2, 3), rotation=(1, 1, 0, 0), name="box"),
+    "capsule": lambda: sn.Capsule((0, 0, 1), (1, 0, 1), 0.2),
+    "cylinder": lambda: sn.Cylinder((0, 0, 1), (1, 0, 1), 0.2, inside=True),
+    "half_space": lambda: sn.HalfSpace((0, 0, -1), (0, 1, 1)),
+    "mesh": lambda: sn.Mesh(*cube(0.5)),
+    "cloud": lambda: sn.PointCloud([[1.0, 2.0, 3.0], [2.0, 2.0, 3.0]], [0.1, 0.2]),
+    "cubes": lambda: sn.Grid(np.eye(3, dtype=bool)[None].repeat(3, 0), (1, 1, 1), 0.2),
+    "field": lambda: sn.Field(plane, (-1, -1, -3), (1, 1, 1), 0.5),
+}
+NOUNS: dict[str, Callable[[], Any]] = {
+    **OBSTACLES,
+    "robot": lambda: ROBOT,
+    "segment": lambda: ROBOT.segments[0],
+    "tendons": lambda: ROBOT.segments[0].tendons,
+    "chambers": lambda: ROBOT.segments[1].chambers,
+    "actuators": lambda: sn.Actuators(np.eye(3), ["a", "b", "c"], [None, (0, 1), None]),
+    "target": lambda: TARGET,
+    "rotation": lambda: sn.Target(rotation=np.eye(3), segment=2),
+    "tolerance": lambda: sn.Tolerance(0.1, 0.2),
+    "preferences": lambda: sn.Preferences(bends=1.0),
+    "placement": lambda: Placement(2.0, (1, 2, 3)),
+    "snapshot": SCENE.snapshot,
+    "problem": lambda: sn.Problem(ROBOT, TARGET, SCENE),
+    "job": lambda: sn.Job(ROBOT, TARGET, [LAMP]),
+    "problems": lambda: sn.Problem(ROBOT, [TARGET, sn.Target((0, 0, 1), segment=1)]),
+    "solution": solution,
+    "curve": lambda: sn.Curve(np.eye(3), start=(3, 0, 0)),
+    "path": lambda: sn.Path([0, 1, 2], positions=np.eye(3)),
+    "chain": lambda: JointChain(ROBOT, 2),
+}
+
+
+def attributes(noun: Any) -> dict[str, Any]:
+    """Everything that a noun holds, but locks, and what it computes only when it is asked."""
+    slots = [name for kind in type(noun).__mro__ for name in getattr(kind, "__slots__", ())]
+    names = [*getattr(noun, "__dict__", {}), *slots]
+    return {name: getattr(noun, name) for name in names if name not in ("_lock", "_reason", "_worst", "_binding")}
+
+
+def public(noun: Any) -> list[str]:
+    """Names of everything that users see."""
+    properties = [name for name in dir(type(noun)) if isinstance(getattr(type(noun), name), property)]
+    return [name for name in {*attributes(noun), *properties} if not name.startswith("_")]
+
+
+def assert_equal(a: Any, b: Any) -> None:
+    """Equal in content, and as writable."""
+    assert type(a) is type(b)
+    if isinstance(a, Frozen | sn.Solution):
+        mine, other = attributes(a), attributes(b)
+        assert mine.keys() == other.keys()
+        for name in mine:
+            assert_equal(mine[name], other[name])
+    elif isinstance(a, sn.Scene):
+        assert_equal(a.snapshot(), b.snapshot())
+    elif isinstance(a, np.ndarray):
+        np.testing.assert_array_equal(a, b)
+        assert a.dtype == b.dtype
+        assert a.flags.writeable == b.flags.writeable
+    elif isinstance(a, CubicSpline):
+        assert_equal((a.c, a.x), (b.c, b.x))
+    elif isinstance(a, Part):
+        assert_equal(vars(a), vars(b))
+    elif isinstance(a, dict):
+        assert_equal(tuple(a.items()), tuple(b.items()))
+    elif isinstance(a, tuple | list):
+        assert len(a) == len(b)
+        for one, two in zip(a, b, strict=True):
+            assert_equal(one, two)
+    else:
+        assert a == b or (math.isnan(a) and math.isnan(b))
+
+
+@with_each("name", NOUNS)
+def test_attributes_cannot_be_set(name: str) -> None:
+    noun = NOUNS[name]()
+    assert public(noun)
+    for attribute in [*public(noun), "anything"]:
+        with pytest.raises(AttributeError):
+            setattr(noun, attribute, None)
+    for attribute in public(noun):
+        with pytest.raises(AttributeError):
+            delattr(noun, attribute)
+
+
+@with_each("name", NOUNS)
+def test_arrays_are_read_only_but_those_for_kernels(name: str) -> None:
+    noun = NOUNS[name]()
+    for attribute in public(noun):
+        value = getattr(noun, attribute)
+        if isinstance(value, np.ndarray) and attribute not in ("frame", "row", "arms"):  # made anew for every caller
+            assert value.flags.writeable == (attribute in TABLES.get(type(noun).__name__, ())), attribute
+
+
+@with_each("name", NOUNS)
+@with_each("protocol", [2, 5])
+def test_pickles_come_back_equal(name: str, protocol: int) -> None:
+    noun = NOUNS[name]()
+    assert_equal(pickle.loads(pickle.dumps(noun, protocol)), noun)
+
+
+@with_each("name", NOUNS)
+def test_copies_are_the_same(name: str) -> None:
+    noun = NOUNS[name]()
+    assert copy.copy(noun) is noun
+    assert copy.deepcopy(noun) is noun
+
+
+def test_memory_of_somebody_else_is_read_only_and_tables_are_copied_from_it() -> None:
+    buffers: list[pickle.PickleBuffer] = []
+    content = pickle.dumps(TARGET, 5, buffer_callback=buffers.append)
+    again = pickle.loads(content, buffers=[bytes(buffer.raw()) for buffer in buffers])
+    assert_equal(again, TARGET)
+    assert again._table.flags.writeable
+    assert not again.table.flags.writeable
+
+
+EQUAL = [name for name in NOUNS if name != "solution"]
+
+
+@with_each("name", EQUAL)
+def test_nouns_are_compared_by_what_they_say(name: str) -> None:
+    noun = NOUNS[name]()
+    assert noun.equals(noun)
+    assert noun.equals(pickle.loads(pickle.dumps(noun)))
+    for other in EQUAL:
+        assert (noun.equals(NOUNS[other]())) == (other == name), other
+    assert not noun.equals(None)
+
+
+def test_the_last_digit_counts() -> None:
+    ball: dict[str, Any] = {"center": (1.0, 2.0, 3.0), "radius": 0.5}
+    assert sn.Sphere(**ball).equals(sn.Sphere(**ball))
+    center = 1.0, 2.0, np.nextafter(3.0, 4.0)
+    for change in ({"center": center}, {"radius": np.nextafter(0.5, 1.0)}, {"inside": True}, {"name": "a"}):
+        assert not sn.Sphere(**ball).equals(sn.Sphere(**{**ball, **change}))
+    segment = sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))
+    assert not segment.equals(sn.Segment(1.0, tendons=sn.Tendons(3, 0.1, angle=1e-9)))
+    assert not segment.equals(sn.Segment(1.0, tendons=sn.Tendons(3, 0.1), name="a"))
+    cloud = sn.Scene([sn.PointCloud([[0, 0, 1]], 0.1)])
+    other = sn.Scene(cloud.obstacles)
+    assert cloud.equals(other)
+    other.update([[0, 0, 2]])
+    assert not cloud.equals(other)
+    assert not cloud.equals(sn.Scene())
+
+
+@pytest.mark.parametrize("name", OBSTACLES)
+def test_unpickled_obstacles_are_as_far(name: str) -> None:
+    points = np.random.default_rng(0).uniform(-2.0, 3.0, (50, 3))
+    scene = sn.Scene([OBSTACLES[name]()])
+    expected = scene.distance(points)
+    for again in (pickle.loads(pickle.dumps(scene)), sn.Scene([pickle.loads(pickle.dumps(OBSTACLES[name]()))])):
+        np.testing.assert_array_equal(again.distance(points), expected)
+
+
+def copies(noun: Any) -> list[Any]:
+    return [pickle.loads(pickle.dumps(noun)), copy.copy(noun), copy.deepcopy(noun)]
+
+
+def test_copies_of_a_solver_solve_the_same() -> None:
+    solver = sn.Solver(ROBOT, SCENE, prefer=sn.Preferences(bends=1.0), seed=3)
+    found = solver.solve(TARGET)
+    for again in copies(solver):
+        assert again.options == solver.options
+        assert again.solve(TARGET).q.tobytes() == found.q.tobytes()
+    target, robot = pickle.loads(pickle.dumps((TARGET, ROBOT)))
+    parts = sn.Solver(robot, pickle.loads(pickle.dumps(SCENE)), prefer=sn.Preferences(bends=1.0), seed=3)
+    assert parts.solve(target).q.tobytes() == found.q.tobytes()
+
+
+def test_copies_of_solutions_and_tracks_say_the_same() -> None:
+    for again in copies(solution()):
+        assert str(again.status) == "solved"
+        assert again.verify() == solution().verify()
+        assert not again.q.flags.writeable
+    stuck = sn.Solver(ROBOT, SCENE).solve(sn.Target((0, 0, 9)))
+    for again in copies(stuck):
+        assert (again.reason, again.worst, str(again)) == (stuck.reason, stuck.worst, str(stuck))
+    track = sn.track(ROBOT, [TARGET, TARGET], SCENE)
+    for again in copies(track):
+        assert again.to_dict() == track.to_dict()
+        assert not again.solutions[1].q.flags.writeable
+
+
+def test_a_copy_of_a_scene_goes_on_by_itself() -> None:
+    points = np.array([[3.0, 0.0, 1.0]])
+    for again in copies(SCENE):
+        again.update([[9.0, 9.0, 9.0]], 0.1)
+        assert again.distance(points) > 1.0
+        assert SCENE.distance(points) == pytest.approx(-0.1)

@@ -1,0 +1,36 @@
+"""The shape of a ROS 2 `JointTrajectory`."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.files.ros import joint_trajectory, write_json
+
+
+def test_points_have_times_from_the_first_on(tmp_path: Path) -> None:
+    positions = np.array([[0.0, 1.0], [0.5, 2.0], [1.0, 3.0]])
+    times = np.array([2.0, 2.25, 4.9999999999])
+    message = joint_trajectory(["a", "b"], times, positions)
+    assert message["joint_names"] == ["a", "b"]
+    assert [point["positions"] for point in message["points"]] == positions.tolist()
+    assert [point["time_from_start"] for point in message["points"]] == [
+        {"sec": 0, "nanosec": 0},
+        {"sec": 0, "nanosec": 250_000_000},
+        {"sec": 3, "nanosec": 0},
+    ]
+    assert "velocities" not in message["points"][0]
+    write_json(tmp_path / "out.json", message)
+    assert json.loads((tmp_path / "out.json").read_text()) == message
+
+
+def test_velocities_stand_beside_positions() -> None:
+    message = joint_trajectory(["a"], np.array([0.0, 1.0]), np.zeros((2, 1)), np.ones((2, 1)))
+    assert [point["velocities"] for point in message["points"]] == [[1.0], [1.0]]
+
+
+def test_a_file_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(sn.InputError, match="file: expected a file that can be written"):
+        write_json(tmp_path / "no" / "out.json", {})

@@ -1,0 +1,77 @@
+"""How fast a robot may move."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.files.problem_file import problem_of
+from sinuous.model.rates import Changes
+from tests.cases import with_each
+
+ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
+
+
+def test_one_number_is_for_all() -> None:
+    own = sn.Rates(bend=1.5, actuator=(1, 2, 3, 4, 5, 6, 7, 8, 9)).spread(ROBOT)
+    assert own.bend.tolist() == [1.5] * 3
+    assert own.length.tolist() == [math.inf] * 3
+    assert own.actuator.tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 9]
+
+
+def test_segments_and_actuators_have_rates_by_their_names() -> None:
+    rates = sn.Rates(bend={"s2": 0.5}, actuator={"s3.t1": 4, "s1.t2": 2}, acceleration=sn.Rates(length={"s1": 3.0}))
+    own = rates.spread(ROBOT)
+    assert own.bend.tolist() == [math.inf, 0.5, math.inf]
+    assert own.actuator.tolist() == [math.inf, 2, *[math.inf] * 4, 4, math.inf, math.inf]
+    assert (2.0 * rates).spread(ROBOT).bend.tolist() == [math.inf, 1.0, math.inf]
+    assert pickle.loads(pickle.dumps(rates)).equals(rates)
+    job = sn.Job(ROBOT, sn.Target((0, 0, 170)), rates=rates)
+    again = problem_of(job.to_dict(), "", sn.Job)
+    assert again.rates.equals(rates)
+    with pytest.raises(sn.InputError, match=r"rates.acceleration.length: expected s1 .*got 's_1'"):
+        sn.Job(ROBOT, sn.Target((0, 0, 170)), rates=sn.Rates(acceleration=sn.Rates(length={"s_1": 3.0})))
+
+
+def test_rates_times_a_time_are_changes() -> None:
+    rates = sn.Rates(bend=(1.0, 2.0, 3.0), length=20.0, acceleration=sn.Rates(bend=5.0))
+    for changes in (rates * 0.01, 0.01 * rates):
+        assert isinstance(changes, Changes)
+        np.testing.assert_allclose(changes.spread(ROBOT).bend, [0.01, 0.02, 0.03])
+        assert changes.length == pytest.approx(0.2)
+        assert changes.actuator is None
+
+
+def test_they_are_equal_when_they_say_the_same() -> None:
+    assert sn.Rates(bend=(1, 2), acceleration=sn.Rates(1)).equals(sn.Rates(bend=[1.0, 2.0], acceleration=sn.Rates(1)))
+    assert not sn.Rates(bend=1).equals(sn.Rates(length=1))
+    assert sn.Rates(bend=1)
+    assert not sn.Rates()
+
+
+@with_each(
+    ("make", "words"),
+    [
+        (lambda: sn.Rates(bend=0), "bend: expected a number greater than 0, got 0"),
+        (lambda: sn.Rates(length=(1, -2)), "length[1]: expected a number greater than 0, got -2.0"),
+        (lambda: sn.Rates(actuator=math.inf), "actuator: expected a number greater than 0, got inf"),
+        (
+            lambda: sn.Rates(bend="fast"),  # type: ignore[arg-type]
+            "bend: expected a number greater than 0, got 'fast'",
+        ),
+        (
+            lambda: sn.Rates(acceleration=1.0),  # type: ignore[arg-type]
+            "acceleration: expected Rates, got 1.0",
+        ),
+        (lambda: sn.Rates(acceleration=sn.Rates(acceleration=sn.Rates(1))), "acceleration.acceleration: expected"),
+        (lambda: sn.Rates(bend={"s1": 0}), "bend.s1: expected a number greater than 0, got 0"),
+        (lambda: sn.Rates(bend=1) * 0.0, "dt: expected a number greater than 0, got 0.0"),
+        (lambda: sn.Rates(length=(1, 2)).spread(ROBOT), "length: expected one number, or 3, got [1.0, 2.0]"),
+    ],
+)
+def test_bad_rates_are_refused_in_a_line(make: object, words: str) -> None:
+    with pytest.raises(sn.InputError) as caught:
+        make()  # type: ignore[operator]
+    assert str(caught.value).startswith(words)

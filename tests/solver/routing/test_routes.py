@@ -1,0 +1,367 @@
+"""Routes as starts: narrow places that a local solver does not get into, and rooms without a door."""
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.places import make
+from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
+from sinuous.kernels.freespace.cells import memory_size
+from sinuous.kernels.tables import PROVED_CLOSED
+from sinuous.problem.problem import Problem
+from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
+from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.strategy import CELLS_A_START, attempts_of, plans_of
+from tests.helpers import Floats
+from tests.solver.routing.questions import asked as asked_of
+from tests.solver.routing.questions import place
+
+ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
+HIDDEN = np.array([[0.9, 0.2, 1.0], [-0.8, 1.2, 1.1], [0.3, -1.5, 0.9], [1.2, 0.4, 1.0], [-1.0, -0.9, 1.0]])
+
+
+def pipe(robot: Robot, q: Floats, ratio: float, ball: float = 0.06) -> Scene:
+    """Balls all over the surface that is `ratio` times the radius away from the backbone."""
+    points = robot.backbone(q, 20)
+    rng = np.random.default_rng(0)
+    away = rng.normal(size=(len(points), 400, 3))
+    away /= np.linalg.norm(away, axis=-1, keepdims=True)
+    reach = ratio * 0.1 + ball
+    wall = (points[:, None] + reach * away).reshape(-1, 3)
+    wall = wall[np.linalg.norm(wall[:, None] - points[None, ::2], axis=-1).min(axis=1) >= reach - 2e-3]
+    _, first = np.unique(np.round(wall / 0.05), axis=0, return_index=True)
+    return Scene([Sphere(center, ball) for center in wall[first]])
+
+
+@pytest.fixture(scope="module")
+def narrow() -> Scene:
+    return pipe(ROBOT, HIDDEN, 1.6)
+
+
+@pytest.fixture(scope="module")
+def target() -> Target:
+    return Target(ROBOT.tip(HIDDEN)[:3, 3])
+
+
+def problem(robot: Robot, target: Target, scene: Scene) -> Problem:
+    return Problem(robot, target, scene)
+
+
+def router(robot: Robot, scene: Scene) -> Searches:
+    return Searches(robot, scene, sn.Tolerance().for_robot(robot))
+
+
+def question(asked: Problem, seconds: float = 60.0) -> Question:
+    return Question(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
+
+
+def batches_of(finder: Searches, asked: Question, *without: str) -> Iterator[StartBatch]:
+    """All starts but scattered ones."""
+    off = ("scattered", *without)
+    return (batch for batch in attempts_of(asked, Scattered(3, 10), finder, without=off).batches() if batch.size)
+
+
+def first(finder: Searches, asked: Problem) -> FoundRoutes:
+    """What the quickest plan finds."""
+    query = finder.query(asked)
+    assert query is not None
+    return finder.find(asked, query, finder.coarse, 60.0)
+
+
+def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Target) -> None:
+    solution = Solver(ROBOT, narrow, time=60.0, max_starts=40).solve(target)
+    assert solution.status is Status.SOLVED
+    assert solution.start == "route"
+    assert solution.verify().ok
+    assert solution.route is not None
+    assert np.allclose(solution.route[0], 0.0)
+    assert np.allclose(solution.route[-1], ROBOT.tip(HIDDEN)[:3, 3])
+    assert np.linalg.norm(ROBOT.backbone(solution.q, 9)[:, None] - solution.route, axis=-1).min(axis=1).max() < 0.1
+    assert not solution.route.flags.writeable
+    assert not Solver(ROBOT, narrow, time=60.0, max_starts=12, routes=False).solve(target).solved
+
+
+def test_routes_go_from_base_to_target_and_configurations_lie_in_them(narrow: Scene, target: Target) -> None:
+    finder, asked = router(ROBOT, narrow), problem(ROBOT, target, narrow)
+    found = first(finder, asked)
+    batch = next(batches_of(finder, question(asked)))
+    assert len(found.routes) == len(batch.initial) == 1
+    route = found.routes[0]
+    assert np.allclose(route[0], 0.0)
+    assert np.allclose(route[-1], ROBOT.tip(HIDDEN)[:3, 3])
+    assert narrow.distance(route).min() > 0.09
+    body = ROBOT.backbone(batch.initial[0], 20)
+    assert np.linalg.norm(body[:, None] - route[None], axis=-1).min(axis=1).max() < 0.1
+    assert batch.source == "route"
+    assert batch.closed is None
+
+
+def test_the_same_search_gives_the_same_routes(narrow: Scene, target: Target) -> None:
+    asked = problem(ROBOT, target, narrow)
+    finder = router(ROBOT, narrow)
+    one, again = (next(batches_of(finder, question(asked))) for _ in range(2))
+    other = next(batches_of(router(ROBOT, narrow), question(asked)))
+    assert np.array_equal(one.initial, again.initial)
+    assert np.array_equal(one.initial, other.initial)
+
+
+def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target) -> None:
+    asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
+    alone = next(batches_of(finder, question(asked))).initial
+
+    def search(_: int) -> Any:
+        return next(batches_of(finder, question(asked))).initial
+
+    with ThreadPoolExecutor(4) as threads:
+        assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
+    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[1])
+
+
+def test_routes_differ_in_the_side_on_which_they_pass() -> None:
+    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
+    asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
+    query = finder.query(asked)
+    assert query is not None
+    routes = [route for _, plan in plans_of(finder) for route in finder.find(asked, query, plan, 60.0).routes]
+    sides = {tuple(np.sign(np.round(route[np.abs(route[:, 2] - 2.2).argmin(), :2], 1))) for route in routes}
+    assert len(sides) >= 3
+
+
+def test_no_route_of_one_grid_is_handed_over_twice() -> None:
+    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
+    asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
+    off = set(ATTEMPTS) - {"cells", "laid"}
+    laid = [q.tobytes() for batch in batches_of(finder, question(asked), *off) for q in batch.initial]
+    assert len(laid) >= 4
+    assert len(laid) == len(set(laid))
+
+
+def test_a_robot_much_longer_than_its_route_is_stowed_beside_it() -> None:
+    robot = Robot.uniform(6, length=1.0, max_bend=2.0, radius=0.1)
+    walls = [((0.0, side, 0.3), (0.6, 0.3, 1.8)) for side in (0.29, -0.29)]
+    walls += [((side, 0.0, 0.3), (0.3, 0.9, 1.8)) for side in (0.29, -0.29)]
+    scene = Scene([Box(middle, size) for middle, size in walls])
+    asked, finder = problem(robot, Target((0.3, 0.0, 2.6)), scene), router(robot, scene)
+    query = finder.query(asked)
+    assert query is not None
+    route = finder.find(asked, query, finder.fine, 60.0).routes[0]
+    assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < 3.1
+    solution = Solver(robot, scene, time=60.0, max_starts=30).solve(Target((0.3, 0.0, 3.0)))
+    assert (solution.status, solution.start) == (Status.SOLVED, "route")
+
+
+def test_a_body_gets_through_a_door_behind_its_base() -> None:
+    """Half a circle over the wall, then straight down: the route turns back at once, as the body cannot."""
+    robot = Robot.uniform(6, length=1.0, max_bend=1.4, radius=0.1)
+    hidden = np.array([[np.pi / 3.0, 0.0, 1.0]] * 3 + [[0.0, 0.0, 1.0]] * 3)
+    door, end = robot.backbone(hidden, 1)[3, 0], robot.tip(hidden)[:3, 3]
+    walls = [Box((door + side * 2.2, 0.0, -0.5), (4.0, 8.0, 0.1)) for side in (-1.0, 1.0)]
+    walls += [Box((door, side * 2.2, -0.5), (0.4, 4.0, 0.1)) for side in (-1.0, 1.0)]
+    scene = Scene(walls)
+    assert scene.distance(robot.backbone(hidden, 40)).min() > 0.15
+    solution = Solver(robot, scene, time=60.0, max_starts=200).solve(Target(end))
+    assert solution.status is Status.SOLVED
+    assert solution.verify().ok
+
+
+def test_elbows_are_gone_through_one_after_the_other(narrow: Scene) -> None:
+    elbow = ROBOT.backbone(HIDDEN, 1)[3]
+    targets = [Target(elbow, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
+    solution = Solver(ROBOT, narrow, time=60.0, max_starts=60).solve(targets)
+    assert (solution.status, solution.start) == (Status.SOLVED, "route")
+
+
+def box_room(center: Floats, half: float, wall: float, door: float = 0.0) -> Scene:
+    """Six walls; the one towards the base has a door."""
+    walls: list[Box] = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            at, size = center.copy(), np.full(3, 2.0 * half + wall)
+            at[axis] += side * half
+            size[axis] = wall
+            if axis == 2 and side < 0.0 and door > 0.0:
+                rest = half + 0.5 * wall - 0.5 * door
+                for shift in (-1.0, 1.0):
+                    part, extent = at.copy(), size.copy()
+                    part[0] += shift * 0.5 * (rest + door)
+                    extent[0] = rest
+                    walls.append(Box(part, extent))
+                    part, extent = at.copy(), size.copy()
+                    part[1] += shift * 0.5 * (rest + door)
+                    extent[0], extent[1] = door, rest
+                    walls.append(Box(part, extent))
+            else:
+                walls.append(Box(at, size))
+    return Scene(walls)
+
+
+@pytest.mark.parametrize("wall", [1e-4, 0.1])
+def test_a_room_without_a_door_is_said_to_be_closed(wall: float) -> None:
+    center = np.array([0.6, 0.4, 3.0])
+    solution = Solver(ROBOT, box_room(center, 0.6, wall), time=60.0).solve(Target(center))
+    assert solution.status is Status.NO_ROUTE
+
+
+def test_a_room_with_a_door_is_not() -> None:
+    center = np.array([0.2, 0.1, 3.0])
+    scene = box_room(center, 0.6, 0.1, door=0.5)
+    assert scene.distance((0.2, 0.1, 2.4)) == pytest.approx(0.25)
+    solution = Solver(ROBOT, scene, time=60.0).solve(Target(center))
+    assert solution.status is Status.SOLVED
+
+
+def test_the_route_around_the_edges_of_a_door_comes_first() -> None:
+    center = np.array([0.2, 0.1, 3.0])
+    scene = box_room(center, 0.6, 0.1, door=0.5)
+    asked, finder = problem(ROBOT, Target(center), scene), router(ROBOT, scene)
+    query = finder.query(asked)
+    assert query is not None
+    route = finder.by_edges(asked, query, 60.0)
+    assert route is not None
+    assert scene.distance(route).min() > 0.085
+    batch = next(batches_of(finder, question(asked)))
+    assert np.array_equal(batch.routes[0], route)
+    assert finder.by_edges(asked, query, -1.0) is None
+    closed = box_room(center, 0.6, 0.1)
+    assert finder.by_edges(problem(ROBOT, Target(center), closed), query, 60.0) is None
+
+
+def test_around_the_edges_of_a_cell_of_one_mesh_it_is_looked_long_enough() -> None:
+    """The door is behind the base, and the way there and through takes some thousand looks."""
+    place = make("door in mesh", 54)
+    router = Searches(place.robot, place.scene, place.tolerance)
+    asked = Problem.prepared(place.robot, place.targets, place.scene.snapshot(), place.tolerance)
+    query = router.query(asked)
+    assert query is not None
+    route = router.by_edges(asked, query, 60.0)
+    assert route is not None
+    assert place.scene.distance(route).min() > 0.95 * min(place.robot.radii)
+    assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < sum(s.length[1] for s in place.robot.segments)
+
+
+def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
+    robot = Robot([Segment((0.0, 3.0), 0.0, radius=0.1), *[Segment(1.0, 2.4, radius=0.1)] * 3], mount=2.0)
+    scene = box_room(np.array([0.0, 0.0, 3.5]), 1.8, 0.1)
+    q = np.array([[0, 0, 1.9], [1.2, 0.3, 1.0], [-0.3, 1.0, 1.0], [0.2, -0.5, 1.0]])
+    solution = Solver(robot, scene, time=60.0).solve(Target(robot.tip(q)[:3, 3]))
+    assert solution.status is not Status.NO_ROUTE
+
+
+def test_a_search_costs_as_much_as_the_cells_that_it_looks_at(narrow: Scene, target: Target) -> None:
+    asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
+    query = finder.query(asked)
+    assert query is not None
+    attempts = attempts_of(question(asked), Scattered(3, 10), finder, without=set(ATTEMPTS) - {"cells"})
+    plans = [plan for _, plan in plans_of(finder) if plan != finder.middle]  # the route over coarse cells is clear
+    cells = [finder.find(asked, query, plan, 60.0).cells for plan in plans]
+    costs = [batch.cost for batch in attempts.batches() if batch.cost > 0]
+    assert costs == [looked / CELLS_A_START for looked in cells]
+
+
+def test_a_base_in_a_closed_room_is_said_to_be() -> None:
+    scene = box_room(np.array([0.0, 0.0, 0.3]), 0.6, 0.1)
+    solution = Solver(ROBOT, scene, time=60.0).solve(Target((1.0, 0.5, 3.0)))
+    assert solution.status is Status.NO_ROUTE
+    assert solution.route is None
+
+
+def test_without_a_position_there_is_no_route() -> None:
+    scene = Scene([Sphere((0, 0, 3), 0.3)])
+    asked = problem(ROBOT, Target(direction=(0, 0, 1)), scene)
+    assert router(ROBOT, scene).query(asked) is None
+    assert list(batches_of(router(ROBOT, scene), question(asked))) == []
+
+
+def test_no_time_no_route(narrow: Scene, target: Target) -> None:
+    assert list(batches_of(router(ROBOT, narrow), question(problem(ROBOT, target, narrow), 0.0))) == []
+
+
+def test_all_solutions_come_from_different_routes() -> None:
+    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
+    solver = Solver(ROBOT, scene, time=60.0, max_starts=30)
+    found = solver.solve_all(Target((0, 0, 4.4), direction=(0, 0, 1)), count=8, by="shape")
+    assert len(found) >= 3
+    assert "route" in {solution.start for solution in found}
+    sides = {tuple(np.sign(np.round(ROBOT.backbone(s.q, 20)[50, :2], 1))) for s in found}
+    assert len(sides) >= 3
+
+
+@pytest.fixture
+def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fail where a route is searched for, once a `Solver` is made."""
+    find = Searches.find
+
+    def only_loading(self: Searches, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
+        assert seconds == 0.0, "searched for a route"
+        return find(self, problem, query, plan, seconds)
+
+    monkeypatch.setattr(Searches, "find", only_loading)
+
+
+@pytest.mark.usefixtures("without_routes")
+def test_what_is_decided_needs_no_route(narrow: Scene, target: Target) -> None:
+    ball = [Sphere((0, 0, 2.2), 0.7)]
+    assert Solver(ROBOT, ball).solve(Target((0, 0, 50))).status is Status.OUT_OF_REACH
+    assert Solver(ROBOT, ball).solve(Target((0, 0, 2.2))).status is Status.TARGET_BLOCKED
+    assert Solver(ROBOT, narrow, max_starts=1).solve(target).starts == 1
+
+
+def test_all_solutions_come_from_no_more_starts_than_allowed(narrow: Scene, target: Target) -> None:
+    solver = Solver(ROBOT, narrow, time=60.0, max_starts=2)
+    assert solver.solve_all(target) == []
+
+
+@pytest.mark.parametrize("family", ["cells", "bore"])
+@pytest.mark.parametrize("without", [slice(None), slice(1), slice(-1, None), slice(0, None, 2)])
+def test_segments_of_no_thickness_find_routes(family: str, without: slice) -> None:
+    there = place(family, 0)
+    segments = list(there.robot.segments)
+    segments[without] = [segment.changed(radius=0.0) for segment in segments[without]]
+    solver = Solver(there.robot.changed(segments=segments), there.scene, tolerance=there.tolerance, time=10.0)
+    assert solver.solve(there.targets).verify().ok
+
+
+@pytest.mark.parametrize("tip", [0.0, 1e-5])
+def test_what_is_too_narrow_for_thick_segments_is_open_to_the_thin_ones(tip: float) -> None:
+    robot = Robot([Segment((0.8, 1.2), 2.0, radius=radius) for radius in (0.1, 0.1, 0.1, tip, tip)])
+    hole, target = 0.05, Target((0.3, 0.1, 3.3))
+    room = [Box((0, 0, -0.55), (4, 4, 0.1))]
+    for side in (-1, 1):
+        room += [Box((1.95 * side, 0, 1), (0.1, 4, 3.2)), Box((0, 1.95 * side, 1), (4, 0.1, 3.2))]
+        beside = (1 + hole / 2) * side
+        room += [Box((beside, 0, 2.55), (2 - hole, 4, 0.1)), Box((0, beside, 2.55), (2 * hole, 2 - hole, 0.1))]
+    assert Solver(robot, room, time=10.0).solve(target).verify().ok
+    thick = robot.changed(segments=[segment.changed(radius=0.1) for segment in robot.segments])
+    assert Solver(thick, room, time=10.0).solve(target).status is Status.NO_ROUTE
+
+
+@pytest.mark.parametrize(
+    ("family", "number", "first"),
+    [("cells", 0, True), ("cells mesh", 0, True), ("plates", 0, False), ("bore", 0, False), ("spheres 40", 0, False)],
+)
+def test_edges_come_first_where_they_are_those_of_boxes_or_about_the_base(
+    family: str, number: int, first: bool
+) -> None:
+    finder, asked = asked_of(place(family, number))
+    assert finder.edges_first(asked.problem) is first
+
+
+@pytest.mark.parametrize(("mount", "proved"), [(0.0, True), (0.5, True), (0.6, False), (0.7, False)])
+def test_nothing_is_proved_where_the_body_may_end_within_its_mount(mount: float, proved: bool) -> None:
+    """A tip that stays in the mount may stand in an obstacle; the shortest body here has length 0.6."""
+    robot = Robot([Segment((0.2, 1.0), 1.0, radius=0.05)] * 3, mount=mount)
+    hidden = np.array([[0.3, 0.1, 0.22], [0.2, 0.0, 0.21], [-0.1, 0.2, 0.22]])
+    scene = Scene([Sphere((0, 0, 0), 0.55, inside=True)])
+    problem = Problem(robot, [Target(robot.tip(hidden)[:3, 3])], scene)
+    searches = Searches(robot, scene, problem.tolerance)
+    query = searches.query(problem)
+    assert query is not None
+    ended = {searches.find(problem, query, plan, 30.0).ended for _, plan in plans_of(searches) if plan.prove}
+    assert (PROVED_CLOSED in ended) is proved
+    solution = sn.solve(robot, Target(robot.tip(hidden)[:3, 3]), scene, initial=hidden)
+    assert solution.solved is (mount == 0.7)

@@ -1,0 +1,326 @@
+"""Steps of a control loop: laws first, then what they are for."""
+
+import pickle
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
+
+import sinuous as sn
+from sinuous.answer.step import Active
+from sinuous.kernels.velocity.active_set import EXACT, GAIN
+from sinuous.kernels.velocity.bounds import ROOM
+from tests.cases import with_each
+from tests.helpers import Floats
+
+N = 5
+ROBOT = sn.Robot.uniform(N, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=3))
+UNIT = ROBOT.mean_length
+
+
+@cache
+def free_solver() -> sn.Solver:
+    """Not made when tests are collected, since that compiles."""
+    return sn.Solver(ROBOT)
+
+
+ASKED, METRIC = np.array([1.0] * 3 + [1.0 / UNIT] * 3), np.array([1.0, 1.0, 57.5] * N)
+
+
+def shape(rng: np.random.Generator, bend: float = 0.5) -> Floats:
+    bends = np.clip(rng.normal(0.0, bend, (N, 2)), -1.5, 1.5)
+    return np.column_stack([bends, rng.uniform(48.0, 67.0, N)])
+
+
+def twist(rng: np.random.Generator) -> Floats:
+    return np.asarray(rng.normal(0.0, 1.0, 6) / ASKED * 0.2)
+
+
+def jacobian(q: Floats) -> Floats:
+    return np.asarray(ASKED[:, None] * ROBOT.jacobian(q) * METRIC)
+
+
+def cost(q: Floats, asked: Floats, motion: Floats) -> float:
+    """What a step minimises, for a motion (n, 3)."""
+    z = motion.ravel() / METRIC
+    return float(((jacobian(q) @ z - ASKED * asked) ** 2).sum() + EXACT * z @ z)
+
+
+@with_each("seed", range(5))
+def test_no_twist_is_no_motion_where_nothing_pushes(seed: int) -> None:
+    q = shape(np.random.default_rng(seed))
+    step = free_solver().step(q, np.zeros(6), 0.001, rates=sn.Rates(bend=1))
+    assert np.array_equal(step.q, q)
+    assert (step.status, step.share, step.active, step.proved) == ("reached", 1.0, (), True)
+
+
+@with_each("seed", range(20))
+def test_a_small_free_step_is_least_squares_by_the_least_motion(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, asked = shape(rng), twist(rng)
+    expected = METRIC * (np.linalg.pinv(jacobian(q)) @ (ASKED * asked))
+    step = free_solver().step(q, asked, 1e-4)
+    np.testing.assert_allclose(step.velocity.ravel(), expected, atol=1e-4 * np.abs(expected).max())
+    np.testing.assert_allclose(step.twist, asked, atol=1e-4 * np.abs(asked).max())
+    assert step.status == "reached"
+
+
+def test_three_numbers_leave_the_orientation_free() -> None:
+    q, asked = shape(np.random.default_rng(3)), np.array([10.0, -20.0, 5.0])
+    expected = METRIC * (np.linalg.pinv(jacobian(q)[3:]) @ (asked / UNIT))
+    step = free_solver().step(q, asked, 1e-3)
+    np.testing.assert_allclose(step.velocity.ravel(), expected, atol=1e-5 * np.abs(expected).max())
+    np.testing.assert_allclose(step.twist[3:], asked, rtol=1e-5)
+    assert step.share == pytest.approx(1.0, abs=1e-5)
+
+
+@with_each("seed", range(10))
+def test_rates_of_lengths_are_those_of_least_squares_in_a_box(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, asked, dt = shape(rng), 3.0 * twist(rng), 0.01
+    most = float(rng.uniform(5.0, 40.0))
+    step = free_solver().step(q, asked, dt, rates=sn.Rates(length=most))
+    system = np.vstack([jacobian(q), np.sqrt(EXACT) * np.eye(3 * N)])
+    box = np.tile([1e3, 1e3, most * dt / 57.5], N)
+    best = lsq_linear(system, np.append(ASKED * asked * dt, np.zeros(3 * N)), (-box, box), tol=1e-14)
+    assert cost(q, asked * dt, step.q - q) <= 2.0 * best.cost * (1.0 + 1e-5) + 1e-15
+    assert np.abs(step.velocity[:, 2]).max() <= most * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_rates_of_bends_leave_the_best_of_what_they_allow(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, asked, dt, most = shape(rng), 3.0 * twist(rng), 0.01, float(rng.uniform(0.2, 1.0))
+    step = free_solver().step(q, asked, dt, rates=sn.Rates(bend=most))
+    hessian, pull = jacobian(q).T @ jacobian(q) + EXACT * np.eye(3 * N), jacobian(q).T @ (ASKED * asked * dt)
+    kept = NonlinearConstraint(
+        lambda z: (z.reshape(N, 3)[:, :2] ** 2).sum(axis=1), -np.inf, ((1.0 - ROOM) * most * dt) ** 2
+    )
+    least, longest = np.full((N, 3), -np.inf), np.full((N, 3), np.inf)
+    least[:, 2], longest[:, 2] = (45.0 - q[:, 2]) / 57.5, (70.0 - q[:, 2]) / 57.5
+    best: Any = minimize(  # type: ignore[call-overload]
+        lambda z: float(z @ hessian @ z - 2.0 * pull @ z),
+        np.zeros(3 * N),
+        jac=lambda z: 2.0 * (hessian @ z - pull),
+        bounds=Bounds(least.ravel(), longest.ravel()),
+        constraints=[kept],
+        method="SLSQP",
+        options={"maxiter": 500, "ftol": 1e-16},
+    )
+    offset = float(((ASKED * asked * dt) ** 2).sum())
+    assert cost(q, asked * dt, step.q - q) <= (best.fun + offset) * 1.001 + 1e-9 * offset
+    assert np.hypot(*step.velocity[:, :2].T).max() <= most * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_limits_and_rates_are_never_exceeded(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    robot = sn.Robot.uniform(4, (45, 70), max_bend=0.4, radius=4, tendons=sn.Tendons(3, radius=3, displacement=(-3, 3)))
+    ik, rates, dt = sn.Solver(robot), sn.Rates(bend=1.0, length=20.0, actuator=4.0), 0.01
+    q = np.column_stack([rng.normal(0.0, 0.1, (4, 2)), np.full(4, 55.0)])
+    seen = set()
+    for i in range(60):
+        asked = twist(np.random.default_rng(100 * seed + i // 30)) * 3.0
+        step = ik.step(q, asked, dt, rates=rates)
+        driven = np.abs(robot.to_actuators(step.q) - robot.to_actuators(q)).max()
+        assert robot.violations(step.q) == []
+        assert np.hypot(*(step.q - q)[:, :2].T).max() <= 1.0 * dt * (1.0 + 1e-9)
+        assert np.abs(step.q - q)[:, 2].max() <= 20.0 * dt * (1.0 + 1e-9)
+        assert driven <= 4.0 * dt * (1.0 + 1e-9)
+        seen |= {each.constraint for each in step.active}
+        q = step.q
+    assert {"bend_rate", "length_rate"} <= seen
+    assert seen & {"bend", "length", "actuator", "curvature"}
+
+
+@with_each("seed", range(5))
+def test_mirrored_questions_have_mirrored_answers(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, asked, rates = shape(rng), 2.0 * twist(rng), sn.Rates(bend=0.5, length=10.0)
+    balls = [sn.Sphere((30.0 * i - 60.0, 80.0, 40.0 * i), 20.0) for i in range(5)]
+    mirrored = [sn.Sphere(ball.center * [1, -1, 1], 20.0) for ball in balls]
+    robot = ROBOT.changed(segments=[sn.Segment((45, 70), 2.4, radius=4)] * N)
+    one = sn.Solver(robot, balls, routes=False).step(q, asked, 0.01, rates=rates)
+    other = sn.Solver(robot, mirrored, routes=False).step(
+        q * [1, -1, 1], asked * [-1, 1, -1, 1, -1, 1], 0.01, rates=rates
+    )
+    np.testing.assert_allclose(other.q * [1, -1, 1], one.q, atol=1e-6)
+
+
+def test_the_tip_moves_as_asked_to_first_order() -> None:
+    rng = np.random.default_rng(1)
+    q, asked = shape(rng), twist(rng)
+    errors = []
+    for dt in (1e-2, 1e-3):
+        moved = ROBOT.tip(free_solver().step(q, asked, dt).q)[:3, 3] - ROBOT.tip(q)[:3, 3]
+        errors.append(float(np.linalg.norm(moved - dt * asked[3:])))
+    assert errors[1] < 0.02 * errors[0]
+
+
+@with_each("bend", [0.0, 1e-9, 1e-6, 1e-3, 0.098, 0.6])
+def test_singular_shapes_move_little(bend: float) -> None:
+    for seed in range(5):
+        asked = twist(np.random.default_rng(seed))
+        step = free_solver().step([[bend, 0.0, 55.0]] * N, asked, 0.001)
+        assert np.isfinite(step.q).all()
+        assert np.linalg.norm(step.velocity.ravel() / METRIC) <= 1.01 * GAIN * np.linalg.norm(ASKED * asked)
+        wanted, reached = ASKED * asked, ASKED * step.twist
+        assert np.linalg.norm(reached - wanted) <= np.linalg.norm(wanted)
+
+
+def test_near_a_singular_shape_steps_depend_on_it_continuously() -> None:
+    asked = np.array([0.0, 0.0, 0.0, 0.0, 20.0, 0.0])
+    last: Floats | None = None
+    for bend in np.linspace(0.05, 0.15, 60):
+        q = np.tile([bend, 0.0, 55.0], (N, 1)) + np.linspace(0, 0.02, N)[:, None] * [1.0, 0.5, 0.0]
+        velocity = free_solver().step(q, asked, 0.001).velocity / [1.0, 1.0, 57.5]
+        assert last is None or np.abs(velocity - last).max() < 0.05 * np.abs(velocity).max()
+        last = velocity
+
+
+def test_a_wall_is_not_passed_and_is_slid_along() -> None:
+    wall = sn.Box((0.0, 120.0, 200.0), (400.0, 40.0, 400.0), name="wall")
+    ik, dt = sn.Solver(ROBOT, [wall], routes=False), 0.01
+    q = np.tile([0.0, 0.05, 57.5], (N, 1))
+    began = ROBOT.tip(q)[:3, 3]
+    for _ in range(80):
+        step = ik.step(q, (10.0, 120.0, 0.0), dt, rates=sn.Rates(bend=2.0))
+        assert step.proved
+        assert step.clearance is not None
+        assert step.clearance > 0.0
+        q = step.q
+    assert step.status == "held_back"
+    assert "wall" in {each.obstacle for each in step.active}
+    moved = ROBOT.tip(q)[:3, 3] - began
+    assert moved[0] > 3.0
+    assert sn.check(ROBOT, q, ik.scene).clearance > 0.0
+
+
+def test_clearance_is_a_wish_that_comes_first() -> None:
+    ball = sn.Sphere((0.0, 45.0, 150.0), 30.0)
+    ik = sn.Solver(ROBOT, [ball], routes=False)
+    step = ik.step(np.tile([0.0, 0.0, 57.5], (N, 1)), np.zeros(6), 0.01, rates=sn.Rates(bend=1.0), clearance=15.0)
+    for _ in range(100):
+        step = ik.step(step, np.zeros(6), 0.01, rates=sn.Rates(bend=1.0), clearance=15.0)
+    assert step.clearance == pytest.approx(15.0, rel=0.11)
+
+
+def test_a_start_in_contact_is_left_and_said_plainly() -> None:
+    ball = sn.Sphere((0.0, 30.0, 150.0), 28.0, name="ball")
+    ik, q = sn.Solver(ROBOT, [ball], routes=False), np.tile([0.0, 0.0, 57.5], (N, 1))
+    step = ik.step(q, (0.0, 0.0, 0.0), 0.01, rates=sn.Rates(bend=1.0))
+    assert (step.status, step.touching, step.proved) == ("touching", True, False)
+    assert step.active[0] == Active("clearance", 3, obstacle="ball")
+    gaps = []
+    for _ in range(30):
+        gaps.append(float(sn.check(ROBOT, step.q, ik.scene).clearance))
+        step = ik.step(step, (0.0, 0.0, 0.0), 0.01, rates=sn.Rates(bend=1.0))
+    assert (np.diff(gaps) >= -1e-9).all()
+    assert step.proved
+    assert step.clearance is not None
+
+
+def test_the_body_does_not_run_into_itself() -> None:
+    robot = sn.Robot.uniform(4, 60.0, max_bend=2.6, radius=6)
+    ik, q = sn.Solver(robot), np.array([[1.2, 0.0, 60.0], [1.3, 0.0, 60.0], [1.2, 0.05, 60.0], [1.1, 0.0, 60.0]])
+    touched = False
+    for _ in range(150):
+        step = ik.step(q, robot.jacobian(q) @ np.tile([2.0, 0.0, 0.0], 4), 0.01, rates=sn.Rates(bend=1.0))
+        assert step.proved
+        touched = touched or any(each.constraint == "self_clearance" for each in step.active)
+        q = step.q
+    assert touched
+    checked = sn.check(robot, q)
+    assert checked.self_clearance is not None
+    assert checked.self_clearance > 0.0
+
+
+def test_steps_towards_a_target_end_there() -> None:
+    q = shape(np.random.default_rng(5))
+    target = sn.Target((60.0, 0.0, 240.0), direction=(0.2, 0.0, 1.0))
+    for _ in range(400):
+        step = free_solver().step(q, target=target, dt=0.01, rates=sn.Rates(bend=1.0, length=30.0))
+        q = step.q
+        if step.status == "reached":
+            break
+    assert step.status == "reached"
+    assert step.position_error is not None
+    assert step.position_error <= 1e-4 * UNIT
+    np.testing.assert_allclose(ROBOT.tip(q)[:3, 3], (60.0, 0.0, 240.0), atol=1e-4 * UNIT)
+    assert step.share is None
+
+
+def test_accelerations_are_kept() -> None:
+    rates, dt = sn.Rates(bend=1.0, length=30.0, acceleration=sn.Rates(bend=5.0, length=100.0)), 0.01
+    q, velocity = shape(np.random.default_rng(2)), np.zeros((N, 3))
+    for i in range(60):
+        step = free_solver().step(q, (0.0, 60.0 if i < 30 else -60.0, 0.0), dt, rates=rates, velocity=velocity)
+        change = step.velocity - velocity
+        assert np.hypot(*change[:, :2].T).max() <= 5.0 * dt * 1.01
+        assert np.abs(change[:, 2]).max() <= 100.0 * dt * 1.01
+        q, velocity = step.q, step.velocity
+
+
+def test_it_is_frozen_and_travels() -> None:
+    step = free_solver().step(
+        np.tile([0.1, 0.0, 57.5], (N, 1)), (10.0, 0.0, 0.0), 0.01, rates=sn.Rates(bend=0.001, length=1.0)
+    )
+    with pytest.raises(AttributeError):
+        step.initial = step.q
+    with pytest.raises(ValueError, match="read-only"):
+        step.q[0, 0] = 1.0
+    again = pickle.loads(pickle.dumps(step))
+    assert np.array_equal(again.q, step.q)
+    assert (again.status, again.active, again.share) == (step.status, step.active, step.share)
+    assert repr(step).startswith("Step(held_back, share 0.")
+
+
+@with_each(
+    ("given", "words"),
+    [
+        ({"dt": 0.01}, "twist: expected one of twist, target, got None (missing)"),
+        ({"twist": (0,) * 6}, "dt: expected a number greater than 0, got None (missing)"),
+        ({"twist": (0,) * 6, "dt": 0.0}, "dt: expected a number greater than 0"),
+        ({"twist": (0,) * 4, "dt": 0.01}, "twist: expected 6 finite numbers (omega, v), or 3 (v)"),
+        ({"twist": (0, 0, float("nan")), "dt": 0.01}, "twist: expected 6 finite numbers"),
+        ({"twist": (0,) * 3, "target": sn.Target((0, 0, 1)), "dt": 0.01}, "(cannot be combined with target)"),
+        ({"twist": (0,) * 3, "dt": 0.01, "rates": 1.0}, "rates: expected Rates"),
+        ({"twist": (0,) * 3, "dt": 0.01, "clearance": -1.0}, "clearance: expected a number of at least 0"),
+        ({"twist": (0,) * 3, "dt": 0.01, "rates": sn.Rates(bend=(1, 2))}, "bend: expected one number, or 5"),
+        ({"twist": (0,) * 3, "dt": 0.01, "rates": sn.Rates(acceleration=sn.Rates(1))}, "velocity: expected that of"),
+        ({"twist": (0,) * 3, "dt": 0.01, "q": [[0, 0, 1]]}, "q: expected 5 rows of 3"),
+    ],
+)
+def test_bad_input_is_refused_in_a_line(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(sn.InputError) as caught:
+        free_solver().step(**({"q": np.tile([0.0, 0.0, 57.5], (N, 1))} | given))
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_reached_within_changes_never_jumps(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, rates = shape(rng, 0.3), sn.Rates(bend=1.0, length=30.0)
+    target, ends = sn.Target((40.0, 30.0, 240.0)), []
+    for _ in range(80):
+        found = free_solver().solve(target, initial=q, within=rates * 0.02)
+        assert np.hypot(*(found.q - q)[:, :2].T).max() <= 0.02 * (1.0 + 1e-9)
+        assert np.abs(found.q - q)[:, 2].max() <= 0.6 * (1.0 + 1e-9)
+        assert found.position_error is not None
+        ends.append(found.position_error)
+        q = found.q
+        if found.solved:
+            break
+        assert found.status is sn.Status.RATE_BOUND
+    assert (np.diff(ends) < 0.0).all()
+    assert found.solved
+    assert found.verify().ok
+
+
+def test_changes_need_a_place_to_begin() -> None:
+    with pytest.raises(sn.InputError, match="initial: expected where the changes begin"):
+        free_solver().solve(sn.Target((0, 0, 240)), within=sn.Rates(bend=1) * 0.1)
+    with pytest.raises(sn.InputError, match="within: expected Changes"):
+        free_solver().solve(sn.Target((0, 0, 240)), [[0, 0, 55]] * N, within=0.1)  # type: ignore[arg-type]

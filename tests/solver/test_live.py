@@ -1,0 +1,172 @@
+"""Solving among meshes, clouds and grids, and while the cloud changes: what is called solved is free, by other code."""
+
+import math
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.kernels.step.newton import SAMPLED_SLACK
+from sinuous.measures.obstacles import measure
+from sinuous.model.robot import Robot
+from sinuous.problem.target import Target
+from sinuous.scene.grids import Field, Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.scene import Scene
+from sinuous.solver.solver import Solver
+from tests.helpers import Floats
+from tests.scene import shapes
+
+ROBOT = Robot.uniform(4, (0.2, 0.35), 2.4, radius=0.03)
+
+
+def ring(p: Floats) -> Floats:
+    """A torus about the way ahead."""
+    return np.asarray(np.hypot(np.hypot(p[:, 0], p[:, 1]) - 0.3, p[:, 2] - 0.5) - 0.15)
+
+
+def sampled_ring() -> Grid:
+    shape, low = (75, 75, 80), np.array([-0.9, -0.9, -0.4])
+    return Grid(ring(low + 0.025 * np.argwhere(np.ones(shape))).reshape(shape), low, 0.025)
+
+
+def blobs(size: float) -> shapes.Triangles:
+    """Balls around the way, clear of the base."""
+    vertices, faces = shapes.ball(3)
+    places = [(0.35, 0.1, 0.5), (-0.3, 0.25, 0.6), (0.0, -0.4, 0.45), (0.05, 0.1, 0.95)]
+    return shapes.together(*((size * vertices + np.array(place), faces) for place in places))
+
+
+def scan() -> Floats:
+    return blobs(0.16)[0][::2]
+
+
+MADE: dict[str, Callable[[], Obstacle]] = {
+    "mesh": lambda: Mesh(*blobs(0.17)),
+    "shell": lambda: Mesh(blobs(0.17)[0], blobs(0.17)[1][::2], thickness=0.01),
+    "room": lambda: Mesh(0.9 * shapes.ball(3)[0], shapes.ball(3)[1], inside=True),
+    "cloud": lambda: PointCloud(scan(), 0.015),
+    "cubes": lambda: Grid(np.random.default_rng(5).random((6, 6, 6)) < 0.15, (-0.5, -0.5, 0.2), 0.2),
+    "samples": sampled_ring,
+    "function": lambda: Field(ring, (-0.9, -0.9, -0.4), (0.9, 0.9, 1.5), 0.03),
+}
+
+
+def targets(scene: Scene, seed: int, count: int) -> list[Target]:
+    """Where the tip of some configurations is that are free at a glance."""
+    rng = np.random.default_rng(seed)
+    found: list[Target] = []
+    for _ in range(1000):
+        angle, bend = rng.uniform(-math.pi, math.pi, 4), 1.2 * np.sqrt(rng.random(4))
+        q = np.stack([bend * np.cos(angle), bend * np.sin(angle), rng.uniform(0.2, 0.35, 4)], axis=-1)
+        backbone = ROBOT.backbone(q, 10)
+        if scene.distance(backbone).min() > 0.04:
+            found.append(Target(backbone[-1]))
+        if len(found) == count:
+            return found
+    raise AssertionError("too few are free")
+
+
+@pytest.mark.parametrize("kind", MADE)
+def test_solved_is_free_and_most_are_solved(kind: str) -> None:
+    obstacle = MADE[kind]()
+    scene = Scene([obstacle, Sphere((0.9, 0.0, 0.5), 0.1)])
+    solver = Solver(ROBOT, scene)
+    asked = targets(scene, 1, 20)
+    solutions = [solver.solve(target) for target in asked]
+    solved = [s for s in solutions if s.solved]
+    touched = 0
+    for solution in solved:
+        backbone = ROBOT.backbone(solution.q, 200)
+        true = min(float(measure(o, backbone).min()) for o in scene.obstacles) - 0.03
+        assert solution.clearance is not None
+        assert 0.0 < solution.clearance <= true + 1e-9
+        touched += true < 0.05
+        if kind not in ("samples", "function"):
+            # The truth between two points of the backbone is at most half of their distance less.
+            assert solution.clearance >= (1.0 - SAMPLED_SLACK) * (true - 0.5 * 0.35 / 200) - 1e-6
+    assert len(solved) >= 19
+    assert touched >= 3, "nothing was in the way"
+
+
+def test_all_kinds_in_one_scene() -> None:
+    scene = Scene([MADE["cubes"](), PointCloud(scan() + np.array([0.0, 0.0, 0.6]), 0.01), MADE["room"]()])
+    solver = Solver(ROBOT, scene)
+    solutions = [solver.solve(target) for target in targets(scene, 2, 10)]
+    assert sum(s.solved for s in solutions) >= 9
+    assert all(s.verify().ok for s in solutions if s.solved)
+
+
+def test_a_solver_goes_on_with_what_the_camera_sees() -> None:
+    aside = np.array([[0.0, 0.0, -3.0]])
+    scene = Scene([PointCloud(aside, 0.05)])
+    solver = Solver(ROBOT, scene)
+    target = Target((0.0, 0.0, 1.0))
+    free = solver.solve(target)
+    assert free.solved
+    wall = np.array([[x, y, 0.5] for x in np.linspace(-0.2, 0.2, 9) for y in np.linspace(-0.2, 0.2, 9)])
+    scene.update(wall)
+    around = solver.solve(target, initial=free)
+    assert around.solved
+    assert around.verify().ok
+    # The solution from before is one of the scene as it was, and not of the scene as it is.
+    assert free.verify().ok
+    assert scene.distance(ROBOT.backbone(free.q, 20)).min() < 0.03
+    scene.update(np.array([[0.0, 0.0, 1.0]]))
+    assert solver.solve(target).status is Status.TARGET_BLOCKED
+    scene.update(np.array([[0.0, 0.0, 0.0]]))
+    assert solver.solve(target).status is Status.BASE_BLOCKED
+    scene.update(aside)
+    again = solver.solve(target)
+    assert again.solved
+    np.testing.assert_array_equal(again.q, free.q)
+
+
+def test_solving_while_the_cloud_changes() -> None:
+    """The cloud is where the robot has to pass, so that a solve with points of two moments would be seen."""
+    rng = np.random.default_rng(6)
+
+    def seen(i: int) -> Floats:
+        side = 0.25 if i % 2 else -0.25
+        return rng.normal((side, 0.1, 0.5), 0.04, size=(10 + 50 * (i % 7), 3))
+
+    scene = Scene([PointCloud(seen(0), 0.01)])
+    solver = Solver(ROBOT, scene)
+    asked = targets(scene, 3, 5)
+    stop = threading.Event()
+    found: list[Solution] = []
+
+    def work() -> None:
+        while not stop.is_set():
+            found.extend(solver.solve(target) for target in asked)
+
+    worker = threading.Thread(target=work)
+    worker.start()
+    for i in range(60):
+        scene.update(seen(i))
+        before = len(found)  # after the update, which takes longer than some solves
+        while worker.is_alive() and len(found) < before + len(asked):
+            time.sleep(1e-4)
+    stop.set()
+    worker.join()
+    solved = [solution for solution in found if solution.solved]
+    assert len(solved) > 0.8 * len(found)
+    scenes = {id(solution.problem.scene): solution.problem.scene for solution in found}
+    assert len(scenes) >= 60
+    stands = []
+    # Drawn, not every so many: the same targets come again and again.
+    for solution in (solved[i] for i in rng.permutation(len(solved))[:300]):
+        own = solution.problem.scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
+        assert solution.clearance is not None
+        assert 0.0 < solution.clearance <= own + 1e-9
+        now = scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
+        stands.append((own < 0.1, now < 0.0))
+    near, overlapping_now = np.sum(stands, axis=0)
+    assert near > 10, "the cloud was never in the way"
+    assert overlapping_now > 5, "the cloud never moved to where the body was"

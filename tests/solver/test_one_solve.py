@@ -1,0 +1,81 @@
+"""A solver for one question compiles the search for routes where it is needed, and does not call that solving."""
+
+import pickle
+import time
+from typing import Any
+
+import pytest
+
+from sinuous.model.robot import Robot
+from sinuous.problem.target import Target
+from sinuous.scene.obstacles import Sphere
+from sinuous.solver.routing.searches import Searches
+from sinuous.solver.solver import Solver, solve
+
+ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)
+SCENE = [Sphere((0.5, 0.0, 1.5), 0.2)]
+NEAR, FAR = Target((1.0, 0.0, 2.0)), Target((0.0, 0.0, 9.0))
+TORN = [Target((1.0, 0.0, 2.0)), Target((-1.0, 0.0, 2.0))]
+"""Cannot be met, which nothing proves."""
+
+
+LOADING = 1000.0
+"""Seconds, by a clock that is put forward."""
+
+
+@pytest.fixture
+def loads(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """What is appended to whenever the search for routes is loaded, which takes `LOADING` each time."""
+    seen: list[float] = []
+
+    def load(self: Searches, *, anew: bool = False) -> None:
+        seen.append(LOADING)
+
+    monkeypatch.setattr("sinuous.base.work_time.perf_counter", lambda: time.perf_counter() + sum(seen))
+    monkeypatch.setattr(Searches, "load", load)
+    return seen
+
+
+@pytest.mark.parametrize(("target", "count"), [(NEAR, 0), (FAR, 0), (TORN, 1)], ids=["solved", "proved", "open"])
+def test_it_is_loaded_where_the_first_starts_decide_nothing(loads: list[float], target: Any, count: int) -> None:
+    solution = Solver.once(ROBOT, SCENE, time=60.0, max_starts=20).solve(target)
+    assert solution.solved is (target is NEAR)
+    assert bool(loads) is bool(count)
+    assert solution.seconds < LOADING  # it is no part of the budget
+
+
+def test_a_solver_for_many_has_it_ahead(loads: list[float]) -> None:
+    solver = Solver(ROBOT, SCENE)
+    assert len(loads) == 1
+    assert solver.solve(NEAR).solved
+    assert len(loads) == 1
+
+
+@pytest.mark.parametrize("options", [{"routes": False}, {"method": "dls"}])
+def test_without_routes_there_is_nothing_to_load(loads: list[float], options: dict[str, Any]) -> None:
+    Solver(ROBOT, SCENE, time=0.02, **options).solve(TORN[0])
+    assert loads == []
+
+
+def test_one_solve_is_what_the_function_makes(loads: list[float]) -> None:
+    assert solve(ROBOT, NEAR, SCENE).solved
+    assert loads == []
+    again = Solver(ROBOT, SCENE).solve(NEAR)
+    assert (solve(ROBOT, NEAR, SCENE).q == again.q).all()
+
+
+def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
+    """Those of any solver, also when they were sent to another process."""
+    solution = Solver(ROBOT, SCENE).solve(NEAR)
+    for own in (solution, pickle.loads(pickle.dumps(solution))):
+        assert own._resolver == solution._resolver
+        assert (own._resolver.solve(own.problem).q == solution.q).all()
+    assert len(loads) == 1
+    assert type(pickle.loads(pickle.dumps(Solver.once(ROBOT, SCENE)))) is Solver
+
+
+def test_what_is_loaded_is_not_loaded_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    solver = Solver(ROBOT, SCENE)
+    assert Searches.loaded
+    monkeypatch.setattr(Searches, "find", None)
+    solver._strategy.load()

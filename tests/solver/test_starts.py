@@ -1,0 +1,60 @@
+"""Batches of starts: nothing is lost where they are cut, and numbers go on."""
+
+import itertools
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sinuous.kernels.tables import RANDOM, SOURCES
+from sinuous.model.robot import Robot
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target
+from sinuous.solver.starts import Question, Scattered, StartBatch
+from tests.helpers import Floats
+
+PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))
+
+
+def initial(count: int) -> Floats:
+    return np.arange(6.0 * count).reshape(count, 2, 3)
+
+
+def question(count: int = 0) -> Question:
+    return Question(PROBLEM, initial(count), lambda: 1.0)
+
+
+@given(st.integers(0, 9), st.integers(0, 20), st.integers(0, 30), st.lists(st.integers(1, 9), min_size=1))
+def test_parts_are_the_whole(count: int, first: int, own: int, sizes: list[int]) -> None:
+    batch = StartBatch("route", initial(count), (first, first + own), cost=3.0)
+    asked = itertools.cycle(sizes)
+    limits: list[int] = []
+
+    def most() -> int:
+        limits.append(next(asked))
+        return limits[-1]
+
+    parts = list(batch.parts(most))
+    assert batch.size == count + own == sum(part.size for part in parts)
+    assert all(0 < part.size <= limit for part, limit in zip(parts, limits, strict=True))
+    assert all(part.source == "route" for part in parts)
+    assert np.array_equal(np.concatenate([NOTHING, *(part.initial for part in parts)]), batch.initial)
+    numbers = [i for part in parts for i in range(*part.own)]
+    assert numbers == list(range(first, first + own))
+    # Initial configurations come first, and never together with starts of the method.
+    kinds = [len(part.initial) > 0 for part in parts]
+    assert kinds == sorted(kinds, reverse=True)
+    assert not any(len(part.initial) and part.own[0] < part.own[1] for part in parts)
+
+
+NOTHING = initial(0)
+
+
+@given(st.integers(0, 20), st.integers(0, 200), st.lists(st.integers(0, 60)))
+def test_scattered_starts_come_in_order_and_once(first: int, count: int, asked: list[int]) -> None:
+    source = Scattered(first, first + count)
+    batches = [*(source.take(question(1), each) for each in asked), source.take(question(1), count)]
+    assert [i for batch in batches for i in range(*batch.own)] == list(range(first, first + count))
+    assert all(batch.source == SOURCES[RANDOM] and len(batch.initial) == 0 for batch in batches)
+    source.go_back(first)
+    assert source.take(question(), count).own == (first, first + count)

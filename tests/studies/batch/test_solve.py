@@ -1,0 +1,192 @@
+"""A batch is a loop, to the last bit, whatever it is read from, written to, cut into and solved by."""
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.studies.batch.batch import Batch
+from sinuous.studies.batch.solve import owns
+from sinuous.studies.batch.tables.layout import STATUSES
+from tests.cases import with_each
+from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
+
+COUNT = 130
+
+
+def solve(targets: Any, out: Path | None = None, **options: Any) -> Batch:
+    return sn.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
+
+
+def results(file: Path) -> dict[str, Any]:
+    with np.load(file) as data:
+        return {name: data[name] for name in data.files}
+
+
+@with_each("workers", [1, 3])
+@with_each("chunk", [7, 50, 1000])
+def test_it_is_a_loop_to_the_last_bit(workers: int, chunk: int) -> None:
+    batch = solve({"positions": points(COUNT)}, workers=workers, chunk=chunk)
+    expected, rows = loop(COUNT)
+    assert batch.results is not None
+    np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
+    assert [STATUSES[code] for code in batch.results["status"][rows]] == [str(each) for each in expected.status]
+    for name in ("position_error", "clearance", "iterations", "starts"):
+        np.testing.assert_array_equal(batch.results[name][rows], getattr(expected, name))
+    assert expected.actuators is not None
+    np.testing.assert_allclose(batch.results["actuators"][rows].T, list(expected.actuators.values()), atol=1e-12)
+    np.testing.assert_array_equal(batch.results["row"], np.arange(COUNT) + 1)
+
+
+def test_rows_that_are_no_targets_are_reported_by_number_and_the_others_solved() -> None:
+    batch = solve(points(COUNT))
+    assert batch.invalid == tuple(row + 1 for row in BAD)
+    assert batch.counts["invalid"] == len(BAD)
+    assert sum(batch.counts.values()) == batch.rows == batch.total == COUNT
+    assert not batch.solved
+    assert "invalid    rows 4, 42" in str(batch)
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz", "parquet"])
+def test_the_file_is_the_same_whatever_engine_and_interrupts(ending: str, tmp_path: Path) -> None:
+    table = write_csv(tmp_path / "in.csv", points(COUNT))
+    one = tmp_path / f"one.{ending}"
+    solve(table, one, chunk=20)
+    with ThreadPoolExecutor(2) as pool:
+        other = tmp_path / f"other.{ending}"
+        for shard in ((2, 3), (1, 3)):
+            part = solve(table, other, chunk=20, engine=pool, shard=shard)
+            assert not other.exists()
+            assert part.rows < part.total
+        whole = solve(table, other, chunk=20, engine=pool)
+    assert whole.before == COUNT - 40
+    assert one.read_bytes() == other.read_bytes()
+    assert not other.with_name(other.name + ".parts").exists()
+
+
+def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
+    out = tmp_path / "out.npz"
+    first = solve(points(30), out)
+    stamp = out.stat().st_mtime_ns
+    again = solve(points(30), out)
+    assert again.before == again.rows == 30
+    assert (again.counts, again.invalid) == (first.counts, first.invalid)
+    assert out.stat().st_mtime_ns == stamp
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("seed", {"seed": 3}),
+        ("tolerance", {"tolerance": sn.Tolerance(0.2)}),
+        ("chunk", {"chunk": 11}),
+        ("initial", {"initial": np.tile([0.1, 0.0, 50.0], (3, 1))}),
+        ("initial", {"warm": True}),
+    ],
+)
+@pytest.mark.parametrize("finished", [False, True])
+def test_what_was_begun_otherwise_is_refused_by_name(
+    name: str, change: dict[str, Any], finished: bool, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.npz"
+    solve(points(30), out, chunk=10, shard=None if finished else (1, 3))
+    with pytest.raises(sn.InputError, match=rf"^{name}: .*changed since this batch began"):
+        solve(points(30), out, **({"chunk": 10} | change))
+
+
+def test_another_robot_scene_table_or_version_is_refused_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out.npz"
+    solve(points(30), out)
+    with pytest.raises(sn.InputError, match=r"^robot: "):
+        sn.solve_batch(ROBOT.changed(name="other"), points(30), [BALL], out, **OPTIONS)
+    with pytest.raises(sn.InputError, match=r"^scene: "):
+        sn.solve_batch(ROBOT, points(30), [BALL, BALL], out, **OPTIONS)
+    with pytest.raises(sn.InputError, match=r"^targets: "):
+        solve(points(30, seed=1), out)
+    monkeypatch.setattr(sn, "__version__", "9.9")
+    with pytest.raises(sn.InputError, match=r"^version: "):
+        solve(points(30), out)
+
+
+def test_a_file_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
+    out = tmp_path / "out.csv"
+    out.write_text("mine", encoding="utf-8")
+    with pytest.raises(sn.InputError, match="is there already"):
+        solve(points(5), out)
+    assert out.read_text(encoding="utf-8") == "mine"
+
+
+def test_a_broken_chunk_is_done_again(tmp_path: Path) -> None:
+    out = tmp_path / "out.npz"
+    solve(points(30), out, chunk=10, shard=(1, 1))
+    chunk = out.with_name("out.npz.parts") / "chunk-0000001.npz"
+    chunk.write_bytes(chunk.read_bytes()[:100])
+    assert solve(points(30), out, chunk=10).before == 20
+    np.testing.assert_array_equal(results(out)["q"][:3], loop(30)[0].q[:3])
+
+
+def test_warm_starts_are_solved_from_solutions_and_depend_on_nothing_but_the_chunk() -> None:
+    options: dict[str, Any] = {"warm": True, "chunk": 64}
+    one, other = (solve(points(COUNT), workers=workers, **options) for workers in (1, 2))
+    plain = solve(points(COUNT))
+    assert one.results is not None
+    assert other.results is not None
+    assert plain.results is not None
+    np.testing.assert_array_equal(one.results["q"], other.results["q"])
+    assert one.counts["solved"] >= 0.98 * plain.counts["solved"]
+    assert not np.array_equal(one.results["q"], plain.results["q"])
+
+
+def test_an_initial_configuration_is_where_every_solve_begins() -> None:
+    q = np.tile([0.3, 0.1, 55.0], (3, 1))
+    batch = solve(points(10), initial=q)
+    rows = [row for row in range(10) if row not in BAD]
+    expected = sn.Solver(ROBOT, [BALL], **OPTIONS).solve_many(positions=points(10)[rows], initial=q)
+    assert batch.results is not None
+    np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
+
+
+@with_each(
+    ("options", "key"),
+    [
+        ({"chunk": 0}, "chunk"),
+        ({"workers": 0}, "workers"),
+        ({"engine": "gpu"}, "engine"),
+        ({"shard": (3, 2)}, "shard"),
+        ({"shard": "1/2"}, "shard"),
+        ({"shard": (1, 2)}, "shard"),  # without a file there is nothing to join
+        ({"warm": 1}, "warm"),
+        ({"initial": [[0.0, 0.0, 1.0]]}, "initial"),
+        ({"time": -1.0}, "time"),
+    ],
+)
+def test_wrong_options_are_refused(options: dict[str, Any], key: str) -> None:
+    with pytest.raises(sn.InputError, match=rf"^{key}"):
+        sn.solve_batch(ROBOT, points(5), **options)
+
+
+def test_the_folder_must_be_writable(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(sn.InputError, match=r"^out: .*cannot be written"):
+        solve(points(5), tmp_path / "file" / "out.csv")
+
+
+def test_no_rows_are_a_batch_too(tmp_path: Path) -> None:
+    batch = solve(np.empty((0, 3)), tmp_path / "out.csv")
+    assert (batch.rows, batch.counts, batch.solved) == (0, {}, True)
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8").count("\n") == 1
+
+
+def test_plain_values_of_a_batch_are_json() -> None:
+    assert json.loads(json.dumps(solve(points(5)).to_dict()))["rows"] == 5
+
+
+def test_shards_divide_all_chunks() -> None:
+    owners = [[owns((i, 3), number) for i in (1, 2, 3)] for number in range(10)]
+    assert all(sum(each) == 1 for each in owners)

@@ -1,0 +1,349 @@
+"""Calibration: what was changed is found, exact derivatives, bounds that hold, and what rows cannot say."""
+
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.files.documents import parse_yaml
+from sinuous.files.nouns import read_robot
+from sinuous.studies.calibration.bodies import holds
+from sinuous.studies.calibration.fit import begun, extended, fitted, moved, predict
+from sinuous.studies.calibration.measurements import Place, read
+from sinuous.studies.calibration.model import derivatives, model, predicted
+from sinuous.studies.calibration.parameters import GROUPS, Values, can_stretch, changed, elastic, group
+from sinuous.studies.calibration.table import read_table
+from tests.helpers import Floats, refused, refused_each
+
+DRAWN = sn.Robot([sn.Segment(length, tendons=sn.Tendons(3, 4.0, 0.5 * k)) for k, length in enumerate((50.0, 60.0))])
+POSE = sn.pose((20.0, -5.0, 7.0), rotation=(0.5, 0.5, -0.5, 0.5))
+
+
+def settings(robot: sn.Robot, count: int, seed: int = 0) -> Floats:
+    rng = np.random.default_rng(seed)
+    q = np.zeros((count, len(robot), 3))
+    q[..., :2] = rng.normal(0.0, 0.4, (count, len(robot), 2))
+    q[..., 2] = [segment.length[0] for segment in robot.segments]
+    return robot.to_actuators(q)
+
+
+def real_robot() -> sn.Robot:
+    """An elastic robot that differs from the drawing."""
+    soft = elastic(DRAWN)
+    groups = tuple(group(soft, name) for name in ("stiffness", "offsets", "circles"))
+    x = np.array([0.3, -0.2, 0.4, -0.3, 0.2, 0.5, 0.1, -0.4, 0.05, -0.04])
+    return changed(soft, Values(groups, x)).changed(base=POSE)
+
+
+def measured(robot: sn.Robot, values: Floats, noise: float = 0.0) -> Floats:
+    tips = robot.tip(robot.from_actuators(values))[:, :3, 3]
+    return tips + np.random.default_rng(1).normal(0.0, noise, tips.shape) if noise else tips
+
+
+def tip_errors(found: sn.Calibration, robot: sn.Robot, values: Floats) -> Floats:
+    error: Floats = np.linalg.norm(found.predict(values)[:, :3, 3] - measured(robot, values), axis=1)
+    return error
+
+
+HANGING = sn.Robot(
+    [
+        sn.Segment(50.0, tendons=sn.Tendons(3, 4.0), stiffness=sn.Stiffness(3e3, 2.5e3), mass=2e-4, arcs=3),
+        sn.Segment(60.0, tendons=sn.Tendons(3, 4.0, 0.5), stiffness=sn.Stiffness(2e3, 1.5e3), mass=1e-4, arcs=2),
+    ],
+    gravity=(0.0, 0.0, -9.81),
+    payload=sn.Payload(0.01),
+    base=sn.pose(direction=(1.0, 0.3, 0.2)),
+)
+"""In mm, kg and N: its weight moves the tip by a seventh of its length."""
+
+
+@pytest.mark.parametrize(
+    "robot", [DRAWN, elastic(DRAWN), HANGING, elastic(HANGING)], ids=["rigid", "elastic", "hanging", "hanging elastic"]
+)
+def test_derivatives_are_exact(robot: sn.Robot) -> None:
+    groups = tuple(each for name in GROUPS[2:] if (each := group(robot, name)).names)
+    values = Values(groups, np.random.default_rng(2).normal(0.0, 0.03, sum(len(each.names) for each in groups)))
+    values = values.with_x(np.clip(values.x, 0.5 * values.lowest, -0.5 * values.lowest))
+    places = Place(1, 1.0, np.zeros(3)), Place(0, 0.4, np.array([3.0, 1.0, 2.0]))
+    actuators = settings(robot, 6) + np.random.default_rng(4).normal(0.0, 0.4, (6, 6))
+
+    def points(x: Floats) -> Floats:
+        return predicted(model(robot, values.with_x(x), places), actuators)
+
+    at, slopes = derivatives(model(robot, values, places), actuators)
+    np.testing.assert_allclose(at, points(values.x), atol=1e-10)
+    for i in range(len(values.x)):
+        step = np.zeros(len(values.x))
+        step[i] = 1e-6
+        numeric = (points(values.x + step) - points(values.x - step)) / 2e-6
+        np.testing.assert_allclose(slopes[..., i], numeric, atol=1e-5 * (1.0 + np.abs(numeric).max()))
+
+
+def tips_at_rest(robot: sn.Robot, values: Floats) -> Floats:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sn.SuspiciousInput)  # tendons whose values contradict each other
+        return np.array([robot.equilibrium(each).tip[:3, 3] for each in values])
+
+
+@pytest.mark.parametrize("frame", ["base", "device"])
+def test_a_payload_is_found_under_gravity(frame: Any) -> None:
+    """What is drawn carries nothing, and is nowhere near: the base tilts it, or the device lies askew."""
+    drawn, values = HANGING.changed(payload=None), settings(HANGING, 12)
+    tilted = HANGING.changed(base=sn.pose((20.0, -5.0, 7.0), direction=(1.0, -0.5, -0.4)))
+    real = tilted if frame == "base" else HANGING
+    tips = tips_at_rest(real, values)
+    if frame == "device":
+        tips = tips @ POSE[:3, :3].T + POSE[:3, 3]
+    found = sn.calibrate(drawn, values, tips, fit=["payload"], frame=frame)
+    assert found.robot.payload[0].mass == pytest.approx(0.01, rel=1e-6)
+    assert found.fitted.worst < 1e-6
+    np.testing.assert_allclose(found.robot.base, real.base, atol=1e-6)
+    np.testing.assert_allclose(found.predict(values)[:, :3, 3], tips_at_rest(real, values), atol=1e-6)
+    own = next(each for each in found.parameters if each.group == "payload")
+    assert (own.name, own.kind) == ("mass of the payload", "mass")
+    assert own.value == pytest.approx(0.01)
+
+
+def test_other_parameters_are_found_under_gravity() -> None:
+    soft = elastic(HANGING)
+    groups = tuple(group(soft, name) for name in ("stiffness", "payload", "offsets"))
+    real = changed(soft, Values(groups, np.array([0.2, -0.15, 0.02, 0.3, -0.2, 0.1, 0.2, -0.3, 0.1])))
+    values = settings(HANGING, 24)
+    names: list[str] = [each.name for each in groups]
+    found = sn.calibrate(soft, values, tips_at_rest(real, values), fit=names, frame="device")
+    assert found.fitted.worst < 1e-6
+    assert [each.payload[0].mass for each in (found.robot, real)] == pytest.approx([0.03, 0.03])
+    one, other = ([each.stiffness.bend for each in robot.segments if each.stiffness] for robot in (found.robot, real))
+    np.testing.assert_allclose(one, other, rtol=1e-6)
+
+
+def test_a_payload_that_is_not_there_is_found_to_weigh_nothing() -> None:
+    """Its mass would become negative: the robot was measured without gravity."""
+    values = settings(HANGING, 12)
+    free = HANGING.changed(gravity=None, payload=None)
+    tips = free.tip(free.from_actuators(values, tolerance=1e300))[:, :3, 3]
+    found = sn.calibrate(HANGING, values, tips, fit=["payload"], frame="device")
+    assert found.robot.payload[0].mass == 0.0
+
+
+def test_a_pose_turns_a_robot_under_gravity() -> None:
+    values = settings(HANGING, 6)
+    rows = read(HANGING, values, tips_at_rest(HANGING, values) + 1.0, None, None, None, 1.0)
+    last = fitted(HANGING, extended(begun(HANGING, rows, levelled=True), group(HANGING, "payload")), rows, 1)
+    for i in range(7):
+        step = np.zeros(7)
+        step[i] = 1e-6
+        sides = [predict(HANGING, moved(last.state, sign * step), rows) for sign in (1.0, -1.0)]
+        numeric = (sides[0] - sides[1]) / 2e-6
+        np.testing.assert_allclose(last.slopes[..., i], numeric, atol=1e-5 * (1.0 + np.abs(numeric).max()))
+
+
+def test_an_elastic_robot_is_found_from_its_tips() -> None:
+    real = real_robot()
+    values = settings(real, 100)
+    found = sn.calibrate(DRAWN, values, measured(real, values, 0.1))
+    assert found.robot.drive.elastic is not None
+    assert tip_errors(found, real, settings(real, 100, seed=9)).mean() < 0.3
+    assert found.fitted.mean < 0.3
+    np.testing.assert_allclose(found.robot.base, POSE, atol=0.5)
+    assert "elastic tendons" in found.explain()
+
+
+def test_groups_that_are_told_are_fitted_alone() -> None:
+    real = DRAWN.changed(base=POSE)
+    values = settings(DRAWN, 40)
+    found = sn.calibrate(DRAWN, values, measured(real, values), fit=["base"])
+    np.testing.assert_allclose(found.robot.base, POSE, atol=1e-6)
+    assert found.groups == ("base",)
+    assert found.robot.changed(base=None, uncertainty=None).equals(DRAWN)
+    device = sn.calibrate(DRAWN, values, measured(real, values), fit=["lengths"], frame="device")
+    np.testing.assert_allclose(device.device @ POSE, np.eye(4), atol=1e-6)
+    assert np.array_equal(device.robot.base, np.eye(4))
+
+
+def test_outliers_and_rows_that_were_not_seen_count_little() -> None:
+    real = DRAWN.changed(base=POSE)
+    values = settings(DRAWN, 60)
+    tips = measured(real, values, 0.05)
+    tips[::10] += 25.0
+    tips[5] = math.nan
+    found = sn.calibrate(DRAWN, values, tips, fit=["base"])
+    assert found.dropped == (5,)
+    assert 5 not in found.rows
+    assert tip_errors(found, real, values).max() < 1.0
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_unit_of_length_does_not_matter(scale: float) -> None:
+    drawn = sn.Robot(
+        [
+            s.changed(length=scale * s.length[0], tendons=s.tendons.changed(radius=scale * s.tendons.radius))
+            for s in DRAWN.segments
+            if s.tendons is not None
+        ]
+    )
+    real = real_robot()
+    values = settings(real, 30)
+    names = ["offsets", "stiffness"]
+    found = sn.calibrate(drawn, scale * values, measured(real, values, 0.1), unit=scale, fit=names)
+    one = sn.calibrate(DRAWN, values, measured(real, values, 0.1), fit=names)
+    assert found.groups == one.groups
+    assert found.fitted.mean == pytest.approx(scale * one.fitted.mean, rel=1e-3)
+
+
+def test_poses_and_points_of_the_body() -> None:
+    real = DRAWN.changed(base=POSE)
+    values = settings(DRAWN, 40)
+    q = real.from_actuators(values)
+    poses = sn.calibrate(DRAWN, values, real.tip(q), fit=["base", "angles"])
+    assert poses.fitted.worst < 1e-6
+    points = np.stack([real.forward(q)[:, 0, :3, 3], real.tip(q)[:, :3, 3]], axis=1)
+    points[3, 0] = math.nan
+    found = sn.calibrate(DRAWN, values, points, places=[50.0 / 110.0, 1.0], fit=["base"])
+    assert found.fitted.worst < 1e-6
+    assert len(found.rows) == 40
+
+
+def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> None:
+    real = real_robot()
+    values = settings(real, 120)
+    rows = measured(real, values, 1.0)
+    found = sn.calibrate(DRAWN, values[:80], rows[:80], fit=["offsets", "stiffness", "circles"])
+    off = np.linalg.norm(found.predict(values[80:])[:, :3, 3] - rows[80:], axis=1)
+    assert (off <= found.bound()).mean() >= 0.9
+    assert found.bound(0.95, "rows") <= found.bound(0.95)
+    own = found.robot.uncertainty
+    assert own is not None
+    assert isinstance(own.bound, float)
+    assert own.bound == pytest.approx(found.bound())
+    q = found.robot.from_actuators(values[0])
+    target = found.robot.tip(q)[:3, 3]
+    beside = target + np.array([own.bound + 3.0, 0.0, 0.0])
+    kept = sn.solve(found.robot, sn.Target(target), [sn.Sphere(beside, 1.0)])
+    assert kept.solved
+    assert "at 95 %" in str(kept)
+    assert kept.to_dict()["uncertainty"] == {"bound": own.bound}
+    near = target + np.array([0.9 * own.bound, 0.0, 0.0])
+    assert not sn.solve(found.robot, sn.Target(target), [sn.Sphere(near, 0.5)], time=0.05).solved
+
+
+def test_rows_of_a_motion_bound_its_other_rows() -> None:
+    """What is wrong with the robot matters more in some motions; the device lies askew, and points are in metres."""
+    values, motion = settings(DRAWN, 30), settings(DRAWN, 160, seed=5) * [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    real = real_robot()
+    found = sn.calibrate(DRAWN, values, measured(real, values), fit=["offsets"], frame="device")
+    tips = measured(real, motion) / 1000.0
+    off = np.linalg.norm(
+        found.predict(motion)[:, :3, 3] - measured(real.changed(base=found.device @ POSE), motion), axis=1
+    )
+    held = []
+    for first in range(4):
+        some = np.arange(len(motion)) % 4 == first
+        own = found.for_motion(motion[some], tips[some], unit=1000.0).uncertainty
+        assert own is not None
+        held.append((off[~some] <= own.bound).mean())
+    assert 0.93 < np.mean(held) < 0.99
+    near = found.for_motion(motion, np.stack([tips, tips], axis=1), places=[1.0, 1.0], level=0.5, unit=1000.0)
+    assert near.uncertainty is not None
+    assert near.uncertainty.bound == pytest.approx(np.quantile(off, 0.5), rel=0.05)
+    assert near.changed(uncertainty=None).equals(found.robot.changed(uncertainty=None))
+    refused("measured", lambda: found.for_motion(motion[:18], tips[:18], unit=1000.0), "at least 19 rows")
+    refused("measured", lambda: found.for_motion(motion, tips, level=1.0, unit=1000.0), "a level below 1")
+    refused("measured", lambda: found.for_motion(motion, tips * 1000.0, unit=1000.0), "the robot is 110 long")
+    refused("actuators", lambda: found.for_motion(motion[:, :4], tips), "6 numbers")
+
+
+def test_a_calibrated_robot_is_saved_and_loaded(tmp_path: Path) -> None:
+    real = real_robot()
+    values = settings(real, 30)
+    found = sn.calibrate(DRAWN, values, measured(real, values, 0.1), fit=["offsets"])
+    found.save(tmp_path / "robot.yaml")
+    assert read_robot(parse_yaml((tmp_path / "robot.yaml").read_text())).equals(found.robot)
+    assert sn.plot_calibration(found, tmp_path / "found.png").axes
+    assert (tmp_path / "found.png").stat().st_size > 1000
+
+
+def test_what_rows_do_not_determine_is_named() -> None:
+    values = np.tile(settings(DRAWN, 30), (1, 1))
+    values[:, 3:] = values[:, :3] * 0.5
+    values[:, 5] = 0.7
+    real = elastic(DRAWN)
+    found = sn.calibrate(real, values, measured(real, values, 0.3), fit=["offsets", "circles", "gains"])
+    assert found.undetermined
+    assert any("s2.t3" in note for note in found.notes)
+    few = sn.calibrate(real, values[:5], measured(real, values[:5]), fit=["offsets"])
+    assert any("too few rows to fit offsets: offset of s1.t1" in note for note in few.notes)
+    assert few.groups == ("base",)
+
+
+def test_suggested_settings_determine_more_than_random_ones() -> None:
+    suggested = sn.suggest(DRAWN, 12)
+    assert suggested.shape == (12, 6)
+    assert np.array_equal(suggested, sn.suggest(DRAWN, 12))
+    real = real_robot()
+
+    def spread(values: Floats) -> float:
+        rows = read(DRAWN, values, measured(real, values, 0.1), None, None, None, 1.0)
+        soft = elastic(DRAWN)
+        groups = tuple(group(soft, name) for name in ("stiffness", "offsets"))
+        slopes = derivatives(model(soft, Values(groups, np.zeros(8)), rows.places), values)[1].reshape(-1, 8)
+        return float(np.linalg.slogdet(slopes.T @ slopes + 1e-3 * np.eye(8))[1])
+
+    drawn = [spread(settings(elastic(DRAWN), 12, seed)) for seed in range(5)]
+    assert spread(suggested) > float(np.mean(drawn))
+
+
+def test_settings_are_suggested_that_hold_the_load() -> None:
+    heavy = HANGING.changed(payload=sn.Payload(0.2))  # of more, more does not rest, which takes longest to find out
+    assert not holds(heavy, settings(heavy, 50)).all()
+    assert holds(heavy, sn.suggest(heavy, 10, fit=["payload"])).all()
+
+
+def test_bad_measurements_are_refused() -> None:
+    values = settings(DRAWN, 30)
+    tips = measured(DRAWN, values)
+    refused("measured", lambda: sn.calibrate(DRAWN, values, tips / 1000.0), "unit=1000 would fit")
+    refused("measured", lambda: sn.calibrate(DRAWN, values, tips * 1000.0), "unit=0.001 would fit")
+    refused("measured", lambda: sn.calibrate(DRAWN, values, tips[:-1]), "30 rows")
+    refused("measured", lambda: sn.calibrate(DRAWN, values, np.tile(tips[0], (30, 1))), "equal")
+    refused("actuators", lambda: sn.calibrate(DRAWN, np.tile(values[0], (30, 1)), tips), "equal")
+    refused("actuators", lambda: sn.calibrate(DRAWN, values[:, :3], tips), "6 numbers")
+    refused("measured", lambda: sn.calibrate(DRAWN, values, np.full((30, 3), math.nan)), "no row")
+    refused("groups", lambda: sn.calibrate(DRAWN, values, tips, groups=["a"]), "30")
+    refused("fit[0]", lambda: sn.calibrate(DRAWN, values, tips, fit=["bases"]), "base")
+    refused("robot", lambda: sn.calibrate(sn.Robot([sn.Segment(1.0)]), values, tips), "actuators")
+    loose = DRAWN.changed(segments=[each.changed(length=(40, 60)) for each in DRAWN.segments])
+    told = "no actuator determines length of s1 (segment 1), length of s2"
+    refused("robot", lambda: sn.calibrate(loose, values, tips), told)
+    refused("robot", lambda: sn.suggest(loose, 5), told)
+    stage = sn.Robot([sn.Segment((0.0, 100.0), stage=sn.Stage(), max_bend=0.0)])
+    assert not can_stretch(stage)
+    lengths = np.linspace(1.0, 90.0, 20)[:, None]
+    refused(
+        "fit", lambda: sn.calibrate(stage, lengths, stage.tip(stage.from_actuators(lengths))[:, :3, 3], fit=["rest"])
+    )
+    refused("fit", lambda: sn.calibrate(DRAWN, values, tips, fit=["payload"]), "no weight bends the robot")
+    heavy = HANGING.changed(payload=sn.Payload(1.0))
+    refused("actuators", lambda: sn.calibrate(heavy, values, tips), "no stable equilibrium")
+    bad: Any = "rows"
+    refused_each("measured", (bad, None, [[1.0]]), lambda m: sn.calibrate(DRAWN, values, m))
+
+
+def test_a_table_of_measurements(tmp_path: Path) -> None:
+    file = tmp_path / "rows.csv"
+    file.write_text("# cameras\npattern,b,x,y,z,a\nup,1,2,3,4,5\ndown,6,,8,9,nan\n")
+    table = read_table(file, ["a", "b"])
+    np.testing.assert_array_equal(table.actuators, [[5.0, 1.0], [math.nan, 6.0]])
+    np.testing.assert_array_equal(table.measured, [[2.0, 3.0, 4.0], [math.nan, 8.0, 9.0]])
+    assert table.groups == ("up", "down")
+    with pytest.raises(sn.InputError, match="no column c"):
+        read_table(file, ["a", "c"])
+    file.write_text("a,x,y,z\n1,2,3,far\n")
+    with pytest.raises(sn.InputError, match=r"row 0: .*column z"):
+        read_table(file, ["a"])
+    file.write_text("a,x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6,7\n")
+    assert read_table(file, ["a"]).measured.shape == (1, 2, 3)

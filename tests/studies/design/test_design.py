@@ -1,0 +1,285 @@
+"""Robots for sets of tasks: better than the template, the same for any worker and after any interruption."""
+
+import csv
+from contextlib import suppress
+from pathlib import Path
+from socket import socket
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.answer.verification import verify
+from sinuous.cli.app import main
+from sinuous.model.segment import straight
+from sinuous.studies.design import descent, find
+from sinuous.studies.design.design import Design
+from sinuous.studies.design.fields import Space
+from sinuous.studies.design.judge import Judge
+from sinuous.studies.design.search import RobotCandidates, RobotSearch, front
+from sinuous.studies.tasks.tasks import read_tasks
+from tests.helpers import refused
+
+TEMPLATE = sn.Robot.uniform(3, 100.0, max_bend=2.0, radius=2.0, tendons=sn.Tendons(3, 2.0))
+TASKS = {
+    "left": sn.Target((-90.0, 0.0, 190.0)),
+    "right": sn.Target((90.0, 20.0, 180.0)),
+    "top": sn.Target((10.0, 0.0, 230.0)),
+}
+PORT_OF_DASK = 8787
+"""Where the page of a cluster is, of which there may be others on a machine."""
+
+VARY: dict[str, Any] = {"segments.length": (40.0, 130.0), "segments.count": [2, 3, 4]}
+
+
+def run(**changes: Any) -> Design:
+    """Find the shortest robot among few."""
+    options = {"vary": VARY, "minimise": "length", "robots": 64, "workers": 1, **changes}
+    return sn.design(TEMPLATE, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)], **options)
+
+
+def test_the_best_robot_does_all_tasks_and_is_shorter_than_the_template() -> None:
+    found = run()
+    assert found.solved
+    assert found.best is not None
+    assert found.best.objectives["length"] < 300.0
+    assert sn.assess(found.robot, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)]).solved
+    assert found.best.values["segments.length"] * found.best.values["segments.count"] == pytest.approx(
+        found.best.objectives["length"]
+    )
+    assert found.deciding in TASKS
+    assert {change.field for change in found.changes} == {"segments.length"}
+    assert "decides" in str(found)
+
+
+def test_derivatives_lead_fields_and_answers_to_a_better_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    varied = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}
+    found = run(minimise="bend", vary=varied, robots=96)
+    assert found.best is not None
+    scene, bends = [sn.Sphere((0.0, 60.0, 120.0), 20.0)], []
+    for name, target in TASKS.items():
+        q = found.best.answers[name]
+        assert verify(sn.Problem(found.robot, target, scene), q).ok
+        bends.append(np.hypot(q[:, 0], q[:, 1]).max())
+    assert max(bends) == found.best.objectives["bend"]
+    monkeypatch.setattr(find, "can_descend", lambda _: False)
+    without = run(minimise="bend", vary=varied, robots=144).best
+    assert without is not None
+    assert found.best.objectives["bend"] < 0.95 * without.objectives["bend"]
+
+
+@pytest.mark.parametrize("minimise", ["travel", "tension"])
+def test_derivatives_lead_actuators_to_less_travel_and_tension(minimise: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = sn.Tendons(3, 2.0, stiffness=50.0) if minimise == "tension" else sn.Tendons(3, 2.0)
+    rod = sn.Stiffness(bend=300.0) if minimise == "tension" else None
+    template = sn.Robot([sn.Segment(100.0, 2.0, radius=2.0, tendons=lines)] * 3, stiffness=rod)
+    varied = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}
+    least = []
+    for robots in (96, 128):
+        best = sn.design(template, TASKS, vary=varied, minimise=minimise, robots=robots, workers=1).best
+        assert best is not None
+        shapes = np.array([*best.answers.values(), straight(best.robot.segments)])
+        if minimise == "travel":
+            assert np.ptp(best.robot.to_actuators(shapes), axis=0).max() == pytest.approx(best.objectives["travel"])
+        else:
+            assert best.robot.drive.elastic is not None
+            tensions = best.robot.drive.elastic.balance(shapes).tensions
+            assert np.abs(tensions).max() == pytest.approx(best.objectives["tension"])
+        least.append(best.objectives[minimise])
+        monkeypatch.setattr(find, "can_descend", lambda _: False)
+    assert least[0] < 0.97 * least[1]
+
+
+@pytest.mark.parametrize("length", [100.0, (60.0, 130.0)])
+def test_a_small_step_meets_all_targets_to_second_order(length: Any) -> None:
+    """Fields and answers move together, also where fields move lengths that nothing else does."""
+    template = sn.Robot.uniform(3, length, max_bend=2.0, radius=2.0)
+    varied = {"segments.max_bend": (1.0, 3.0), "radius": (1.0, 3.0), "base.position[2]": (-20.0, 20.0)}
+    if length == 100.0:
+        varied["segments.length"] = (80.0, 120.0)
+    space, scene = Space(template, varied), sn.Scene([sn.Sphere((0.0, 60.0, 120.0), 20.0)])
+    judge = Judge(space, read_tasks(TASKS), scene, ("clearance",), {"time": 5.0})
+    shares = np.full(len(varied), 0.5)
+    judged = judge.judge(space.robot((), shares))
+    assert judged.failed == -1
+    steps, change = descent._Steps(judge, (), shares, judged), 1e-3
+    step = steps.step(change, 0)
+    assert step is not None
+    assert np.abs(step.shares - shares).max() == pytest.approx(change)
+    robot = space.robot((), step.shares)
+    assert robot is not None
+    for target, before, q in zip(TASKS.values(), judged.answers, step.answers, strict=True):
+        assert target.position is not None
+        moved, left = (float(np.linalg.norm(robot.tip(each)[:3, 3] - target.position)) for each in (before, q))
+        assert left < max(20.0 * change * moved, 1e-3)
+    after = judge.judge(robot, begin=step.answers)
+    assert after.objectives[0] < judged.objectives[0]
+
+
+def test_any_number_of_workers_and_any_interruption_leave_it_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = run(robots=64)
+    assert run(robots=64, workers=3).to_dict()["front"] == whole.to_dict()["front"]
+    judged, count = find._DesignRun._judged, []
+
+    def interrupted(self: Any, *arguments: Any) -> Any:
+        count.append(1)
+        if len(count) == 3:
+            raise KeyboardInterrupt
+        return judged(self, *arguments)
+
+    monkeypatch.setattr(find._DesignRun, "_judged", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(robots=64, out=tmp_path / "front.csv")
+    assert len(list((tmp_path / "front.csv.parts").glob("chunk-*"))) == 2
+    again = run(robots=64, out=tmp_path / "front.csv")
+    assert again.to_dict()["front"] == whole.to_dict()["front"]
+    assert len(count) == 5
+    assert [path.name for path in tmp_path.iterdir()] == ["front.csv"]
+    rows = list(csv.DictReader((tmp_path / "front.csv").read_text(encoding="utf-8").splitlines()))
+    assert len(rows) == len(whole.front)
+
+
+def test_processes_and_dask_find_the_same_and_go_on_where_another_was_interrupted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    whole = run(robots=32).to_dict()["front"]
+    judged, count = find._DesignRun._judged, []
+
+    def interrupted(self: Any, *arguments: Any) -> Any:
+        count.append(1)
+        if len(count) == 2:
+            raise KeyboardInterrupt
+        return judged(self, *arguments)
+
+    monkeypatch.setattr(find._DesignRun, "_judged", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(robots=32, engine="processes", out=tmp_path / "front.csv")
+    with socket() as other:
+        with suppress(OSError):  # whoever has it already does as well
+            other.bind(("", PORT_OF_DASK))
+            other.listen()
+        found = run(robots=32, engine="dask", out=tmp_path / "front.csv")
+    assert found.to_dict()["front"] == whole
+    assert len(count) == 3
+    assert [path.name for path in tmp_path.iterdir()] == ["front.csv"]
+
+
+def test_of_two_objectives_the_front_is_found() -> None:
+    found = run(minimise=("length", "clearance"))
+    lengths, clear = ([each.objectives[name] for each in found.front] for name in ("length", "clearance"))
+    assert lengths == sorted(lengths)
+    assert clear == sorted(clear)
+    assert len(found.front) > 1
+    assert found.to_dict()["minimise"] == ["length", "clearance"]
+
+
+def test_uncovered_share_counts_also_where_not_all_is_done() -> None:
+    tasks = [sn.Cover([sn.Target((-90.0, 0.0, 190.0)), sn.Target((900.0, 0.0, 190.0))])]
+    found = sn.design(TEMPLATE, tasks, vary=VARY, minimise=("uncovered", "actuators"), robots=32, workers=1)
+    assert found.front[0].objectives["uncovered"] == 0.5
+    assert found.front[0].objectives["actuators"] == 6.0
+
+
+def test_what_no_robot_can_do_is_said_with_the_task_and_the_reason() -> None:
+    tasks = {**TASKS, "far": sn.Target((900.0, 0.0, 0.0))}
+    refused(
+        "tasks",
+        lambda: sn.design(TEMPLATE, tasks, vary=VARY, minimise="length"),
+        "no robot of these can do far",
+    )
+    some = {**TASKS, "high": sn.Target((0.0, 0.0, 300.0))}
+    found = sn.design(TEMPLATE, some, vary=VARY, minimise="length", robots=48, workers=1)
+    assert [cut.values for cut in found.cut] == [{"segments.count": 2}]
+    assert found.cut[0].task == "high"
+
+
+def test_where_none_does_all_tasks_it_is_said() -> None:
+    walls = [sn.Box((-50.0, 0.0, 150.0), (10.0, 500.0, 500.0))]
+    varied = {"segments.max_bend": (1.0, 2.0)}
+    found = sn.design(TEMPLATE, TASKS, walls, vary=varied, minimise="length", robots=16, max_starts=2, routes=False)
+    assert not found.solved
+    assert found.best is None
+    assert found.most_done < 3
+    refused("design", lambda: found.robot, "found no robot")
+    assert "no robot does all tasks" in str(found)
+
+
+def test_fields_are_ranges_lists_and_elements() -> None:
+    space = Space(TEMPLATE, {"base.position[2]": (-10.0, 10.0), "segments[1].length": {"values": [80.0, 90.0]}})
+    robot = space.robot((90.0,), np.array([0.75]))
+    assert robot is not None
+    assert robot.base[2, 3] == 5.0
+    assert robot.segments[1].length == (90.0, 90.0)
+    assert Space(TEMPLATE, {"segments.length": {"range": [50, 150]}}).shares_of(TEMPLATE) is not None
+    widest = space.widest((80.0,))
+    assert widest is not None
+    assert widest[1] == 10.0
+
+
+def test_bad_input_is_refused() -> None:
+    def of(vary: Any, minimise: Any = "length", **rest: Any) -> Any:
+        return lambda: sn.design(TEMPLATE, TASKS, vary=vary, minimise=minimise, **rest)
+
+    refused("vary.segments.colour", of({"segments.colour": [1]}))
+    refused("vary['segments.length']", of({"segments.length": (2.0, 1.0)}), "is empty")
+    refused("vary['segments.length']", of({"segments.length": []}), "is empty")
+    refused("vary", of({}))
+    refused("minimise", of(VARY, "weight"), "actuators")
+    refused("minimise", of(VARY, ("length", "length")), "twice")
+    refused("minimise", of(VARY, "tension"), "stiffness")
+    refused("robots", of(VARY, robots=0))
+    refused("budget", of(VARY, budget=0.0))
+    refused("template", lambda: sn.design("arm", TASKS, vary=VARY, minimise="length"))  # type: ignore[arg-type]
+    refused("tasks", lambda: sn.design(TEMPLATE, [], vary=VARY, minimise="length"))
+
+
+def test_the_front_leaves_out_what_something_is_better_than() -> None:
+    objectives = np.array([[2.0, 1.0], [1.0, 2.0], [2.0, 2.0], [np.inf, 0.0], [1.0, 2.0]])
+    np.testing.assert_array_equal(front(objectives), [1, 0])
+
+
+def test_generations_stay_within_the_ranges() -> None:
+    search = RobotSearch([0, 2], 3, 5, known=(2, np.array([0.5, 0.0, 1.0])))
+    found: list[RobotCandidates] = []
+    for number in range(8):
+        combination, shares, begin, source, _ = search.generation(number, found)
+        assert set(combination.tolist()) <= {0, 2}
+        assert ((shares >= 0.0) & (shares <= 1.0)).all()
+        many = len(combination)
+        own = shares.sum(axis=1, keepdims=True)
+        done = np.full(many, 3), np.ones(many), own, np.full(many, -1)
+        found.append(RobotCandidates(combination, shares, *done, begin, source, np.ones(many, int)))
+    assert found[0].combination[0] == 2
+    assert found[-1].objectives.min() < found[0].objectives.min()
+
+
+FILE = """
+robot: {segments: {count: 3, length: 100, max_bend: 2, radius: 2}}
+scene: [{sphere: {center: [0, 60, 120], radius: 20}}]
+tasks:
+  left: {target: {position: [-90, 0, 190]}}
+  both: {set: [{position: [90, 20, 180]}, {position: [10, 0, 230]}], share: 0.5}
+  line: {path: [{position: [90, 20, 180]}, {position: [85, 20, 182]}]}
+vary: {segments.length: {range: [40, 130]}}
+minimise: length
+"""
+
+
+def test_the_command_writes_the_robot_the_front_and_a_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "design.yaml"
+    file.write_text(FILE, encoding="utf-8")
+    names = [tmp_path / name for name in ("best.yaml", "front.csv", "front.png")]
+    options = [f"--{key}={name}" for key, name in zip(("out", "csv", "plot"), names, strict=True)]
+    assert main(["design", str(file), "--robots=32", "--vary=segments.count=2,3", *options]) == 0
+    assert all(name.exists() for name in names)
+    assert "robots tried" in capsys.readouterr().out
+    assert main(["design", str(file), "--vary=segments.colour=1,2"]) == 2
+    assert "vary.segments.colour" in capsys.readouterr().err
+    assert main(["design", str(file), "--vary=nothing"]) == 2
+    assert "--vary" in capsys.readouterr().err

@@ -1,0 +1,11 @@
+"""One map for all tests that only look at it."""
+
+import pytest
+
+import sinuous as sn
+from tests.studies.workspace.maps import made
+
+
+@pytest.fixture(scope="session")
+def found() -> sn.Reach:
+    return made()

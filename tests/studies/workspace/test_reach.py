@@ -1,0 +1,101 @@
+"""What a map tells: shares, volumes with their error, reasons, and files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.studies.workspace.reach import Verdict, Voxels, directions_of, reach_of
+from tests.studies.workspace.maps import ROBOT
+
+
+def ball(radius: float, spacing: float) -> sn.Reach:
+    """A map of a ball that is reached in both of two directions, and of a shell of which nothing is known."""
+    count = int(radius / spacing) + 4
+    voxels = Voxels((-count * spacing,) * 3, spacing, (2 * count + 1,) * 3)
+    far = np.linalg.norm(voxels.middles, axis=-1)[..., None] * np.ones(2)
+    inner = np.where(far <= radius + spacing, Verdict.LIMITS, Verdict.OUT_OF_REACH)
+    verdicts = np.where(far <= radius, Verdict.SOLVED, inner).astype(np.uint8)
+    verdicts[..., 1][verdicts[..., 1] == Verdict.LIMITS] = Verdict.OUT_OF_REACH
+    return sn.Reach(
+        voxels=voxels,
+        directions=np.eye(3)[:2],
+        verdicts=verdicts,
+        free=verdicts.copy(),
+        obstacles=np.full(voxels.shape, -1, np.int16),
+        names=(),
+        base=np.zeros(3),
+        seconds=0.0,
+    )
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.5])
+def test_the_volume_of_a_ball_is_within_its_error(spacing: float) -> None:
+    volume = ball(8.0, spacing).volume()
+    true = 4.0 / 3.0 * np.pi * 8.0**3
+    assert abs(volume.found - true) < volume.error < 0.35 * true
+    assert volume.at_most > volume.found
+    dexterous = ball(8.0, spacing).volume(dexterous=True)
+    assert dexterous.found == volume.found == dexterous.at_most
+
+
+def test_shares_reasons_and_proofs_agree(found: sn.Reach) -> None:
+    assert ((found.share == 1.0) == (found.reasons == Verdict.SOLVED)).all()
+    assert (found.reachable >= found.dexterous).all()
+    assert found.volume().found == found.reachable.sum() * 20.0**3
+    assert found.proved[0, 0, 0]
+    assert sum(found.to_dict()["verdicts"].values()) == found.verdicts.size
+    assert json.loads(json.dumps(found.to_dict()))["directions"] == 26
+    assert "reachable" in str(found)
+    assert "of the" not in repr(found)
+
+
+def test_saved_and_loaded_is_equal(found: sn.Reach, tmp_path: Path) -> None:
+    found.save(tmp_path / "map.npz")
+    assert sn.Reach.load(tmp_path / "map.npz").equals(found)
+    for bad in (b"no map", b""):
+        (tmp_path / "bad.npz").write_bytes(bad)
+        with pytest.raises(sn.InputError, match="a map of a workspace"):
+            sn.Reach.load(tmp_path / "bad.npz")
+    np.savez(tmp_path / "other.npz", q=np.zeros(3))
+    with pytest.raises(sn.InputError, match="a map of a workspace"):
+        sn.Reach.load(tmp_path / "other.npz")
+    with pytest.raises(sn.InputError, match="cannot be read"):
+        sn.Reach.load(tmp_path / "no.npz")
+    with pytest.raises(sn.InputError, match="cannot be written"):
+        found.save(tmp_path / "no" / "map.npz")
+
+
+def test_farther_than_the_robot_is_long_it_is_out_of_reach_and_else_outside_it_is_refused(found: sn.Reach) -> None:
+    assert found.why((1000, 0, 0)) == {"out_of_reach": len(found.directions)}
+    with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
+        found.in_the_way((1000, 0, 0))
+    part = sn.reach(sn.Robot.uniform(2, 50.0, 1.0), None, 25.0, 6, low=(0, 0, 0), high=(0, 0, 100))
+    with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
+        part.why((50, 0, 50))
+
+
+def test_a_voxel_is_about_the_base_and_all_hold_the_reach() -> None:
+    robot = ROBOT.changed(base=sn.pose((3, -4, 5)), tool=sn.pose((0, 0, 7)))
+    voxels = Voxels.about(robot, 10.0, None, None)
+    assert reach_of(robot) == 127.0
+    assert voxels.shape == (25, 25, 25)
+    np.testing.assert_allclose(voxels.middles[12, 12, 12], (3, -4, 5))
+    assert Voxels.about(robot, None, None, None).shape == (71, 71, 71)
+
+
+def test_corners_make_a_slice() -> None:
+    voxels = Voxels.about(ROBOT, 10.0, (-30, 0, 0), (30, 0, 50))
+    assert voxels.shape == (7, 1, 6)
+
+
+@pytest.mark.parametrize("count", [1, 6, 26, 100])
+def test_directions_are_unit_vectors_all_round(count: int) -> None:
+    axes = directions_of(count)
+    np.testing.assert_allclose(np.linalg.norm(axes, axis=1), 1.0)
+    assert axes.shape == (count, 3)
+    assert len(np.unique(axes.round(9), axis=0)) == count
+    if count > 1:
+        assert np.linalg.norm(axes.mean(axis=0)) < 0.2

@@ -1,0 +1,151 @@
+"""Things are sorted, and obstacles that move are where they are when the robot is where it is."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.view.display.contents import gather
+from sinuous.view.page.model import PageModel
+from sinuous.view.page.status import judge, nearest
+from tests.cases import with_each
+
+pytest.importorskip("matplotlib").use("agg")
+
+ROBOT = sn.Robot.uniform(2, (0.8, 1.2), radius=0.05)
+BALL = sn.Moving(sn.Sphere((0, 0, 0), 0.2), [0, 2, 4], [(1, 1, 1), (1, -1, 1), (1, 1, 1)])
+DUST = sn.Moving(sn.PointCloud(np.eye(3) * 0.1, 0.02), [0, 4], [(-1, 1, 1), (-1, -1, 1)])
+KNOTS = [[[0.0, 0.0, 1.0]] * 2, [[-0.3, 0.0, 1.0]] * 2]
+
+
+def test_waypoints_are_joined_by_lines_only_where_the_tip_goes_straight() -> None:
+    arm = sn.on_stage(sn.Robot.uniform(3, 60, max_bend=1.8), 150)
+    turn = np.linspace(0.0, 1.0, 20)[:, None]
+    curve = np.concatenate([40 * (1 - np.cos(2 * turn)), 0.0 * turn, 120 * turn], axis=1)
+    bent = gather([sn.follow_the_leader(arm, curve)])
+    assert bent.paths == []
+    assert len(bent.targets) == 2
+    robot = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2)
+    straight = gather([sn.track(robot, [sn.Target((1, y, 2)) for y in (0.0, 0.2)])])
+    assert len(straight.paths) == 1
+
+
+def test_obstacles_are_where_they_are_at_a_share_of_the_motion() -> None:
+    contents = gather([sn.Motion(ROBOT, KNOTS, [BALL, DUST], times=[1.0, 3.0])])
+    for share, when in ((0.0, 1.0), (0.5, 2.0), (1.0, 3.0)):
+        for shown, moving in zip(contents.obstacles_at(share), (BALL, DUST), strict=True):
+            assert shown.equals(moving.at(when))
+    (alone,) = gather([sn.Scene([BALL])]).obstacles_at(0.7)
+    assert alone.equals(BALL.at(0.0))
+
+
+@with_each(
+    ("things", "message"),
+    [
+        ((), "things: expected something to draw"),
+        ((ROBOT, ["x"]), r"things\[1\]\[0\]: expected a robot, scene"),
+        ((np.zeros((2, 3)),), r"things\[0\]: expected an array of configurations right after its robot"),
+        ((ROBOT, np.zeros((3, 3))), r"things\[1\]: expected"),
+        ((sn.Target(direction=(0, 0, 1)),), "a robot before a target without a position"),
+        (([ROBOT] * 101,), r"len\(robots\): expected"),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(things: Any, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        gather(things)
+
+
+def test_a_job_brings_its_robot_its_targets_or_its_path() -> None:
+    start = [[0.0, 0.0, 1.0]] * 2
+    for asked, counts in (
+        ({"target": sn.Target((0, 0, 2))}, (1, 1, 0)),
+        ({"path": [sn.Target((0, 0, 2)), sn.Target((0, 0.1, 2))]}, (1, 0, 1)),
+        ({"start": start, "goal": start}, (1, 0, 0)),
+    ):
+        contents = gather([sn.Job(ROBOT, **asked)])
+        assert (len(contents.arms), len(contents.targets), len(contents.paths)) == counts
+
+
+def test_every_kind_of_picture_shows_them(tmp_path: Path) -> None:
+    motion = sn.Motion(ROBOT, KNOTS, [BALL, DUST, sn.Sphere((0, 3, 0), 0.1)], times=[1.0, 3.0])
+    sn.plot(motion).figure.savefig(tmp_path / "still.png")
+    sn.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
+    sn.diagram(motion, "clearance")
+    assert all((tmp_path / name).stat().st_size > 1000 for name in ("still.png", "way.gif"))
+
+
+ROD = sn.Stiffness(youngs_modulus=54e9, poisson=0.3, radius=0.7e-3)
+SEGMENT = sn.Segment(0.2, 2.0, tendons=sn.Tendons(3, radius=0.01), stiffness=ROD, mass=0.02, arcs=4)
+HANGING = sn.Robot(
+    [SEGMENT] * 2,
+    radius=0.012,
+    gravity=(0, 0, -9.81),
+    base=sn.pose(direction=(1, 0, 0)),
+    payload=sn.Payload(0.05),
+    uncertainty=sn.Uncertainty((0.004, 0.01)),
+)
+Q = np.array([[0.3, 0.1, 0.2], [-0.2, 0.4, 0.2]])
+NEAR_BALL = sn.Sphere((0.35, 0.0, -0.2), 0.05, name="ball")
+
+
+def test_of_a_loaded_robot_the_body_is_solid_and_what_it_is_not_is_a_ghost() -> None:
+    contents = gather([HANGING, Q])
+    body, without, room = contents.arms
+    assert [arm.ghost for arm in contents.arms] == [False, True, True]
+    shape = HANGING.shape(Q)
+    np.testing.assert_allclose(body.robot.tip(body.q)[:3, 3], shape.tip[:3, 3], atol=1e-9)
+    np.testing.assert_array_equal(without.q, Q)
+    assert np.linalg.norm(body.robot.tip(body.q)[:3, 3] - HANGING.tip(Q)[:3, 3]) > 0.02
+    np.testing.assert_allclose(room.robot.radii, np.repeat([0.016, 0.022], 4))
+    np.testing.assert_array_equal(room.q, body.q)
+    ((begin, end),) = contents.forces
+    np.testing.assert_allclose(end, shape.tip[:3, 3], atol=1e-9)
+    np.testing.assert_allclose((begin - end)[:2], 0.0, atol=1e-12)
+    assert begin[2] > end[2]
+
+
+def test_arcs_have_the_colour_of_their_segment_and_a_robot_has_one_pair_of_colours() -> None:
+    other = sn.Robot.uniform(2, 0.2, radius=0.01)
+    arms = gather([HANGING, Q, other]).arms
+    assert [arm.number for arm in arms] == [0, 0, 0, 1]
+    body, without, _, last = (arm.colours for arm in arms)
+    assert body == [colour for colour in without for _ in range(4)]
+    assert not {*body} & {*last}
+
+
+def test_segments_end_on_the_body() -> None:
+    poses = HANGING.shape(Q).poses
+    contents = gather([HANGING, Q, sn.Target(direction=(1, 0, 0), segment=1), sn.Target(direction=(1, 0, 0))])
+    for placed, pose in zip(contents.targets, poses, strict=True):
+        np.testing.assert_allclose(placed.place, pose[:3, 3], atol=1e-9)
+
+
+def test_a_motion_is_of_the_loaded_body_with_its_ghosts(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib").use("agg")
+    motion = sn.Motion(HANGING, [Q, Q + np.array([0.1, 0.0, 0.0])], [NEAR_BALL])
+    contents = gather([motion])
+    moving = contents.moving
+    assert [each.ghost for each in moving] == [False, True, True]
+    for share, q in zip((0.0, 1.0), motion.q, strict=True):
+        arm = moving[0].at(share)
+        np.testing.assert_allclose(arm.robot.tip(arm.q)[:3, 3], HANGING.shape(q).tip[:3, 3], atol=1e-9)
+        ((_, end),) = contents.forces_at(share)
+        np.testing.assert_allclose(end, HANGING.shape(q).tip[:3, 3], atol=1e-9)
+    sn.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
+    assert (tmp_path / "way.gif").stat().st_size > 1000
+
+
+def test_the_page_tells_what_holds_of_the_loaded_body() -> None:
+    shape = HANGING.shape(Q)
+    (targets,) = sn.Job(HANGING, sn.Target(shape.tip[:3, 3], rotation=shape.tip[:3, :3])).waypoints
+    judged = judge(HANGING, targets, Q)
+    assert judged.position_error == pytest.approx(0.0, abs=1e-9)
+    assert judged.angle_error == pytest.approx(0.0, abs=1e-7)
+    near = nearest(HANGING, sn.Scene([NEAR_BALL]).snapshot(), Q)
+    assert near is not None
+    least = (np.linalg.norm(shape.backbone(16) - [0.35, 0.0, -0.2], axis=-1)).min() - 0.05 - 0.012
+    assert near.distance == pytest.approx(least, abs=1e-4)
+    page = PageModel(sn.Job(HANGING, sn.Target(direction=(1, 0, 0)), start=Q))
+    np.testing.assert_allclose(page.target_frame(0)[:3, 3], shape.tip[:3, 3], atol=1e-9)

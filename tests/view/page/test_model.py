@@ -1,0 +1,461 @@
+"""The state of the page: every change asks another question, and what is refused changes nothing.
+
+Where obstacles move, what is asked is asked at the time that is shown.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.answer.remedies import Remedy
+from sinuous.base.errors import InputError
+from sinuous.model.segment import straight
+from sinuous.view.display.curves import speeds_of
+from sinuous.view.page.model import History, PageModel, least_of
+from sinuous.view.page.saving import loaded, saved
+from sinuous.view.page.solvers import QUICK, Solvers
+
+ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
+BALL = sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")
+ASIDE = sn.Sphere((-0.9, 0, 1.5), radius=0.2, name="aside")
+GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [1, 3], [(1, 0, 2), (1, 3, 2)])
+
+
+def model(**values: object) -> PageModel:
+    parts: dict[str, object] = {"target": sn.Target((1, 0, 2)), "scene": [BALL]}
+    return PageModel(sn.Job(**({"robot": ROBOT} | parts | values)))  # type: ignore[arg-type]
+
+
+def moving(**values: object) -> PageModel:
+    return model(**({"scene": [ASIDE, GATE], "rates": sn.Rates(bend=0.8, length=0.3)} | values))
+
+
+def test_a_target_is_moved_and_turned_as_far_as_it_asks() -> None:
+    page = model(target=sn.Target((1, 0, 2), direction=(0, 0, 1)))
+    turned = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    page.place_target(0, np.array([0.5, 0.5, 2.0]), turned)
+    (target,) = page.targets
+    assert target.equals(sn.Target((0.5, 0.5, 2), direction=(1, 0, 0)))
+    page.ask(0, "position")
+    assert page.targets[0].equals(sn.Target((0.5, 0.5, 2)))
+    page.ask(0, "rotation")
+    rotation = page.targets[0].rotation
+    assert rotation is not None
+    np.testing.assert_allclose(rotation, ROBOT.tip(page.q)[:3, :3], atol=1e-12)
+    with pytest.raises(InputError, match="asked"):
+        page.ask(0, "more")
+
+
+def test_answers_to_questions_of_before_are_dropped() -> None:
+    page, solvers = model(), Solvers(routes=False)
+    old = page.question()
+    page.place_target(0, np.array([0.9, 0.1, 2.0]))
+    assert not page.accept(old.number, solvers.solve(old))
+    assert page.answer is None
+    new = page.question()
+    solution = solvers.solve(new, QUICK)
+    assert page.accept(new.number, solution)
+    assert page.answer is solution
+    np.testing.assert_array_equal(page.shown, solution.q)
+    assert solution.solved
+    np.testing.assert_allclose(solution.problem.targets[0].position, (0.9, 0.1, 2.0))
+
+
+def test_solvers_see_obstacles_that_moved_came_and_went() -> None:
+    page, solvers = model(), Solvers(routes=False)
+
+    def answered() -> sn.Solution:
+        question = page.question()
+        solution = solvers.solve(question)
+        page.accept(question.number, solution)
+        assert solution.problem.scene is page.scene
+        return solution
+
+    assert answered().status == "solved"
+    page.grasp(0)
+    assert page.grip is not None
+    at_target = page.grip.copy()
+    at_target[:3, 3] = (1, 0, 2)
+    page.carry(at_target)
+    assert answered().status == "target_blocked"
+    page.delete()
+    assert len(page.scene) == 0
+    assert answered().status == "solved"
+    page.add("box")
+    assert page.scene.name(0) == "box[0]"
+    assert answered().status == "solved"
+
+
+def test_deleting_and_adding_leave_the_names_of_others() -> None:
+    page = model(scene=[BALL, sn.Box((3, 0, 0), (1, 1, 1)), sn.Box((5, 0, 0), (1, 1, 1))])
+    page.grasp(0)
+    page.delete()
+    assert [page.scene.name(i) for i in range(2)] == ["box[1]", "box[2]"]
+    page.add("box")
+    assert len({page.scene.name(i) for i in range(3)}) == 3
+    assert page.grasped == 2
+    page.resize(size_x=0.25)
+    chosen = page.chosen
+    assert isinstance(chosen, sn.Box)
+    assert chosen.size[0] == 0.25
+
+
+def test_a_shape_that_is_bent_by_hand_stays_until_something_is_asked() -> None:
+    page = model()
+    page.bend(1, 0.5, -0.25, 0.9)
+    np.testing.assert_array_equal(page.q[1], (0.5, -0.25, 0.9))
+    assert page.by_hand
+    question = page.question()
+    assert not page.accept(question.number, Solvers(routes=False).solve(question))
+    page.solve_from_here()
+    assert not page.by_hand
+    np.testing.assert_array_equal(page.question().initial[1], (0.5, -0.25, 0.9))
+    with pytest.raises(InputError, match="segment"):
+        page.bend(3, 0, 0, 1)
+
+
+def test_an_actuator_gets_its_value_and_others_change_as_little_as_they_can() -> None:
+    tendons = sn.Tendons(3, 0.05, gain=[100, -100, 20], offset=7)
+    page = model(robot=sn.Robot.uniform(2, (0.8, 1.2), max_bend=2, tendons=tendons))
+    page.bend(0, 0.3, -0.2, 1.0)
+    before = page.actuators
+    page.drive(1, before[1] + 3.0)
+    after = page.actuators
+    assert np.isclose(after[1], before[1] + 3.0, atol=1e-12)
+    np.testing.assert_allclose(after[3:], before[3:], atol=1e-12)  # the motors of other segments hold
+    displaced = (after - before)[:3] / tendons.gain
+    np.testing.assert_allclose(displaced, displaced[1] * np.array([-0.5, 1.0, -0.5]), atol=1e-12)
+    with pytest.raises(InputError, match="actuator"):
+        page.drive(6, 0.0)
+
+
+def test_elastic_tendons_keep_the_values_that_somebody_gave_them() -> None:
+    tendons = sn.Tendons(3, 0.05, stiffness=100.0)
+    segments = [sn.Segment(1.0, max_bend=2, tendons=tendons, stiffness=0.5)] * 2
+    page = model(robot=sn.Robot(segments))
+    page.solve_from_here()
+    before = page.actuators
+    page.drive(0, before[0] + 0.02)
+    assert page.actuators.tolist() == [before[0] + 0.02, *before[1:]]
+    np.testing.assert_allclose(page.q, page.robot.from_actuators(page.actuators, page.q))
+    page.solve_from_here()
+    np.testing.assert_allclose(page.actuators, page.robot.to_actuators(page.q))
+
+
+def test_what_was_decided_is_taken_back_step_by_step() -> None:
+    page, history = model(), History()
+
+    def step(key: str, change: Callable[[], object]) -> None:
+        before = page.moment
+        change()
+        assert not before.decided_like(page.moment)
+        history.note(key, before)
+
+    first = page.job
+    step("target", lambda: page.place_target(0, np.array([0.9, 0.1, 2.0])))
+    second = page.job
+    step("limits", lambda: page.limit(None, max_bend=1.0))
+    page.grasp(0)
+    step("slider", lambda: page.bend(0, 0.1, 0.0, 1.0))
+    step("slider", lambda: page.bend(0, 0.2, 0.0, 1.0))  # one step: the same slider goes on
+    bent = page.q
+    page.come_back(history.undo(page.moment))
+    assert not page.by_hand
+    assert page.robot.segments[0].max_bend == 1.0
+    page.come_back(history.undo(page.moment))
+    assert page.job is second
+    page.come_back(history.undo(page.moment))
+    assert page.job is first
+    now = page.moment
+    assert history.undo(now) is now
+    for _ in range(3):
+        page.come_back(history.redo(page.moment))
+    assert page.by_hand
+    assert page.q is bent
+    now = page.moment
+    assert history.redo(now) is now
+    page.come_back(history.undo(now))
+    step("delete", page.delete)
+    page.come_back(history.undo(page.moment))
+    page.grasp(0)
+    page.come_back(history.undo(page.moment))
+    assert page.grasped == 0
+
+
+def test_remedies_are_applied_to_what_is_on_the_page() -> None:
+    ball = sn.Sphere((1, 0, 2), radius=0.2, name="at the target")
+    page, solvers = model(scene=[BALL, ball]), Solvers(routes=False)
+    found = solvers.solve(page.question())
+    assert page.accept(page.number, found)
+    remedies = {remedy.change: remedy for remedy in found.explain(time=60.0).remedies}
+    page.apply(remedies["obstacle at the target"])
+    assert [page.scene.name(i) for i in range(len(page.scene))] == ["ball"]
+    assert page.targets[0].equals(found.problem.targets[0])
+    assert solvers.solve(page.question()).solved
+    page = model(scene=[BALL, ball])
+    page.accept(page.number, solvers.solve(page.question()))
+    page.apply(remedies["target position"])
+    assert len(page.scene) == 2
+    assert solvers.solve(page.question()).solved
+    page.apply(Remedy("time", 1.0, 4.0))
+    assert page.settings.time == 4.0
+    with pytest.raises(InputError, match="from Python"):
+        page.apply(Remedy("max_starts", 1, 10))
+
+
+def test_segments_are_added_and_taken_away_with_all_that_counts_them() -> None:
+    start = [[0.1, 0.0, 1.0], [0.2, 0.0, 1.0], [0.3, 0.0, 1.0]]
+    page = model(target=[sn.Target((1, 0, 2)), sn.Target((0.2, 0, 1), segment=2)], start=start)
+    page.limit(0, radius=0.08)
+    page.add_segment(0)
+    assert page.robot.radii == (0.08, 0.08, 0.05, 0.05)
+    assert page.targets[1].segment == 3
+    assert page.job.start is not None
+    assert page.job.start[:, 0].tolist() == [0.1, 0.1, 0.2, 0.3]
+    page.add_segment(None)
+    assert len(page.robot) == len(page.q) == 5
+    assert page.targets[1].segment == 3
+    with pytest.raises(InputError, match="a target asks for its end"):
+        page.remove_segment(2)
+    page.remove_segment(None)
+    page.remove_segment(0)
+    assert page.targets[1].segment == 2
+    assert page.job.start.shape == (3, 3)
+    assert page.question().initial.shape == (3, 3)
+    page = model()
+    page.remove_segment(0)
+    page.remove_segment(0)
+    with pytest.raises(InputError, match="segments"):
+        page.remove_segment(0)
+    assert len(page.robot) == 1
+
+
+def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
+    page = model(target=sn.Target((-0.9, 0.2, 2)), start=[[-0.3, 0.0, 1.0]] * 3)
+    motion = page.job.plan()
+    page.show_motion(motion)
+    slow, none = np.array([0.1, 0.2, 0.0]), np.zeros(3)
+    page.set_rates(slow, none)
+    assert page.motion is not None
+    np.testing.assert_array_equal(page.motion.q, motion.q)
+    shares = speeds_of(page.motion, page.job.rates).values
+    np.testing.assert_allclose(shares, 100.0)
+    before = page.motion.duration
+    page.set_rates(2.0 * slow, none)
+    assert page.motion is not None
+    np.testing.assert_allclose(page.motion.duration, 0.5 * before)
+    page.set_rates(none, none)
+    assert not page.job.rates
+    page = model(rates=sn.Rates(bend={"s2": 0.3, "s1": 0.6}, length=(1, 2, 3)))
+    page.set_rates(np.array([0.1, 1.0, 4.0]), np.array([2.0, 0.0, 0.0]))
+    wanted = sn.Rates({"s2": 0.1, "s1": 0.2}, (1, 2, 3), 4.0, sn.Rates(bend=2.0))
+    assert least_of(page.job.rates).tolist() == pytest.approx([0.1, 1.0, 4.0])
+    assert page.job.rates.spread(page.robot).bend.tolist() == pytest.approx(wanted.spread(page.robot).bend.tolist())
+    np.testing.assert_array_equal(page.job.rates.length, wanted.length)
+    assert page.job.rates.acceleration is not None
+    with pytest.raises(InputError, match="bend"):
+        page.set_rates(-slow, none)
+
+
+def test_limits_change_for_one_segment_or_all() -> None:
+    page = model()
+    page.limit(1, max_bend=1.5)
+    assert [segment.max_bend for segment in page.robot.segments] == [2, 1.5, 2]
+    page.limit(None, radius=0.07, length=(0.5, 1.0))
+    assert page.robot.radii == (0.07, 0.07, 0.07)
+    before = page.job
+    with pytest.raises(InputError, match=r"segments\[0\].length"):
+        page.limit(None, length=(2, 1))
+    assert page.job is before
+
+
+def test_settings_are_checked_before_anything_changes() -> None:
+    page = model()
+    page.set_method("dls", "newton", 7, 0.5)
+    assert (page.settings.method, page.settings.beside, page.settings.seed) == ("dls", "newton", 7)
+    wrong = [("cow", None, 0, 1.0), ("newton", "cow", 0, 1.0), ("newton", None, -1, 1.0), ("newton", None, 0, 0.0)]
+    for each in wrong:
+        with pytest.raises(InputError):
+            page.set_method(*each)
+    assert page.settings.seed == 7
+    page.tolerate(0.01, 0.02)
+    assert page.job.tolerance == sn.Tolerance(0.01, 0.02)
+    with pytest.raises(InputError, match="position"):
+        page.tolerate(0.0, 0.02)
+
+
+def test_a_motion_is_played_and_ends_with_the_next_change() -> None:
+    path = [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2)), sn.Target((1, 0.2, 2))]
+    page = model(target=None, path=path)
+    track = page.job.track()
+    with pytest.raises(InputError, match="nothing moves"):
+        page.play(0.0)
+    page.motion = track
+    for i, knot in enumerate(track.q):
+        page.play(float(page.motion.times[i]))
+        np.testing.assert_allclose(page.shown, knot, atol=1e-12)
+        assert page.step_is_proved
+    page.play(0.5 * float(track.times[0] + track.times[1]))
+    np.testing.assert_allclose(page.shown, 0.5 * (track.q[0] + track.q[1]), atol=1e-12)
+    with pytest.raises(InputError, match="time"):
+        page.play(float(track.times[-1]) + 1.0)
+    page.go_to_waypoint(2)
+    assert page.motion is None
+    assert page.targets[0] is path[2]
+    page.place_target(0, np.array([1.0, 0.3, 2.0]))
+    moved = page.job.waypoints[2][0].position
+    assert moved is not None
+    assert moved.tolist() == [1.0, 0.3, 2.0]
+    assert page.job.waypoints[0][0] is path[0]
+
+
+def test_a_goal_asks_no_target_and_stays() -> None:
+    still = [[0.0, 0.0, 1.0]] * len(ROBOT)
+    page = model(target=None, start=still, goal=[[0.2, 0.0, 1.0]] * len(ROBOT))
+    assert page.targets == ()
+    np.testing.assert_array_equal(page.shown, still)
+    page.add("sphere")
+    assert page.job.goal is not None
+    page.bend(0, 0.1, 0.0, 1.0)
+    page.begin_here()
+    assert page.job.start is not None
+    assert page.job.start[0].tolist() == [0.1, 0.0, 1.0]
+    page.show_motion(page.job.plan())
+    np.testing.assert_array_equal(page.shown, page.job.start)
+    again = loaded("goal.yaml", saved(page).encode(), Path())
+    assert again.goal is not None
+    np.testing.assert_array_equal(again.goal, page.job.goal)
+    np.testing.assert_array_equal(again.start, page.job.start)
+    assert saved(page).startswith("# sinuous plan ")
+    with pytest.raises(InputError, match="goes nowhere"):
+        page.show_motion(sn.track(page.robot, [sn.Target((0, 0, 99.0))]))
+
+
+def test_what_is_changed_keeps_rates_and_times() -> None:
+    rates, path = sn.Rates(bend=1.0), [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2))]
+    page = model(target=None, path=path, times=[0, 3], rates=rates)
+    page.tolerate(0.01, 0.02)
+    assert page.job.times is not None
+    assert page.job.times.tolist() == [0.0, 3.0]
+    assert page.job.rates.equals(rates)
+
+
+def test_a_second_method_begins_from_its_own_shape() -> None:
+    page, solvers = model(), Solvers(routes=False)
+    assert page.question_beside() is None
+    page.set_method("newton", "newton", 3, 0.5)
+    page.accept(page.number, solvers.solve(page.question()))
+    second = page.question_beside()
+    assert second is not None
+    np.testing.assert_array_equal(second.initial, straight(ROBOT.segments))
+    solution = solvers.solve(second)
+    assert page.accept_beside(second.number, solution)
+    page.place_target(0, np.array([0.9, 0.0, 2.0]))
+    assert page.beside is None
+    again = page.question_beside()
+    assert again is not None
+    np.testing.assert_array_equal(again.initial, solution.q)
+    assert not page.accept_beside(second.number, solution)
+
+
+def test_pages_remember_what_is_solved_by_the_robot_of_the_memory() -> None:
+    page, memory = model(), sn.Memory(ROBOT)
+    solvers = Solvers(routes=True, memory=memory)
+    page.accept(page.number, solvers.solve(page.question()))
+    assert len(memory) == 1
+    page.place_target(0, np.array([-0.5, 0.8, 2.0]))
+    assert solvers.solve(page.question()).solved
+    assert len(memory) == 2
+    page.limit(None, max_bend=1.9)
+    page.place_target(0, np.array([0.5, -0.8, 2.0]))
+    assert solvers.solve(page.question()).solved
+    assert len(memory) == 2
+
+
+def test_what_is_asked_is_asked_at_the_time_that_is_shown() -> None:
+    page, solvers = moving(), Solvers(routes=False)
+    assert page.window == (0.0, 3.0)
+    assert page.there.equals(page.scene.at(0.0))
+    blocked = solvers.solve(page.question())
+    assert blocked.status is sn.Status.TARGET_BLOCKED
+    assert page.accept(page.number, blocked)
+    page.play(3.0)
+    assert page.answer is None
+    question = page.question()
+    assert question.scene.equals(page.scene.at(3.0))
+    free = solvers.solve(question)
+    assert free.solved
+    assert free.problem.scene.equals(page.scene.at(3.0))
+    assert free.verify().ok
+    assert page.accept(question.number, free)
+    assert not page.accept(question.number - 1, blocked)
+
+
+def test_what_is_bent_by_hand_stays_while_obstacles_move() -> None:
+    page = moving()
+    page.bend(0, 0.1, 0.2, 0.9)
+    before = page.q.copy()
+    page.play(2.0)
+    assert page.by_hand
+    np.testing.assert_array_equal(page.q, before)
+    with pytest.raises(InputError, match="time"):
+        page.play(3.1)
+    with pytest.raises(InputError, match="nothing moves"):
+        model().play(0.0)
+
+
+def test_motions_begin_in_the_shape_and_at_the_time_on_the_page(tmp_path: Path) -> None:
+    page = moving(target=sn.Target((-1.0, 0.3, 2.0)), start=[[0.3, 0.0, 1.0]] * 3)
+    page.play(1.5)
+    page.begin_here()
+    assert page.begin == 1.5
+    text = saved(page)
+    assert text.startswith("# sinuous plan FILE --method newton --seed 0 --time 1 --begin 1.5\n")
+    again = loaded("saved.yaml", text.encode(), tmp_path)
+    assert again.equals(page.job)
+    motion = again.plan(begin=page.begin)
+    assert motion.solved
+    page.show_motion(motion)
+    assert page.window == (motion.times[0], motion.times[-1])
+    assert page.time == 1.5
+    page.play(float(motion.times[-1]))
+    assert page.there.equals(page.scene.at(float(motion.times[-1])))
+    np.testing.assert_array_equal(page.shown, motion.q[-1])
+
+
+def test_a_waypoint_is_asked_at_its_time() -> None:
+    path = [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2)), sn.Target((1, 0.2, 2))]
+    page = moving(target=None, path=path, times=[0.5, 2.0, 4.0])
+    assert page.window == (0.0, 4.0)
+    page.go_to_waypoint(1)
+    assert page.time == 2.0
+    page = moving(target=None, path=path, start=[[0.3, 0.0, 1.0]] * 3)
+    page.go_to_waypoint(1)
+    assert page.time == 2.0
+
+
+def test_what_stands_still_among_what_moves_is_dragged_and_resized() -> None:
+    page = moving()
+    page.grasp(0)
+    assert page.grip is not None
+    there = page.grip.copy()
+    there[:3, 3] += (0.1, 0.0, 0.0)
+    page.carry(there)
+    ball = page.scene.obstacles[0]
+    assert isinstance(ball, sn.Sphere)
+    np.testing.assert_allclose(ball.center, ASIDE.center + np.array([0.1, 0.0, 0.0]))
+    page.resize(radius=0.3)
+    assert page.scene.moves
+    page.grasp(1)
+    assert page.grip is None
+    with pytest.raises(InputError, match="cannot be moved"):
+        page.carry(np.eye(4))
+    page.add("box")
+    assert len(page.there) == 3
+    page.grasp(1)
+    page.delete()
+    assert not page.scene.moves
+    assert page.window == (0.0, 0.0)

@@ -1,0 +1,470 @@
+"""The page in a real browser: what people drag, type and press, and what they see then."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.view.page import model
+from sinuous.view.page.nodes import rotation_of
+from sinuous.view.page.page import Page
+from tests.helpers import Floats
+from tests.scene.shapes import cube
+from tests.view.page.browser import PATIENCE, choose, chromium, frames, inputs, opened, pixels, projected, until
+
+ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
+JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
+GOAL = sn.Job(
+    ROBOT,
+    scene=[sn.Sphere((0.5, 0.0, 1.8), radius=0.4, name="ball")],
+    start=[[0.9, 0.0, 1.0], [0.3, 0.0, 1.0], [0.0, 0.0, 1.0]],
+    goal=[[-0.9, 0.2, 1.0], [-0.3, 0.0, 1.0], [0.0, 0.0, 0.9]],
+)
+GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [0, 2, 3], [(1, 0, 2), (1, 0, 2), (1, 3, 2)])
+MOVING = sn.Job(ROBOT, sn.Target((1, 0, 2)), [GATE], start=[[-0.3, 0.0, 1.0]] * 3, rates=sn.Rates(bend=0.8, length=0.3))
+DRIVEN = sn.Job(
+    sn.Robot.uniform(3, (0.5, 0.9), max_bend=2, radius=0.08, tendons=sn.Tendons(3, 0.05, gain=100, unit="mm")),
+    sn.Target((1, 0.2, 1.2), direction=(1, 0, 0)),
+)
+PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
+
+
+@pytest.fixture(autouse=True)
+def every_motion_is_played_in_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawn by software: each picture takes tens of milliseconds of processor time."""
+    monkeypatch.setattr(model, "LONGEST", 1.0)
+    monkeypatch.setattr(model, "SHORTENED", 1.0)
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[Page]:
+    served = Page(JOB)
+    until(lambda: served.model.answer is not None, "the first answer")
+    yield served
+    served.stop()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Any, page: Page) -> Any:
+    shown = opened(browser, f"http://127.0.0.1:{page.port}")
+    until(page.server.get_clients, "a client")
+    return shown
+
+
+@pytest.fixture
+def fresh(page: Page, tab: Any) -> Iterator[Any]:
+    """The page as it was in the beginning."""
+    load(page, tab, JOB)
+    until(lambda: page.model.answer is not None, "the answer")
+    settled(page)
+    tab.get_by_role("tab", name="Target").click()
+    yield tab
+    assert tab.problems == []
+
+
+def load(page: Page, tab: Any, job: sn.Job) -> None:
+    """Load a problem, and wait until the browser shows the panel that was built for it: it forgets what was chosen."""
+    before = page.model.number
+    tab.evaluate("() => { for (const each of document.querySelectorAll('[role=tab]')) each.dataset.old = 'yes'; }")
+    page.do("load", lambda: page.replace(job))
+    until(lambda: page.model.job is job and page.model.number > before, "the problem")
+    new = "document.querySelector('[role=tab]') && !document.querySelector('[role=tab][data-old]')"
+    until(lambda: tab.evaluate(f"() => Boolean({new})"), "its panel")
+
+
+def settled(page: Page) -> None:
+    """Wait until all events are handled and no solve goes on."""
+
+    def handled() -> bool:
+        done = threading.Event()
+        page.do("settled", done.set)
+        return done.wait(PATIENCE)
+
+    until(lambda: handled() and not page._busy, "a page at rest")
+    assert handled()  # the answer of a solve comes right after its end
+
+
+def asked(page: Page) -> Floats:
+    """Where the target is."""
+    place = page.model.targets[0].position
+    assert place is not None
+    return place
+
+
+def camera_of(page: Page) -> Any:
+    return next(iter(page.server.get_clients().values())).camera
+
+
+def drag(tab: Any, begin: Floats, end: Floats) -> None:
+    """Drag with the mouse, no faster than the browser draws: what it has not drawn yet cannot be taken hold of."""
+    tab.mouse.move(*begin)
+    frames(tab, 2)
+    tab.mouse.down()
+    for share in np.linspace(0.0, 1.0, 6)[1:]:
+        tab.mouse.move(*(begin + share * (end - begin)))
+        frames(tab, 1)
+    tab.mouse.up()
+
+
+def still(page: Page, tab: Any) -> None:
+    """Wait until the camera moves no more: a drag that misses the gizmo turns it, and it comes to rest smoothly."""
+
+    def pose() -> tuple[float, ...]:
+        camera = camera_of(page)
+        return (*camera.position, *camera.look_at, *camera.up_direction)
+
+    seen: list[tuple[float, ...]] = []
+
+    def rests() -> bool:
+        frames(tab, 6)
+        time.sleep(0.3)
+        seen.append(pose())
+        return len(seen) > 2 and seen[-1] == seen[-2] == seen[-3]
+
+    until(rests, "a camera at rest")
+
+
+def pull(page: Page, tab: Any, gizmo: Callable[[], Any], place: Callable[[], Floats]) -> None:
+    """Drag a gizmo by its arrows until what it holds is elsewhere: a slow browser may not have drawn it yet."""
+    begin, camera = place(), camera_of(page)
+    position, look_at = camera.position, camera.look_at
+    for attempt in range(18):
+        still(page, tab)
+        axis = rotation_of(np.array(gizmo().wxyz))[:, attempt % 3]
+        ends = [np.array(projected(camera_of(page), begin + part * gizmo().scale * axis)) for part in (0.8, 1.5)]
+        if np.linalg.norm(ends[1] - ends[0]) < 10.0:  # seen from its end
+            continue
+        drag(tab, ends[0], ends[1])
+        still(page, tab)
+        if np.linalg.norm(place() - begin) > 0.05:
+            return
+        camera_of(page).position, camera_of(page).look_at = position, look_at
+    raise AssertionError("the gizmo does not move")
+
+
+def test_the_page_opens_with_the_robot_and_obstacles_where_they_must_be(page: Page, fresh: Any) -> None:
+    picture, camera = pixels(fresh), camera_of(page)
+    for name, point, low, high in (
+        ("body", ROBOT.backbone(page.model.q)[25], (0, 60, 110), (140, 215, 255)),  # blue
+        ("ball", np.array([0.2, 0.9, 1.2]), (80, 80, 80), (245, 245, 250)),  # grey
+    ):
+        x, y = (round(v) for v in projected(camera, point))
+        seen = picture[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3).mean(axis=0)
+        assert (seen >= low).all(), (name, seen)
+        assert (seen <= high).all(), (name, seen)
+        spread = float(seen.max() - seen.min())
+        assert spread > 40.0 if name == "body" else spread < 25.0, (name, seen)
+    assert (picture[20:40, 20:40] > 250).all()  # nothing stands in the corner
+
+
+def test_the_tip_follows_the_gizmo_to_tolerance(page: Page, fresh: Any) -> None:
+    pull(page, fresh, lambda: page.scenery.gizmo("targets/0"), lambda: asked(page))
+    settled(page)
+    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
+    target = asked(page)
+    assert np.linalg.norm(ROBOT.tip(page.model.q)[:3, 3] - target) <= 1e-4 * ROBOT.mean_length
+    assert fresh.locator(".badge").first.inner_text() == "solved"
+
+
+def test_a_slider_bends_a_segment(page: Page, fresh: Any) -> None:
+    fresh.get_by_role("tab", name="Shape").click()
+    slider = fresh.get_by_role("slider").first
+    slider.focus()
+    before = float(page.model.q[0, 0])
+    for _ in range(20):
+        fresh.keyboard.press("ArrowRight")
+    until(lambda: page.model.by_hand and page.model.q[0, 0] > before + 0.05, "a bend")
+    until(lambda: fresh.locator(".badge").first.inner_text() == "bent by hand", "what is said of it")
+    fresh.get_by_role("button", name="Solve from here").click()
+    until(lambda: page.model.answer is not None and not page.model.by_hand, "an answer")
+
+
+STEP = 1e-3
+"""Less than a press of a key moves the slider of a tendon, mm."""
+
+
+def test_an_actuator_is_pulled_and_taken_back(page: Page, fresh: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(model, "TOGETHER", PATIENCE)  # all presses are one change, however slowly they arrive
+    load(page, fresh, DRIVEN)
+    fresh.get_by_role("tab", name="Shape").click()
+    choose(fresh, "sliders", "actuators")
+    fresh.get_by_text("s1.t1, mm").wait_for()
+    settled(page)
+    before = page.model.actuators
+    slider = fresh.get_by_role("slider").first
+    slider.focus()
+    for _ in range(5):
+        fresh.keyboard.press("ArrowRight")
+
+    def pulled() -> bool:
+        """Whether all presses have arrived: the tendon is where the slider is."""
+        off = page.model.actuators[0] - float(slider.get_attribute("aria-valuenow"))
+        return page.model.by_hand and page.model.actuators[0] > before[0] + 0.01 and abs(off) < STEP
+
+    until(pulled, "a tendon that was pulled")
+    settled(page)
+    np.testing.assert_allclose(page.model.actuators[:3].sum(), 0.0, atol=1e-9)
+    np.testing.assert_allclose(page.model.actuators[3:], before[3:], atol=1e-9)
+    fresh.locator(".badge", has_text="bent by hand").wait_for()
+    slider.focus()
+    fresh.keyboard.press("Control+z")
+    until(lambda: not page.model.by_hand, "what was before")
+    fresh.get_by_role("button", name="Redo").click()
+    until(lambda: page.model.by_hand, "the tendon pulled again")
+    fresh.get_by_role("button", name="Undo").click()
+    until(lambda: not page.model.by_hand, "what was before, again")
+    fresh.locator(".badge", has_text="bent by hand").wait_for(state="detached")
+    np.testing.assert_allclose(page.model.actuators, before, atol=0.01)
+
+
+def test_a_direction_is_typed_and_the_shape_saved_as_csv(page: Page, fresh: Any, tmp_path: Path) -> None:
+    load(page, fresh, DRIVEN)
+    for field, text in ((inputs(fresh, "direction").last, "-1"), (inputs(fresh, "target").first, "1.00005")):
+        field.fill(text)
+        field.press("Tab")
+    wanted = np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0)
+    typed = sn.Target((1.00005, 0.2, 1.2), direction=wanted)
+    until(lambda: page.model.targets[0].equals(typed), "the direction")
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    with fresh.expect_download() as download:
+        fresh.get_by_role("button", name="Save as CSV").click()
+    download.value.save_as(tmp_path / "shape.csv")
+    header, row = (tmp_path / "shape.csv").read_text().splitlines()
+    numbers = dict(zip(header.split(","), map(float, row.split(",")), strict=True))
+    assert numbers["s1.bend_x"] == page.model.q[0, 0]
+    assert numbers["s2.t3"] == page.model.actuators[5]
+
+
+def test_the_view_is_fitted(page: Page, fresh: Any) -> None:
+    camera = camera_of(page)
+    camera.position = np.array([30.0, 40.0, 50.0])
+    camera.look_at = np.array([30.0, 0.0, 50.0])
+    still(page, fresh)
+    fresh.keyboard.press("f")
+    until(lambda: np.linalg.norm(camera_of(page).position) < 20.0, "the robot in view")
+    still(page, fresh)
+    for point in ROBOT.backbone(page.model.q):
+        x, y = projected(camera_of(page), point)
+        assert 0 < x < camera.image_width
+        assert 0 < y < camera.image_height
+
+
+@pytest.mark.parametrize("shape", ["ball", "mesh"])
+def test_what_stands_before_the_robot_is_see_through(page: Page, fresh: Any, shape: str) -> None:
+    ball = JOB.scene.obstacles[0] if shape == "ball" else sn.Mesh(*cube(0.4, (0.2, 0.9, 1.2)))
+    load(page, fresh, sn.Job(ROBOT, JOB.waypoints[0], [ball]))
+    settled(page)
+    camera, at = camera_of(page), ROBOT.backbone(page.model.q)[25]
+    camera.position = at + 5.0 * (np.array([0.2, 0.9, 1.2]) - at)
+    camera.look_at = at
+    until(lambda: page.scenery._hiding == {0}, "a ball before the robot")
+    until(lambda: blueness(fresh, camera, at) > 25.0, "the robot behind it")
+    camera.position = at - 5.0 * (np.array([0.2, 0.9, 1.2]) - at)
+    camera.look_at = at
+    until(lambda: not page.scenery._hiding, "a ball behind the robot")
+
+
+def blueness(tab: Any, camera: Any, point: Floats) -> float:
+    """How much more blue than red there is where a camera sees a point."""
+    x, y = (round(v) for v in projected(camera, point))
+    seen = pixels(tab)[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3).mean(axis=0)
+    return float(seen[2] - seen[0])
+
+
+def test_what_would_help_is_a_button(page: Page, fresh: Any) -> None:
+    load(page, fresh, sn.Job(ROBOT, sn.Target((0, 0, 4.0))))
+    fresh.locator(".badge", has_text="out of reach").wait_for()
+    fresh.get_by_role("button", name="What would help?").click()
+    fresh.get_by_role("button", name="length of all segments").click()
+    fresh.locator(".badge", has_text="solved").wait_for()
+    assert page.model.robot.segments[0].length[1] > 1.2
+    fresh.get_by_role("tab", name="Robot").click()
+    fresh.get_by_role("button", name="Add a segment").click()
+    until(lambda: len(page.model.robot) == 4, "one more")
+    fresh.keyboard.press("Control+z")
+    until(lambda: len(page.model.robot) == 3, "the longer robot")
+    fresh.keyboard.press("Control+z")
+    until(lambda: page.model.robot is ROBOT, "the first robot")
+
+
+def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:
+
+    def chosen() -> bool:
+        """Click on the ball; a slow browser may not have drawn it yet."""
+        fresh.mouse.click(*projected(camera_of(page), np.array([0.2, 0.9, 1.2])))
+        frames(fresh, 4)
+        return page.model.grasped == 0
+
+    until(chosen, "the ball chosen")
+    until(lambda: page.scenery.gizmo("grip") is not None, "its gizmo")
+
+    def center() -> Floats:
+        ball = page.model.scene.obstacles[0]
+        assert isinstance(ball, sn.Sphere)
+        return ball.center
+
+    pull(page, fresh, lambda: page.scenery.gizmo("grip"), center)
+    fresh.get_by_role("tab", name="Scene").click()
+    fresh.get_by_role("button", name="Delete it").click()
+    until(lambda: len(page.model.scene) == 0, "no ball")
+    fresh.get_by_role("button", name="Add one").click()
+    until(lambda: len(page.model.scene) == 1, "another one")
+
+
+def test_what_is_saved_is_what_is_on_the_page_and_can_be_loaded(page: Page, fresh: Any, tmp_path: Path) -> None:
+    page.do("move", lambda: page.model.place_target(0, np.array([0.8, 0.3, 2.1])))
+    until(lambda: page.model.answer is not None and asked(page)[0] == 0.8, "an answer")
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    with fresh.expect_download() as download:
+        fresh.get_by_role("button", name="Save as YAML").click()
+    file = tmp_path / "saved.yaml"
+    download.value.save_as(file)
+    job = sn.load(file, sn.Job)
+    assert job.robot.equals(page.model.robot)
+    assert job.scene.snapshot().equals(page.model.scene)
+    assert job.waypoints[0][0].equals(page.model.targets[0])
+    np.testing.assert_array_equal(job.start, page.model.q)
+    load(page, fresh, PATH)
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    fresh.locator("input[type=file]").set_input_files(file)
+    until(lambda: page.model.job is not PATH, "what was saved")
+    assert page.model.job.equals(job)
+
+
+def test_what_is_no_problem_changes_nothing_and_shows_one_line(page: Page, fresh: Any, tmp_path: Path) -> None:
+    before = page.model.job
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text("robot: 3\n")
+    fresh.get_by_role("tab", name="File").click()
+    fresh.locator("input[type=file]").set_input_files(wrong)
+    line = fresh.locator(".notice")
+    line.wait_for()
+    assert "wrong.yaml: robot" in line.inner_text()
+    assert page.model.job is before
+
+
+def test_a_path_is_followed_and_played(page: Page, fresh: Any) -> None:
+    load(page, fresh, PATH)
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Follow the path").click()
+    until(lambda: played(page), "the motion played to its end")
+    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (1, 0.2, 2), atol=1e-3)
+
+
+def played(page: Page) -> bool:
+    """Whether there is a motion, which was played to its end: between the two it does not play yet."""
+    motion = page.model.motion
+    return motion is not None and not page.playing and np.array_equal(page.model.shown, motion.q[-1])
+
+
+def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> None:
+    load(page, fresh, GOAL)
+    fresh.locator(".badge", has_text="the start").wait_for()
+    assert fresh.get_by_role("tab", name="Target").count() == 0
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: played(page), "the motion played to its end")
+    assert page.model.motion is not None
+    assert page.model.motion.solved
+    assert GOAL.start is not None
+    assert GOAL.goal is not None
+    np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
+    np.testing.assert_allclose(page.model.shown, GOAL.goal)
+    fresh.locator(".badge", has_text="proved clear here").wait_for()
+    for label in ("rates", "accelerations"):
+        for i, field in enumerate(inputs(fresh, label).all()[:2]):
+            field.fill("0.4")
+            field.press("Tab")
+
+            def kept(label: str = label, i: int = i) -> bool:
+                """Whether the job has what was typed."""
+                given = page.model.job.rates
+                own = given if label == "rates" else given.acceleration
+                return own is not None and bool(np.all((own.bend, own.length)[i] == 0.4))
+
+            until(kept, f"number {i} of {label}")
+            frames(fresh, 2)  # a field sends the numbers beside it as the browser has drawn them
+    limits = sn.Rates(0.4, 0.4, acceleration=sn.Rates(0.4, 0.4))
+    until(lambda: page.model.job.rates.equals(limits), "rates")
+    choose(fresh, "plot", "speed")
+    fresh.get_by_text("% of the rates").wait_for()
+    untimed = page.model.motion
+    fresh.get_by_role("button", name="As fast as rates allow").click()
+    until(lambda: page.model.motion is not untimed and not page.playing, "the timed motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_allclose(page.model.motion.duration, untimed.timed(limits).duration)
+
+
+def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> None:
+    load(page, fresh, MOVING)
+    fresh.locator(".badge", has_text="target blocked").wait_for()
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_label("play").click()
+    until(lambda: page.model.time == 3.0 and not page.playing, "the obstacles played to their end")
+    fresh.locator(".badge", has_text="solved").wait_for()
+    answer = page.model.answer
+    assert answer is not None
+    assert answer.problem.scene.equals(page.model.scene.at(3.0))
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: played(page), "the motion played to its end")
+    motion = page.model.motion
+    assert motion is not None
+    assert motion.solved
+    assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
+    fresh.locator(".badge", has_text="proved clear here").wait_for()
+
+
+def test_a_motion_begins_where_somebody_says(page: Page, fresh: Any) -> None:
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Plan a motion").click()
+    fresh.locator(".notice", has_text="start").wait_for()
+    fresh.get_by_role("button", name="Start here").click()
+    until(lambda: page.model.job.start is not None, "a start")
+    start = page.model.q
+    page.do("move", lambda: page.model.place_target(0, np.array([-1.0, 0.3, 2.0])))
+    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: played(page), "the motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_array_equal(page.model.motion.q[0], start)
+    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (-1, 0.3, 2), atol=1e-3)
+
+
+def test_a_motion_that_was_found_before_is_played(browser: Any) -> None:
+    motion = GOAL.plan()
+    served = Page(GOAL, answer=motion)
+    try:
+        shown = opened(browser, f"http://127.0.0.1:{served.port}")
+        shown.locator(".badge", has_text="proved clear here").wait_for()
+        np.testing.assert_array_equal(served.model.shown, motion.q[0])
+        shown.get_by_role("tab", name="Motion").click()
+        shown.get_by_label("play").click()
+        until(lambda: np.allclose(served.model.shown, motion.q[-1]), "the motion played to its end")
+        assert shown.problems == []
+        shown.close()
+    finally:
+        served.stop()
+
+
+def test_two_browsers_show_the_same(page: Page, fresh: Any, browser: Any) -> None:
+    other = opened(browser, f"http://127.0.0.1:{page.port}")
+    until(lambda: len(page.server.get_clients()) == 2, "a second client")
+    page.do("move", lambda: page.model.place_target(0, np.array([0, 0, 9.0])))
+    for each in (fresh, other):
+        each.locator(".badge", has_text="out of reach").wait_for()
+    assert other.problems == []
+    other.close()

@@ -28,7 +28,7 @@ from benchmarks.judges.clearances import least_clearance
 from benchmarks.places import Place, make
 from benchmarks.places.place import right
 from sinuous.base.checks import Floats
-from sinuous.kernels.tables import ROOM
+from sinuous.kernels.tables import CLEARANCE_MARGIN
 from sinuous.solver.solver import Solver
 
 AGAINST = {
@@ -82,7 +82,7 @@ def examined(place: tuple[str, int]) -> list[Row]:
         "demanded": at.robot.changed(clearance=clearance),
     }
     made = {way: Solver(own, at.scene, tolerance=at.tolerance, time=PATIENCE * LIMIT) for way, own in robots.items()}
-    made["without room"]._prepared._settings[ROOM] = 0.0
+    made["without room"]._prepared._settings[CLEARANCE_MARGIN] = 0.0
     demanded = {"a trace demanded": trace, "thicker": clearance, "demanded": clearance}
     answers, spent = {way: solver.solve(at.targets) for way, solver in made.items()}, dict.fromkeys(made, math.inf)
     began = thread_time()

@@ -15,7 +15,7 @@ from sinuous.base.arguments import Number, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import warn_of
 from sinuous.base.reprs import call
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot

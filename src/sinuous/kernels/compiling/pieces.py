@@ -69,7 +69,7 @@ PIECES = (
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.follow_tube",
             "kernels.tubes.find_tubes",
-            "kernels.growing.detours.lead_aside",
+            "kernels.growing.detours.lengthen_route",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",
             "kernels.fitting.settle.settle_chain",
@@ -113,9 +113,9 @@ PIECES = (
         "motions",
         9,
         (
-            "kernels.between.query.prove_motions",
-            "kernels.between.courses.fill_drifts",
-            "kernels.between.tip.leave_line",
+            "kernels.certificate.query.certify_motions",
+            "kernels.certificate.courses.fill_drifts",
+            "kernels.certificate.tip.leave_line",
         ),
     ),
     Piece(
@@ -136,7 +136,7 @@ PIECES = (
         ),
         waits=True,
     ),
-    Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
+    Piece("control loops", 15, ("kernels.velocity.query.control_step",), waits=True),
     Piece(
         "derivatives",
         6,

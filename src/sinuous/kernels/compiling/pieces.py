@@ -107,7 +107,7 @@ PIECES = (
     Piece(
         "classes of routes",
         6,
-        tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "see")),
+        tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "trace_lines")),
     ),
     Piece(
         "motions",

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -24,61 +24,74 @@ if TYPE_CHECKING:
     from benchmarks.harness.conduct import Output
     from benchmarks.harness.experiment import Experiment
 
-ABOUT = {
-    "speed": "every speed and success figure of the README (10 minutes)",
-    "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
-    "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
-    "many": "batches through files, engines, a batch that is killed, and a map of the workspace",
-    "motion": "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
-    "derivatives": "derivatives of answers: what they cost, and whether differences agree with them",
-    "design": "robots for sets of tasks, against random ones and a template",
-    "real": "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
-    "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
-    "view": "pages: from an event of the mouse to a new shape, what a browser gets, and pages in files",
-    "table1": "the paper's four poses, every method, beside what the paper publishes",
-    "tracking": "a path of 180 points behind random spheres, every method",
-    "segments": "how the time of an iteration, and of a solve, grows with the number of segments",
-    "methods": "all methods on common random problems, with and without obstacles",
+
+class Known(NamedTuple):
+    """An experiment: what it measures, the module that has it, and the class there; else it has `PARTS`."""
+
+    about: str
+    module: str
+    kind: str = ""
+
+
+KNOWN = {
+    "speed": Known("every speed and success figure of the README (10 minutes)", "speed.experiment"),
+    "clutter": Known(
+        "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
+        "clutter.experiment",
+        "Clutter",
+    ),
+    "wild": Known(
+        "anything that can be built, each problem with a hidden solution, every claim judged", "wild.experiment", "Wild"
+    ),
+    "many": Known(
+        "batches through files, engines, a batch that is killed, and a map of the workspace", "many.experiment"
+    ),
+    "motion": Known(
+        "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
+        "motion.experiment",
+    ),
+    "derivatives": Known(
+        "derivatives of answers: what they cost, and whether differences agree with them", "derivatives.experiment"
+    ),
+    "design": Known("robots for sets of tasks, against random ones and a template", "design"),
+    "real": Known(
+        "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
+        "real.experiment",
+    ),
+    "view": Known("pages: from an event of the mouse to a new shape, and pages in files", "view"),
+    "worlds": Known(
+        "100,000 small worlds with doors, each known to be possible: false claims that are rare",
+        "clutter.experiment",
+        "Worlds",
+    ),
+    "table1": Known("the paper's four poses, every method, beside what the paper publishes", "paper.table1", "Table1"),
+    "tracking": Known("a path of 180 points behind random spheres, every method", "paper.tracking", "Tracking"),
+    "segments": Known(
+        "how the time of an iteration, and of a solve, grows with the number of segments", "paper.segments", "Segments"
+    ),
+    "methods": Known("all methods on common random problems, with and without obstacles", "paper.methods", "Methods"),
 }
-"""What each one measures."""
-
-OF_LINES = ("speed", "clutter", "wild", "many", "motion", "derivatives", "design", "real")
-"""Those made of figures that a baseline can hold, and that may be measured in several rounds."""
-
-OF_PARTS = (*OF_LINES, "view")
-"""Those in which parts can be chosen."""
 
 OF_METHODS = ("table1", "tracking", "segments", "methods")
-"""Those in which methods can be chosen."""
+"""Those in which methods can be chosen; of the others parts can be, and they may be measured in several rounds."""
 
-BENCHMARKS = (*OF_LINES, "worlds", "view", *OF_METHODS)
-
-HOMES = {
-    "speed": ("speed.experiment", "Speed"),
-    "clutter": ("clutter.experiment", "Clutter"),
-    "wild": ("wild.experiment", "Wild"),
-    "many": ("many.experiment", "Many"),
-    "motion": ("motion.experiment", "Motions"),
-    "real": ("real.experiment", "Real"),
-    "derivatives": ("derivatives.experiment", "OfDerivatives"),
-    "design": ("design.experiment", "OfDesigns"),
-    "view": ("view.experiment", "View"),
-    "worlds": ("clutter.worlds", "Worlds"),
-}
-"""Where those are that take a plan and nothing else."""
+OF_LINES = tuple(name for name in KNOWN if name not in OF_METHODS)
+"""Those made of figures that a baseline can hold."""
 
 TOOLS = {
-    "trace": "how many files of the package run in a solve",
-    "rooms": "lines of code by room, circles of imports, public names",
-    "corpus": "some 5,000 problems with their answers, to hold a change of the code to the last bit",
+    "trace": ("trace", "how many files of the package run in a solve"),
+    "rooms": ("rooms", "lines of code by room, circles of imports, public names"),
+    "corpus": ("corpus", "some 5,000 problems with their answers, to hold a change of the code to the last bit"),
+    "ways": ("clutter.ways", "places solved in several ways: with a memory, explored, attempts switched off"),
+    "places": ("clutter.gallery", "one place again, or a picture of one of each kind"),
 }
-"""What looks at the code, and takes no time: modules with a command of their own."""
+"""Commands of their own: module, and what each does."""
 
 INTERRUPTED = 130
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
-Name = Annotated[str, typer.Argument(metavar="NAME", help="One of " + ", ".join(BENCHMARKS) + ".")]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="One of " + ", ".join(KNOWN) + ".")]
 Out = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Folder of journal and results, default bench-NAME; there a run goes on."),
@@ -86,10 +99,7 @@ Out = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object, and nothing else.")]
 Seed = Annotated[int, typer.Option(help="Of all random problems.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
-Rounds = Annotated[
-    int,
-    typer.Option(help="Of speed, clutter and motion, how often all is measured; of wild, 100,000 fresh problems each."),
-]
+Rounds = Annotated[int, typer.Option(help="How often all is measured; of wild, 100,000 fresh problems each.")]
 Anew = Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")]
 Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
@@ -104,16 +114,14 @@ Parts = Annotated[
     typer.Option(
         "--piece",
         metavar="NAME",
-        help="Of "
-        + ", ".join(OF_PARTS[:-1])
-        + f" and {OF_PARTS[-1]}, only this part, or those that a pattern like 'P5*' fits; repeat for more. "
-        "What fits none is answered with all names.",
+        help="Only this part, or those that a pattern like 'P5*' fits; repeat for more. What fits none is answered "
+        "with all names.",
     ),
 ]
 Method = Annotated[
-    list[str] | None, typer.Option(metavar="NAME", help="Of the others, only this method; repeat for more.")
+    list[str] | None,
+    typer.Option(metavar="NAME", help=f"Of {', '.join(OF_METHODS)}, only this method; repeat for more."),
 ]
-
 Only = Annotated[
     list[str] | None,
     typer.Option(metavar="PROBLEM", help="Of wild, look at this problem alone, as reports name it; repeat for more."),
@@ -150,40 +158,36 @@ def run(
         # library wait for each other ten times as long as verifying takes.
         os.environ.setdefault(variable, "1")
     off = () if without is None else tuple(without.split(","))
-    chosen = Chosen(name, seed, quick, rounds, tuple(piece or ()), tuple(method or ()), tuple(only or ()), off)
-    chosen.check()
+    asked = Asked(name, seed, quick, rounds, tuple(piece or ()), tuple(method or ()), tuple(only or ()), off)
+    baselines = {"--against": against, "--save-baseline": save_baseline}
+    asked.check({option: str(file) for option, file in baselines.items() if file is not None})
     from benchmarks.harness.quiet import ignore_suspicions  # noqa: PLC0415
 
     ignore_suspicions()
-    if chosen.only:
-        from benchmarks.wild.replay import replay  # noqa: PLC0415
-
-        typer.echo("\n".join(replay(chosen.seed, chosen.only)))
+    if only:
+        typer.echo("\n".join(import_module("benchmarks.wild.trials").replay(seed, only)))
         raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
     output = Output(out, json, anew, against, save_baseline, whole=not piece, record=record)
-    raise typer.Exit(_measure(chosen, output))
+    raise typer.Exit(_measure(asked, output))
 
 
-def _measure(chosen: "Chosen", output: "Output") -> int:
+def _measure(asked: "Asked", output: "Output") -> int:
     from benchmarks.harness.conduct import conduct, require  # noqa: PLC0415
 
-    for option, file in (("--against", output.against), ("--save-baseline", output.save_baseline)):
-        if file is not None and chosen.name not in OF_LINES:
-            raise InputError(option, "is for " + ", ".join(OF_LINES), str(file), f"nothing with {chosen.name}")
     if output.save_baseline is not None:
         check_writable("--save-baseline", output.save_baseline)
     require()
     try:
-        return conduct(chosen.experiment(), output)
+        return conduct(asked.experiment(), output)
     except KeyboardInterrupt:
         typer.echo("benchmarks: interrupted before anything was measured", err=True)
         return INTERRUPTED
 
 
 @dataclass(frozen=True)
-class Chosen:
+class Asked:
     """An experiment, as it was asked for.
 
     Attributes
@@ -209,8 +213,8 @@ class Chosen:
     only: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
 
-    def check(self) -> None:
-        """Refuse what cannot be meant.
+    def check(self, baselines: dict[str, str]) -> None:
+        """Refuse what cannot be meant; `baselines` are files by their options.
 
         Raises
         ------
@@ -219,19 +223,20 @@ class Chosen:
         """
         from sinuous.base import checks  # noqa: PLC0415
 
-        if self.name not in BENCHMARKS:
-            raise InputError("NAME", "", self.name, "one of " + ", ".join(BENCHMARKS))
+        checks.choice("NAME", self.name, tuple(KNOWN))
         checks.integer("--seed", self.seed, 0, 2**31 - 1)
         checks.integer("--rounds", self.rounds, 1, 100)
-        for option, given, able in (
-            ("--piece", list(self.parts), OF_PARTS),
+        given: list[tuple[str, Any, tuple[str, ...]]] = [
+            ("--piece", list(self.parts), OF_LINES),
             ("--method", list(self.methods), OF_METHODS),
             ("--only", list(self.only), ("wild",)),
             ("--without", ",".join(self.without), ("clutter",)),
             ("--rounds", self.rounds if self.rounds > 1 else None, OF_LINES),
-        ):
-            if given and self.name not in able:
-                raise InputError(option, "is for " + ", ".join(able), given, f"nothing with {self.name}")
+            *((option, file, OF_LINES) for option, file in baselines.items()),
+        ]
+        for option, value, able in given:
+            if value and self.name not in able:
+                raise InputError(option, "is for " + ", ".join(able), value, f"nothing with {self.name}")
 
     def experiment(self) -> "Experiment":
         """Prepare it; what it needs is imported now.
@@ -241,22 +246,21 @@ class Chosen:
         InputError
             When there is no such part, method or attempt.
         """
+        from benchmarks.harness.experiment import OfLines  # noqa: PLC0415
         from benchmarks.harness.plan import Plan  # noqa: PLC0415
 
-        plan = Plan(self.seed, self.quick, self.rounds)
-        if self.name in HOMES:
-            home, kind = HOMES[self.name]
-            plain = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
-            if self.parts:
-                plain.choose(self.parts)
-            if self.without:
-                plain.switch_off(self.without)
-            experiment: Experiment = plain
-            return experiment
-        made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
-            plan, self.methods
-        )
-        return made
+        plan, known = Plan(self.seed, self.quick, self.rounds), KNOWN[self.name]
+        module: Any = import_module(f"benchmarks.{known.module}")
+        if self.name in OF_METHODS:
+            contest: Experiment = getattr(module, known.kind)(plan, self.methods)
+            return contest
+        made: Any = getattr(module, known.kind)(plan) if known.kind else OfLines(self.name, plan, module.PARTS)
+        if self.parts:
+            made.choose(self.parts)
+        if self.without:
+            made.switch_off(self.without)
+        experiment: Experiment = made
+        return experiment
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -269,16 +273,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     typed = sys.argv[1:] if arguments is None else arguments
     if typed and typed[0] in TOOLS:
-        code: int = import_module(f"benchmarks.{typed[0]}").main(typed[1:])
+        code: int = import_module(f"benchmarks.{TOOLS[typed[0]][0]}").main(typed[1:])
         return code
-    app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
+    app.registered_commands[0].help = _help(next((word for word in typed if word in KNOWN), None))
     return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 
 
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
-    listed = "\n".join(f"{name}: {about}" for name, about in {**ABOUT, **TOOLS}.items())
-    text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}"
+    told = {
+        **{name: known.about for name, known in KNOWN.items()},
+        **{name: about for name, (_, about) in TOOLS.items()},
+    }
+    listed = "\n".join(f"{name}: {about}" for name, about in told.items())
+    text = f"Measure {named}: {KNOWN[named].about}." if named else f"Measure one of these.\n\n\b\n{listed}"
     return f"{text}\n\nOnly verified answers count."
 
 

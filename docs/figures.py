@@ -1,4 +1,4 @@
-"""Make the pictures of the documentation and the README: `python docs/figures.py`, or with the names of some."""
+"""Make pictures of the documentation: `python docs/figures.py`, or with names of some."""
 
 import sys
 from collections.abc import Callable
@@ -39,8 +39,12 @@ def shrink(file: Path, share: float = 1.0) -> None:
     """Make a picture smaller, and give it few colours."""
     with Image.open(file) as opened:
         image = opened.convert("RGB")
-    image = image.resize((round(image.width * share), round(image.height * share)), Image.Resampling.LANCZOS)
-    image.quantize(palette=palette_of(image, COLOURS), dither=Image.Dither.NONE).save(file, optimize=True)
+    image = image.resize(
+        (round(image.width * share), round(image.height * share)), Image.Resampling.LANCZOS
+    )
+    image.quantize(palette=palette_of(image, COLOURS), dither=Image.Dither.NONE).save(
+        file, optimize=True
+    )
 
 
 def shape(name: str, *things: Any) -> None:
@@ -70,11 +74,15 @@ def gripper() -> None:
 
 def path_through_spheres() -> None:
     """An example: the picture of `--plot`, and the animation of the README."""
-    motion = sn.load(EXAMPLES / "path_through_spheres.yaml").track(prefer=sn.Preferences(clearance=0.2))
+    motion = sn.load(EXAMPLES / "path_through_spheres.yaml").track(
+        prefer=sn.Preferences(clearance=0.2)
+    )
     write_picture(IMAGES / "path_through_spheres.png", motion)
     shrink(IMAGES / "path_through_spheres.png", 0.67)
     view = best_view(gather([motion]))
-    sn.animate(motion, path=IMAGES / "path_through_spheres.gif", view=view, seconds=6, fps=15)
+    sn.view.animate(
+        motion, path=IMAGES / "path_through_spheres.gif", view=view, seconds=6, fps=15
+    )
 
 
 def first_steps() -> None:
@@ -94,7 +102,7 @@ def tendons() -> None:
     motion = sn.track(arm, positions=ring, start=sn.solve(arm, sn.Target(ring[0])))
     shape("tendons", motion)
     figure = new_figure(figsize=(6.4, 3.4), layout="constrained")
-    sn.diagram(motion, "actuators", ax=figure.add_subplot())
+    sn.view.diagram(motion, "actuators", ax=figure.add_subplot())
     save(figure, "tendons_actuators")
 
 
@@ -108,17 +116,22 @@ def alternatives() -> None:
 def unsolved() -> None:
     """The best shape where there is none."""
     arm = sn.Robot.uniform(3, length=(45, 70), max_bend=1.2, radius=4)
-    shape("unsolved", sn.solve(arm, sn.Target((120, 0, 190)), [sn.Sphere((60, 10, 120), radius=30)]))
+    shape(
+        "unsolved",
+        sn.solve(arm, sn.Target((120, 0, 190)), [sn.Sphere((60, 10, 120), radius=30)]),
+    )
 
 
 def clearance() -> None:
     """Along the body, and of the body on its way."""
     room = sn.load(EXAMPLES / "insertion_room.yaml").solve()
-    motion = sn.load(EXAMPLES / "path_through_spheres.yaml").track(prefer=sn.Preferences(clearance=0.2))
+    motion = sn.load(EXAMPLES / "path_through_spheres.yaml").track(
+        prefer=sn.Preferences(clearance=0.2)
+    )
     figure = new_figure(figsize=(10.4, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    sn.diagram(room, "clearance", ax=left)
-    sn.diagram(motion, "clearance map", ax=right)
+    sn.view.diagram(room, "clearance", ax=left)
+    sn.view.diagram(motion, "clearance map", ax=right)
     save(figure, "clearance")
 
 
@@ -129,7 +142,9 @@ def convergence() -> None:
     figure = new_figure(figsize=(10.4, 3.6), layout="constrained")
     for axes, method in zip(figure.subplots(1, 2), ("dls", "fabrikc"), strict=True):
         tight = sn.Tolerance(1e-6)
-        sn.diagram(sn.solve(arm, target, method=method, tolerance=tight), "convergence", ax=axes)
+        sn.view.diagram(
+            sn.solve(arm, target, method=method, tolerance=tight), "convergence", ax=axes
+        )
     save(figure, "convergence")
 
 
@@ -137,7 +152,9 @@ def arcs() -> None:
     """One segment at several bends and lengths."""
     segment = sn.Robot.uniform(1, (60, 100), max_bend=np.pi, radius=5)
     things: list[Any] = []
-    for i, (bend, length) in enumerate([(0.0, 80.0), (0.8, 80.0), (1.6, 80.0), (2.4, 80.0), (1.6, 100.0)]):
+    for i, (bend, length) in enumerate(
+        [(0.0, 80.0), (0.8, 80.0), (1.6, 80.0), (2.4, 80.0), (1.6, 100.0)]
+    ):
         base = sn.pose((100.0 * i, 0.0, 0.0))
         things += [segment.changed(base=base), np.array([[bend, 0.0, length]])]
     save(still(gather(things)), "arcs")
@@ -147,29 +164,42 @@ def proofs() -> None:
     """Balls that prove a body clear: each is as large as the distance in its middle says."""
     arm = sn.Robot.uniform(3, length=80, radius=7)
     q = np.array([[1.2, 0.0, 80.0], [-1.3, 0.0, 80.0], [-0.9, 0.0, 80.0]])
-    balls = [sn.Sphere((70, 0, 40), 22), sn.Sphere((10, 0, 105), 20), sn.Sphere((105, 0, 160), 18)]
+    balls = [
+        sn.Sphere((70, 0, 40), 22),
+        sn.Sphere((10, 0, 105), 20),
+        sn.Sphere((105, 0, 160), 18),
+    ]
     scene = sn.Scene(balls)
     line = arm.backbone(q, 256)
     figure = new_figure(figsize=(6.4, 5.2), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     for ball in balls:
         axes.add_patch(Circle((ball.center[0], ball.center[2]), ball.radius, color=OBSTACLE))
-    axes.plot(*line[:, ::2].T, color=ARMS[0][1], linewidth=17, alpha=0.5, solid_capstyle="round")
+    axes.plot(
+        *line[:, ::2].T, color=ARMS[0][1], linewidth=17, alpha=0.5, solid_capstyle="round"
+    )
     axes.plot(*line[:, ::2].T, color=ARMS[0][0], linewidth=1.5)
     for begin, end in _proved_pieces(scene, line, 7.0, 0, len(line) - 1):
         middle = line[(begin + end) // 2]
-        axes.add_patch(Circle(middle[::2], scene.distance(middle), fill=False, color=CURVES[2], linewidth=1.0))
+        axes.add_patch(
+            Circle(
+                middle[::2], scene.distance(middle), fill=False, color=CURVES[2], linewidth=1.0
+            )
+        )
         axes.plot(*middle[::2], "o", color=TARGET, markersize=3.0)
     axes.set(xlim=(-60, 150), ylim=(-30, 210))
     tidy(axes, "", x="x", y="z")
     axes.grid(color=GRID)
-    axes.set_title(f"{len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))} balls prove this body clear", color=INK)
+    balls = len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))
+    axes.set_title(f"{balls} balls prove this body clear", color=INK)
     axes.tick_params(labelcolor=PALE)
     save(figure, "proofs")
 
 
-def _proved_pieces(scene: sn.Scene, line: Any, radius: float, begin: int, end: int) -> list[tuple[int, int]]:
-    """Halve a piece of the backbone until the distance in the middle is as large as half its length and the radius."""
+def _proved_pieces(
+    scene: sn.Scene, line: Any, radius: float, begin: int, end: int
+) -> list[tuple[int, int]]:
+    """Halve a piece of the backbone until the distance in its middle proves it clear."""
     step = float(np.linalg.norm(line[1] - line[0]))
     middle = (begin + end) // 2
     if scene.distance(line[middle]) > 0.5 * step * (end - begin) + radius:

@@ -108,10 +108,8 @@ FIRST = (
     "solver/test_options.py",  # preferences
     "solver/test_live.py",
     "view/page/test_page.py",  # waits for a browser
-    "benchmarks/paper/test_experiments.py",  # takes long
-    "benchmarks/clutter/test_clutter.py",
+    "benchmarks/test_experiments.py",  # takes long
     "base/test_arguments.py",  # checks types, which takes long where that was not done before
-    "benchmarks/motion/places/test_known.py",
     "benchmarks/places/test_places.py",
     "studies/batch/test_deaths.py",
     "test_cookbook.py",

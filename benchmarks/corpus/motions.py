@@ -9,13 +9,11 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.corpus.answers import Problem
-from benchmarks.motion import leader, pairs
-from benchmarks.motion.in_time import moving
-from benchmarks.motion.judged import collides
-from benchmarks.motion.places import known
+from benchmarks.judges.motions import wrong_in
+from benchmarks.motion import known, leader, moving, p5
 from benchmarks.paper.scenes import path_through
 from benchmarks.places import make
-from benchmarks.wild import audit, loaded, odd, worlds
+from benchmarks.wild import audit, odd, worlds
 
 TIME = 20.0
 """Seconds of a plan, or of a waypoint; those that take more than a fraction of it are not kept."""
@@ -28,12 +26,12 @@ def plans() -> Iterator[Problem]:
     """From one shape to another: among spheres, in known places, and to the targets of intricate ones."""
     for segments, count in ((3, 24), (4, 16), (6, 8)):
         for number in range(count):
-            pair = pairs.draw(segments, 1, number, 0)
+            pair = p5.draw(segments, 1, number, 0)
             ask = partial(sn.plan, pair.robot, pair.start, pair.goal, pair.scene, time=TIME)
             yield Problem(f"{segments} segments {number}", ask, _right)
             yield Problem(f"{segments} segments {number}, shortened", partial(ask, shortcuts=5), _right)
     for number in range(8):
-        pair = pairs.draw(4, 1, number, 1)
+        pair = p5.draw(4, 1, number, 1)
         target = sn.Target(pair.robot.tip(pair.goal)[:3, 3])
         yield Problem(
             f"to a target {number}", partial(sn.plan, pair.robot, pair.start, target, pair.scene, time=TIME), _right
@@ -46,7 +44,7 @@ def plans() -> Iterator[Problem]:
 
 
 def _right(motion: sn.Motion) -> bool:
-    return motion.solved and not collides(motion.robot, sn.Scene.of(motion.scene), motion.q)
+    return motion.solved and not wrong_in(motion.robot, sn.Scene.of(motion.scene), motion.q)
 
 
 def in_time() -> Iterator[Problem]:
@@ -54,7 +52,7 @@ def in_time() -> Iterator[Problem]:
     for seed in range(24):
         robot, scene, start, goal = moving.draw(seed)
         ask = partial(sn.plan, robot, start, goal, scene, time=TIME)
-        yield Problem(f"{seed} with rates", partial(ask, rates=moving.RATES), _right_in_time)
+        yield Problem(f"{seed} with rates", partial(ask, rates=sn.Rates(moving.BEND, moving.LENGTH)), _right_in_time)
         yield Problem(f"{seed} for a duration", partial(ask, duration=moving.DURATION), _right_in_time)
         ends = robot.tip(np.stack([start, goal]))[:, :3, 3]
         path = [sn.Target((1.0 - share) * ends[0] + share * ends[1]) for share in np.linspace(0.0, 1.0, 7)[1:]]
@@ -93,7 +91,7 @@ def _tracked(robot: sn.Robot, path: Any, scene: Any, **options: Any) -> Any:
 
 
 def _right_steps(motion: sn.Motion) -> bool:
-    return motion.between != "proved" or not collides(motion.robot, sn.Scene.of(motion.scene), motion.q)
+    return motion.between != "proved" or not wrong_in(motion.robot, sn.Scene.of(motion.scene), motion.q)
 
 
 def timed() -> Iterator[Problem]:
@@ -157,17 +155,11 @@ def _led(curve: Any, load: dict[str, Any], gap: float | None) -> Any:
 
 
 def steps() -> Iterator[Problem]:
-    """Control loops of some ticks with a twist, a target, or measurements, while a ball comes near; also under load."""
+    """Control loops of some ticks with a twist, a target, or measurements, while a ball comes near."""
     for number in range(80):
         world = audit.units(5, number)
         yield Problem(
             f"{number}", partial(_ticks, world.robot, world.scene, world.hidden[0], world.targets[-1], number)
-        )
-    for number in range(20):
-        hanging = loaded.make(1, number)
-        yield Problem(
-            f"under load {number}",
-            partial(_ticks, hanging.robot, hanging.scene, hanging.hidden[0], hanging.targets[-1], number),
         )
     for number in range(120):
         rng = np.random.default_rng([73, number])
@@ -182,7 +174,7 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
     live = sn.Scene([sn.Sphere(far, 0.1 * unit, name="ball"), *scene.obstacles]) if ball else scene
     rates = sn.Rates(*(rng.uniform(0.1, 3.0, 2) * (1.0, unit))) if number % 2 else None
     solver, kind = sn.Solver(robot, live, time=TIME, max_starts=4), number % 3
-    found: list[sn.Step] = []
+    found: list[sn.answer.Step] = []
     for _ in range(6):
         if ball:
             body = robot.backbone(found[-1].q if found else q)
@@ -216,7 +208,7 @@ def live() -> Iterator[Problem]:
         world = audit.units(9, number)
         yield Problem(f"live {number}", partial(_live, world.robot, world.scene, world.hidden, number))
     for number in range(12):
-        hanging = loaded.make(2, number)
+        hanging = audit.loaded(2, number)
         ends = hanging.hidden[0], hanging.hidden[-1]
         yield Problem(f"under load {number}", partial(sn.plan, hanging.robot, *ends, hanging.scene, time=TIME))
 

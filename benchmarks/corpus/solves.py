@@ -13,7 +13,7 @@ from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.problems import clutter, full_poses, paper_poses
 from benchmarks.real import under_load
-from benchmarks.wild import audit, curled, doors, loaded, odd, trials, worlds
+from benchmarks.wild import audit, doors, odd, trials, worlds
 from benchmarks.wild.worlds import World
 
 BUDGET: dict[str, Any] = {"time": 30.0, "max_starts": 40}
@@ -140,10 +140,10 @@ def preferring() -> Iterator[Problem]:
 def under_gravity() -> Iterator[Problem]:
     """Solves under load: of wild robots among obstacles, and of arms of several sections."""
     for number in range(30):
-        world = loaded.make(0, number)
+        world = audit.loaded(0, number)
         solver = sn.Solver(world.robot, world.scene, time=30.0, max_starts=20)
-        for i, target in enumerate(world.targets[:4]):
-            yield Problem(f"{number}.{i}", partial(solver.solve, target), partial(_right_under_load, target))
+        for i, targets in enumerate(world.targets[:4]):
+            yield Problem(f"{number}.{i}", partial(solver.solve, targets), partial(_right_in_world, world, i))
     for sections in (3, 5):
         robot, rng = under_load.robot_of(sections), np.random.default_rng(sections)
         balls = [sn.Sphere(place, 0.02) for place in rng.uniform(-0.35, 0.35, (12, 3)) if np.linalg.norm(place) > 0.15]
@@ -151,10 +151,6 @@ def under_gravity() -> Iterator[Problem]:
             yield Problem(
                 f"{sections} sections {i}", partial(sn.solve, robot, sn.Target(place), balls, time=30.0, max_starts=12)
             )
-
-
-def _right_under_load(target: sn.Target, found: sn.Solution) -> bool:
-    return found.solved and not loaded._false(found, target)
 
 
 def shapes() -> Iterator[Problem]:
@@ -253,7 +249,7 @@ PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
     "wild radii": partial(wild, partial(audit.radii, 0), range(12), 6),
     "wild bounds": partial(wild, partial(audit.bounds, 0), range(8), 4),
     "wild demands": partial(wild, partial(audit.demands, 0), range(12), 6),
-    "curled": partial(wild, partial(curled.make, 6, 0), range(2), 50),
+    "curled": partial(wild, partial(worlds.thick_arm, 6, 0), range(2), 50),
     "odd solves": odd_solves,
     "methods": published,
     "explained": explained,

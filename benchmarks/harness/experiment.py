@@ -1,13 +1,12 @@
 """What an experiment is: pieces of work, whose plain values are kept, and findings that are made of these alone."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import partial
-from importlib import import_module
 from itertools import count
 from statistics import fmean
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from benchmarks.harness import reference
 from benchmarks.harness.lines import Line, together
@@ -51,59 +50,44 @@ class Findings:
         return self.wrong == 0 and all(line.held is not False for line in self.lines if line.correctness)
 
 
-class Experiment(Protocol):
-    """What the harness asks of an experiment."""
+class Experiment:
+    """What the harness asks of an experiment.
+
+    Attributes
+    ----------
+    name : str
+    plan : Plan
+    divisible : bool
+        Whether some of the pieces have findings of their own, so that an interrupted run has something to say.
+    protocol : str
+        What is counted, and how it is timed, in a sentence for the head of the report.
+    """
 
     name: str
     plan: Plan
-    divisible: bool
-    """Whether some of the pieces have findings of their own, so that an interrupted run has something to say."""
-    protocol: str
-    """What is counted, and how it is timed, in a sentence for the head of the report; may be empty."""
+    divisible = False
+    protocol = ""
 
     def settings(self) -> dict[str, Any]:
         """Return plain values, all that the figures depend on besides machine, code, seed and size."""
-        ...
+        return {}
 
     def pieces(self) -> Iterable[Piece]:
         """Return the work, in order."""
-        ...
+        raise NotImplementedError
 
     def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
-        """Do pieces, and yield name and values of each as soon as it is done, in any order."""
-        ...
-
-    def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterable[Piece]:
-        """Return more work, after all pieces, to make sure of figures, which are named by section and what."""
-        ...
-
-    def findings(self, pieces: dict[str, Any]) -> Findings:
-        """Sum up what was measured, by the names of the pieces."""
-        ...
-
-
-class InTurn:
-    """An experiment whose pieces are done one after the other."""
-
-    protocol = ""
-
-    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
-        """Do the pieces in their order."""
+        """Do pieces, and yield name and values of each as soon as it is done: one after the other by default."""
         for name, measure in pieces:
             yield name, measure()
 
-
-class Indivisible(InTurn):
-    """An experiment whose findings need all of its pieces."""
-
-    divisible = False
-
     def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterable[Piece]:
-        """Nothing: its repeats are part of the experiment."""
+        """Return more work, after all pieces, to make sure of figures, which are named by section and what."""
         return ()
 
-
-Measurement = Callable[[], Iterable[Line]]
+    def findings(self, pieces: dict[str, Any]) -> Findings:
+        """Sum up what was measured, by the names of the pieces."""
+        raise NotImplementedError
 
 
 class Divided(NamedTuple):
@@ -121,42 +105,47 @@ class Divided(NamedTuple):
     summed: Callable[[list[Any]], Iterable[Line]]
 
 
-class OfLines(InTurn):
-    """An experiment whose pieces each measure some lines, as often as there are rounds.
+Part = Callable[[Plan], Iterable[Line]]
+"""From a plan to the lines of a part of an experiment."""
+
+
+class OfLines(Experiment):
+    """An experiment whose parts each measure some lines, as often as there are rounds.
 
     Parameters
     ----------
     name : str
     plan : Plan
+    measured : mapping of str to Part, optional
+        The parts by their names; of those that override `parts`, nothing.
     """
 
     divisible = True
 
-    def __init__(self, name: str, plan: Plan) -> None:
+    fresh = False
+    """Whether the shares of a part know of rounds themselves, and each has problems of its own."""
+
+    def __init__(self, name: str, plan: Plan, measured: Mapping[str, Part] | None = None) -> None:
         self.name = name
         self.plan = plan
+        self._measured = measured or {}
         self._only: frozenset[str] | None = None
 
-    def settings(self) -> dict[str, Any]:
-        """Return nothing: seed and size determine everything; rounds and parts may be added to what is measured."""
-        return {}
-
-    def parts(self) -> Iterable[tuple[str, Measurement | Divided]]:
-        """Return names, and what yields the lines of each."""
-        raise NotImplementedError
+    def parts(self) -> Iterator[tuple[str, Divided]]:
+        """Return names, and what measures each in shares."""
+        for name, measure in self._measured.items():
+            yield name, Divided([partial(_plain_lines, measure, self.plan)], _read)
 
     def choose(self, patterns: Sequence[str]) -> None:
         """Measure some of the parts alone; see `chosen`."""
         self._only = chosen([name for name, _ in self.parts()], patterns)
 
     def _chosen(self) -> Iterator[tuple[str, Divided]]:
-        for name, part in self.parts():
-            if self._only is None or name in self._only:
-                yield name, part if isinstance(part, Divided) else _undivided(part)
+        return ((name, part) for name, part in self.parts() if self._only is None or name in self._only)
 
     def pieces(self) -> Iterator[Piece]:
         """Every part, then every part again: a slow minute of the machine meets one round alone."""
-        for number in range(self.plan.rounds):
+        for number in range(1 if self.fresh else self.plan.rounds):
             for name, part in self._chosen():
                 yield from _round(name, part, number)
 
@@ -164,7 +153,7 @@ class OfLines(InTurn):
         """One more round of the parts that have some of these figures."""
         for name, part in self._chosen():
             rounds = list(_rounds(name, part, pieces))
-            if any((line.section, line.what) in doubtful for lines in rounds for line in lines):
+            if not self.fresh and any((line.section, line.what) in doubtful for lines in rounds for line in lines):
                 yield from _round(name, part, len(rounds))
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
@@ -190,18 +179,13 @@ def chosen(names: Sequence[str], patterns: Sequence[str]) -> frozenset[str]:
     for pattern in patterns:
         fitting = {name for name in names if name == pattern or fnmatchcase(name, pattern)}
         if not fitting:
-            expected = "a pattern like 'P5*', or one of " + "; ".join(names)
-            raise InputError("--piece", "", pattern, expected)
+            raise InputError("--piece", "", pattern, "a pattern like 'P5*', or one of " + "; ".join(names))
         found |= fitting
     return frozenset(found)
 
 
-def _undivided(measure: Measurement) -> Divided:
-    return Divided([partial(_lines, measure)], _read)
-
-
-def _lines(measure: Measurement) -> list[dict[str, Any]]:
-    return [asdict(line) for line in measure()]
+def _plain_lines(measure: Part, plan: Plan) -> list[dict[str, Any]]:
+    return [asdict(line) for line in measure(plan)]
 
 
 def _read(values: list[list[dict[str, Any]]]) -> list[Line]:
@@ -209,10 +193,9 @@ def _read(values: list[list[dict[str, Any]]]) -> list[Line]:
 
 
 def _names(name: str, part: Divided, number: int) -> list[str]:
-    """Names of the pieces of one round of a part."""
-    count = len(part.shares)
-    shares = [""] if count == 1 else [f", {share + 1} of {count}" for share in range(count)]
-    return [f"{name}{share}, round {number}" for share in shares]
+    """Names of the pieces of one round of a part; more shares may be added later."""
+    more = [f"{name}, share {share}, round {number}" for share in range(1, len(part.shares))]
+    return [f"{name}, round {number}", *more]
 
 
 def _round(name: str, part: Divided, number: int) -> Iterator[Piece]:
@@ -239,24 +222,3 @@ def _rounds(name: str, part: Divided, pieces: dict[str, Any]) -> Iterator[list[L
         around = fmean(measured["reference"] for measured in there)
         lines = part.summed([measured["values"] for measured in there])
         yield [replace(line, reference=around) for line in lines]
-
-
-class OfSections(OfLines):
-    """An experiment of lines, one piece for each of its sections: files of the folder that is called as it is.
-
-    Parameters
-    ----------
-    name : str
-    plan : Plan
-    sections : sequence of str
-        Each a file with `measure(plan)`.
-    """
-
-    def __init__(self, name: str, plan: Plan, sections: Sequence[str]) -> None:
-        super().__init__(name, plan)
-        self._sections = sections
-
-    def parts(self) -> Iterator[tuple[str, Measurement]]:
-        """One section is one piece."""
-        for section in self._sections:
-            yield section, partial(import_module(f"benchmarks.{self.name}.{section}").measure, self.plan)

@@ -10,8 +10,8 @@ from typing import Any
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.many.questions import ROBOT, spheres, table
-from sinuous.studies.batch.cluster import NO_PAGE, distributed
 from sinuous.studies.batch.solve import solve_batch
+from sinuous.studies.runs.cluster import NO_PAGE, distributed
 
 SECTION = "engines, free poses and 40 spheres, chunks of 10,000, the better of three runs in turn"
 

@@ -1,61 +1,77 @@
-"""Control loops at 1 kHz: how long a step takes, and whether limits, rates, obstacles and the body itself are kept."""
+"""Control loops: how long a step takes, and whether limits, rates, obstacles and the body itself are kept.
+
+At 1 kHz twists that change five times drive an arm among spheres. At 100 Hz an arm is asked to stay where its tip is
+while a cloud of 50,000 points, a ball, goes through the place of its body and out again: it has to get out of the way.
+What is counted as contact is looked at after each tick, by a k-d tree, with the cloud where it was then. The robot
+cannot see what comes: where the ball is faster than it may move, they meet.
+"""
 
 from collections.abc import Callable, Iterator
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from benchmarks.judges import self_collision
-from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
+from benchmarks.judges.motions import overlap, too_fast
 from sinuous.base.checks import Floats
 
 SEGMENTS, SPHERES, TICKS, LOOPS, DT = 5, 40, 1000, 12, 1e-3
 REPEATS = 5
 """How often every tick is taken: the answer is the same, and the least of its times is the one without others' work."""
 
-RATES = sn.Rates(bend=1.0, length=20.0)
+BEND, LENGTH = 1.0, 20.0
+"""Rates of a loop, rad/s and length unit/s."""
+
 LOOKED_AT = 10
 """Ticks between two configurations that are judged for obstacles and the body itself."""
 
-GRACE = 1e-9
-"""What rounding may make of a rate, relative to it."""
+POINTS, CLOUD_TICKS, CLOUD_LOOPS, CLOUD_DT = 50_000, 300, 4, 1e-2
+CLOUD_RATES = sn.Rates(bend=2.0, length=60.0)
+BALL, GRAIN, SPEED, MARGIN = 35.0, 1.0, 40.0, 6.0
+"""Radius of the ball and of its points; how fast it comes, length unit/s; the clearance that is wished for."""
 
 STEP = (
     "loops of 1,000 ticks at 1 kHz, 5 segments, 40 spheres: one Solver.step from Python, with its proof; "
     "of every tick the least of 5 times"
 )
 WRONG = "loops: ticks in which a judge finds a limit, a rate, an obstacle or the body itself violated"
-SINGULAR = "steps from singular shapes (straight, one arc): largest motion, of the motion asked for"
-ERROR = "steps from singular shapes: largest error of the twist, of the twist asked for"
+MOVED, SEEN = "moved as a whole (Scene.move)", "seen anew (Scene.update)"
+WHAT = "loop at 100 Hz, a cloud of 50,000 points comes at the robot, {}: one tick with the update"
+CONTACTS = "the same loops: ticks with a contact, by a k-d tree"
 
 
 class Loop(NamedTuple):
-    """What came of a loop: seconds of every tick, ticks that were held back, and what is wrong."""
+    """What came of a loop: seconds of every tick, ticks that are wrong, and the least clearance, or ticks held back."""
 
     seconds: list[float]
-    held_back: int
     wrong: int
+    least: float
+
+
+def arm() -> sn.Robot:
+    """Return the robot of all loops."""
+    return sn.Robot.uniform(SEGMENTS, (45, 70), max_bend=2.4, radius=4)
 
 
 def measure(plan: Plan) -> Iterator[Line]:
     """Drive loops among spheres with twists that change five times."""
     loops = [drive(1000 * plan.seed + i) for i in range(plan.count(LOOPS, 1))]
     times = Times.of([second for loop in loops for second in loop.seconds])
-    held = sum(loop.held_back for loop in loops)
-    yield Line(STEP, "median", times.median, "us", None, times, note=f"{held} of {times.count} were held back")
+    held = sum(loop.least for loop in loops)
+    yield Line(STEP, "median", times.median, "us", None, times, note=f"{held:g} of {times.count} were held back")
     yield Line(STEP, "p99", times.p99, "us", Goal(100e-6), times, noise=1.0)
     yield Line(WRONG, "ticks", sum(loop.wrong for loop in loops), "", Goal(0, correctness=True))
 
 
 def place(rng: np.random.Generator) -> tuple[sn.Robot, Floats, sn.Scene]:
     """A robot, a configuration, and spheres that leave it a little room."""
-    robot = sn.Robot.uniform(SEGMENTS, (45, 70), max_bend=2.4, radius=4)
+    robot = arm()
     q = np.column_stack([rng.normal(0.0, 0.35, (SEGMENTS, 2)), rng.uniform(48.0, 67.0, SEGMENTS)])
     body = robot.backbone(q, 30)
     spheres: list[sn.Sphere] = []
@@ -70,8 +86,8 @@ def drive(seed: int) -> Loop:
     """Drive one loop, and judge it."""
     rng = np.random.default_rng(seed)
     robot, q, scene = place(rng)
-    ik, knots, seconds, held = sn.Solver(robot, scene, routes=False), [q], [], 0
-    ik.step(q, np.zeros(6), DT, rates=RATES)
+    ik, rates, knots, seconds, held = sn.Solver(robot, scene, routes=False), sn.Rates(BEND, LENGTH), [q], [], 0
+    ik.step(q, np.zeros(6), DT, rates=rates)
     twist = np.zeros(6)
     for tick in range(TICKS):
         if tick % (TICKS // 5) == 0:
@@ -79,42 +95,66 @@ def drive(seed: int) -> Loop:
         spent = []
         for _ in range(REPEATS):
             began = perf_counter()
-            step = ik.step(q, twist, DT, rates=RATES)
+            step = ik.step(q, twist, DT, rates=rates)
             spent.append(perf_counter() - began)
         seconds.append(min(spent))
         held += step.status != "reached"
         q = step.q
         knots.append(q)
-    return Loop(seconds, held, wrong_in(robot, scene, np.array(knots)))
+    return Loop(seconds, wrong_ticks(robot, scene, np.array(knots)), held)
 
 
-def wrong_in(robot: sn.Robot, scene: sn.Scene, knots: Floats) -> int:
+def wrong_ticks(robot: sn.Robot, scene: sn.Scene, knots: Floats) -> int:
     """In how many ticks something is violated; by code that shares nothing with the kernels."""
-    change = np.diff(knots, axis=0) / DT
-    fast = np.hypot(change[..., 0], change[..., 1]).max(axis=1) > 1.0 * (1.0 + GRACE)
-    fast |= np.abs(change[..., 2]).max(axis=1) > 20.0 * (1.0 + GRACE)
-    looked = knots[::LOOKED_AT]
-    touching = Clearances(robot, scene).least(looked, 0.0) < 0.0
-    folded = self_collision.look(robot, looked, 0.0).least < 0.0
-    return int(fast.sum() + (~within_limits(robot, knots)).sum() + (touching | folded).sum())
+    fast = sum(too_fast(change[None], DT, BEND, LENGTH) for change in np.diff(knots, axis=0))
+    touching = sum(bool(overlap(robot, scene, q[None], 0.0)) for q in knots[::LOOKED_AT])
+    return fast + int((~within_limits(robot, knots)).sum()) + touching
 
 
-def singular(plan: Plan) -> Iterator[Line]:
-    """Ask for twists at singular shapes and very near to them."""
-    rng = np.random.default_rng(plan.seed)
-    robot = sn.Robot.uniform(SEGMENTS, (45, 70), max_bend=2.4, radius=4)
-    ik, unit = sn.Solver(robot), robot.mean_length
-    scales, metric = np.array([1.0] * 3 + [1.0 / unit] * 3), np.array([1.0, 1.0, unit / SEGMENTS])
-    motion = error = 0.0
-    for bend in (0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.5, 1.0):
-        for _ in range(plan.count(100, 10)):
-            twist = rng.normal(0.0, 0.2, 6) / scales
-            step = ik.step([[bend, 0.0, 57.5]] * SEGMENTS, twist, DT)
-            asked = float(np.linalg.norm(scales * twist))
-            motion = max(motion, float(np.linalg.norm(step.velocity / metric)) / asked)
-            error = max(error, float(np.linalg.norm(scales * (step.twist - twist))) / asked)
-    yield Line(SINGULAR, "rad and segments, of rad and robots", motion, "", Goal(101.0))
-    yield Line(ERROR, "share", error, "", Goal(1.0))
+def measure_clouds(plan: Plan) -> Iterator[Line]:
+    """Drive loops, the cloud once moved as a whole, and once given as new points."""
+    contacts, least = 0, np.inf
+    for how in (MOVED, SEEN):
+        loops = [drive_from_cloud(1000 * plan.seed + i, how) for i in range(plan.count(CLOUD_LOOPS, 1))]
+        times = Times.of([second for loop in loops for second in loop.seconds])
+        for what, reached, noise in (
+            ("median", times.median, 0.25),
+            ("p99", times.p99, 1.0),
+            ("worst", times.worst, 3.0),
+        ):
+            yield Line(WHAT.format(how), what, reached, "us", None, times, noise=noise)
+        contacts += sum(loop.wrong for loop in loops)
+        least = min(least, *(loop.least for loop in loops))
+    note = f"least clearance {least:.3g} of a body {SEGMENTS * 57.5:g} long"
+    yield Line(CONTACTS, "ticks", contacts, "", Goal(0, correctness=True), note=note)
 
 
-PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {"control loops": measure, "singular shapes": singular}
+def drive_from_cloud(seed: int, how: str) -> Loop:
+    """Drive one loop away from a cloud that comes: beside the tip at first, then to where that was, and past it."""
+    rng, robot = np.random.default_rng(seed), arm()
+    q = np.column_stack([rng.normal(0.0, 0.15, (SEGMENTS, 2)), np.full(SEGMENTS, 57.5)])
+    points = rng.normal(size=(POINTS, 3))
+    ball = BALL * points / np.linalg.norm(points, axis=1, keepdims=True)
+    angle = rng.uniform(0.0, 2.0 * np.pi)
+    side = np.array([np.cos(angle), np.sin(angle), 0.0])
+    begin = robot.tip(q)[:3, 3] + (BALL + 30.0) * side
+    scene = sn.Scene([sn.PointCloud(ball + begin, GRAIN, name="cloud")])
+    ik = sn.Solver(robot, scene, routes=False)
+    scene.update(ball + begin)
+    ik.step(q, np.zeros(6), CLOUD_DT, rates=CLOUD_RATES, clearance=MARGIN)
+    seconds, gaps = [], []
+    for tick in range(CLOUD_TICKS):
+        way = -SPEED * tick * CLOUD_DT * side
+        fresh = ball + begin + way
+        began = perf_counter()
+        if how == MOVED:
+            scene.move("cloud", way)
+        else:
+            scene.update(fresh)
+        q = ik.step(q, np.zeros(6), CLOUD_DT, rates=CLOUD_RATES, clearance=MARGIN).q
+        seconds.append(perf_counter() - began)
+        gaps.append(float(np.min(cKDTree(fresh).query(robot.backbone(q, 40))[0])) - GRAIN - float(robot.radii[0]))
+    return Loop(seconds, sum(gap < 0.0 for gap in gaps), min(gaps))
+
+
+PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {"control loops": measure, "clouds that come": measure_clouds}

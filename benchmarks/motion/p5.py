@@ -1,22 +1,45 @@
-"""P5: plans between random states in random clutter; see `pairs`."""
+"""P5: plans between random states in random clutter, after the planning benchmark of CR-Solver (2026).
+
+n sections of length 1, bent by up to half a turn; n^3 spheres, or more of them, with centres even in a cube of
+half-side n and radii from 0.15 to 0.30, off the straight robot; start and goal are drawn evenly from the states that
+are clear, with tips at least a tenth of the length apart. The body has a radius of 0.05 and must not run through
+itself.
+"""
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
 from statistics import median
+from time import perf_counter
+from typing import NamedTuple
 
+import numpy as np
+from numpy.random import Generator
+
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
+from benchmarks.judges import self_collision
+from benchmarks.judges.clearances import Clearances
+from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import peers
-from benchmarks.motion.trials import CONFIGURATION, TARGET, Task, Trial, examine
 from benchmarks.solvers.parallel import in_processes
+from sinuous.base.checks import Floats
+from sinuous.motion.plan import Planner
+
+RADIUS = 0.05
+
+TOGETHER, MOST_DRAWS = 64, 4096
+"""States that are drawn at once, and how many before the spheres are drawn anew."""
 
 COUNT, QUICK = 200, 4
 """Pairs of one number of segments and one density."""
 
+SECONDS = 1.0
+"""Budget of a plan."""
+
 COMPARED, PATIENCE = 20, 1.0
-"""Pairs that the planners of others plan, too, and the seconds that each has for one: in all no more than their product
-for each planner and each of the two numbers of segments."""
+"""Pairs that the planners of others plan, too, and the seconds that each has for one."""
 
 PLANNED = "P5: planned and proved in time, and found clear by the judges"
 FALSE = "P5: motions called proved in which a judge finds a collision"
@@ -26,34 +49,122 @@ OTHERS = "P5: compared, over the same proofs: planned in time"
 
 NOISE = 1.0
 
-WITHIN = {(CONFIGURATION, 1): (0.1, 99.5), (CONFIGURATION, 2): (1.0, 97.0), (CONFIGURATION, 4): (1.0, 97.0)}
-"""Seconds, and the share (%) that is to be planned in them, by what is asked for and how dense the spheres are."""
 
-LARGE = (1.0, 99.0)
-"""The same for 8 segments."""
+class Pair(NamedTuple):
+    """A robot among spheres, and two of its configurations (n, 3)."""
 
-OF_TARGETS = (0.5, 98.0)
-"""The same where the pose of the goal's tip is asked for."""
+    robot: sn.Robot
+    scene: sn.Scene
+    start: Floats
+    goal: Floats
+
+    @property
+    def target(self) -> sn.Target:
+        """The pose of the tip at the goal."""
+        tip = self.robot.tip(self.goal)
+        return sn.Target(tip[:3, 3], rotation=tip[:3, :3])
 
 
-def _goal(segments: int, density: int, goal: str) -> tuple[float, float]:
-    if goal == TARGET:
-        return OF_TARGETS
-    return LARGE if segments == 8 else WITHIN[goal, density]
+class Task(NamedTuple):
+    """A pair, whether the pose of the goal's tip is asked for, how many shortcuts, and whether others plan it, too."""
+
+    segments: int
+    density: int
+    number: int
+    seed: int
+    to_target: bool = False
+    shortcuts: int = 0
+    compared: bool = False
 
 
-def measure(plan: Plan, segments: int, density: int, goal: str) -> Iterator[Line]:
+class Trial(NamedTuple):
+    """What came of it: the time of the call, status, what a judge found wrong (nothing: ""), and of others."""
+
+    number: int
+    seconds: float
+    status: str
+    wrong: str
+    others: dict[str, tuple[float, bool]]
+
+
+def draw(segments: int, density: int, number: int, seed: int) -> Pair:
+    """Return pair `number` of a seed, with `density` times n^3 spheres."""
+    rng = np.random.default_rng([seed, segments, density, number])
+    robot = sn.Robot([sn.Segment(1.0, np.pi, radius=RADIUS)] * segments)
+    while True:
+        scene = _spheres(segments, density * segments**3, rng)
+        found = _states(robot, scene, rng)
+        if found is not None:
+            return Pair(robot, scene, *found)
+
+
+def _spheres(n: int, count: int, rng: Generator) -> sn.Scene:
+    spheres: list[sn.Sphere] = []
+    while len(spheres) < count:
+        center, radius = rng.uniform(-n, n, 3), float(rng.uniform(0.15, 0.30))
+        if np.linalg.norm(center - [0.0, 0.0, np.clip(center[2], 0.0, n)]) > radius + RADIUS:
+            spheres.append(sn.Sphere(center, radius))
+    return sn.Scene(spheres)
+
+
+def _states(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> tuple[Floats, Floats] | None:
+    """Draw a start and a goal; none where the spheres leave too little room."""
+    clearances, free = Clearances(robot, scene), np.empty((0, len(robot), 3))
+    for _ in range(MOST_DRAWS // TOGETHER):
+        q = _shapes(len(robot), rng)
+        q = q[clearances.least(q, 0.0) > 0.0]
+        free = np.concatenate([free, q[self_collision.surely_clear(robot, q)]])
+        tips = [robot.tip(one)[:3, 3] for one in free]
+        far = [i for i in range(1, len(free)) if np.linalg.norm(tips[0] - tips[i]) >= 0.1 * robot.mean_length]
+        if far:
+            return free[0], free[far[0]]
+    return None
+
+
+def _shapes(n: int, rng: Generator) -> Floats:
+    bends = np.pi * np.sqrt(rng.random((TOGETHER, n)))
+    angles = rng.uniform(0.0, 2.0 * np.pi, (TOGETHER, n))
+    return np.stack([bends * np.cos(angles), bends * np.sin(angles), np.ones((TOGETHER, n))], axis=-1)
+
+
+def examine(task: Task) -> Trial:
+    """Draw a pair, plan the way from one to the other, and judge it."""
+    _load(task.segments)
+    pair = draw(task.segments, task.density, task.number, task.seed)
+    planner = Planner(pair.robot, pair.scene, time=SECONDS, shortcuts=task.shortcuts)
+    goal = pair.target if task.to_target else pair.goal
+    began = perf_counter()
+    motion = planner.plan(pair.start, goal)
+    seconds = perf_counter() - began
+    wrong = wrong_in(pair.robot, pair.scene, motion.q) if motion.solved else ""
+    others = peers.plan_all(pair.robot, pair.scene, pair.start, pair.goal, PATIENCE) if task.compared else {}
+    return Trial(task.number, seconds, str(motion.status), wrong, others)
+
+
+@cache
+def _load(segments: int) -> None:
+    """Load the kernels in this process, so that no measured plan does."""
+    pair = draw(segments, 1, 0, 2**30)
+    sn.Solver(pair.robot, pair.scene)  # with the search for routes, which a planner leaves until a target needs it
+    planner = Planner(pair.robot, pair.scene)
+    planner.plan(pair.start, pair.goal)
+    planner.plan(pair.start, pair.target)
+
+
+def measure(plan: Plan, segments: int, density: int, to_target: bool = False) -> Iterator[Line]:
     """Plan all pairs of a kind."""
-    what = f"{segments} segments, {density * segments**3} spheres, to a {goal}"
-    compares = goal == CONFIGURATION and density == 1 and segments in (3, 6) and peers.installed()
+    what = f"{segments} segments, {density * segments**3} spheres, to a {'target' if to_target else 'configuration'}"
+    plain = density == 1 and not to_target
+    compares = plain and segments in (3, 6) and peers.installed()
     tasks = [
-        Task(segments, density, i, plan.seed, goal, peers=PATIENCE * (compares and i < COMPARED))
+        Task(segments, density, i, plan.seed, to_target, compared=compares and i < COMPARED)
         for i in range(plan.count(COUNT, QUICK))
     ]
     trials = list(plan.track(in_processes(examine, tasks, alone=plan.quick), what, len(tasks)))
-    yield from lines_of(what, trials, *_goal(segments, density, goal))
-    if goal == CONFIGURATION and density == 1:
-        tasks = [task._replace(shortcuts=10, peers=0.0) for task in tasks]
+    limit, share = (0.5, 98.0) if to_target else (1.0, 99.0) if segments == 8 else (0.1, 99.5) if plain else (1.0, 97.0)
+    yield from lines_of(what, trials, limit, share)
+    if plain:
+        tasks = [task._replace(shortcuts=10, compared=False) for task in tasks]
         shorter = list(plan.track(in_processes(examine, tasks, alone=plan.quick), what, len(tasks)))
         yield Line(SHORTENED, what, median(trial.seconds for trial in shorter), "ms")
         yield _false(what + ", shortened", shorter)
@@ -62,45 +173,34 @@ def measure(plan: Plan, segments: int, density: int, goal: str) -> Iterator[Line
 def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iterator[Line]:
     """Sum up the trials of one kind: so large a share (%) is to be planned within the limit (s)."""
     times = Times.of([trial.seconds for trial in trials])
-    good = [trial.solved and trial.seconds <= limit for trial in trials]
+    good = [trial.status == "solved" and not trial.wrong and trial.seconds <= limit for trial in trials]
     missed = ", ".join(f"{trial.number} ({trial.status})" for trial, well in zip(trials, good, strict=True) if not well)
     note = f"not within {limit:g} s: pairs {missed}" if missed else ""
     reached = 100.0 * sum(good) / len(good)
     yield Line(PLANNED, what, reached, "%", Goal(share, at_most=False), times, (sum(good), len(good)), note)
     yield _false(what, trials)
-    timed = Goal(1e-3) if limit == WITHIN[CONFIGURATION, 1][0] else None
-    yield Line(MEDIAN, what, times.median, "ms", timed, noise=NOISE)
+    yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None, noise=NOISE)
     for name in peers.PLANNERS:
         others = [trial.others[name] for trial in trials if name in trial.others]
         if others:
-            found = sum(solved for _, solved in others)
-            spent = Times.of([seconds for seconds, _ in others])
+            found, spent = sum(solved for _, solved in others), Times.of([seconds for seconds, _ in others])
             cut = f"the first {len(others)} of {len(trials)} pairs, {PATIENCE:g} s for each"
-            note = f"{cut}; goes on to shorten the way until they are over" if name == peers.OPTIMAL else cut
-            yield Line(
-                OTHERS,
-                f"{name} of OMPL, {what}",
-                100.0 * found / len(others),
-                "%",
-                None,
-                spent,
-                (found, len(others)),
-                note,
-            )
+            told = f"{name} of OMPL, {what}"
+            yield Line(OTHERS, told, 100.0 * found / len(others), "%", None, spent, (found, len(others)), cut)
 
 
 def _false(what: str, trials: list[Trial]) -> Line:
-    wrong = [trial for trial in trials if trial.wrong]
-    note = "wrong: " + ", ".join(f"{trial.number} ({trial.wrong})" for trial in wrong) if wrong else ""
-    return Line(FALSE, what, len(wrong), "", Goal(0, correctness=True), None, None, note)
+    wrong = ", ".join(f"{trial.number} ({trial.wrong})" for trial in trials if trial.wrong)
+    count = sum(bool(trial.wrong) for trial in trials)
+    return Line(FALSE, what, count, "", Goal(0, correctness=True), note=f"wrong: {wrong}" if wrong else "")
 
 
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {
-    **{f"P5, {n} segments": partial(measure, segments=n, density=1, goal=CONFIGURATION) for n in (3, 4, 5, 6, 8)},
+    **{f"P5, {n} segments": partial(measure, segments=n, density=1) for n in (3, 4, 5, 6, 8)},
     **{
-        f"P5, {n} segments, {d} times as dense": partial(measure, segments=n, density=d, goal=CONFIGURATION)
+        f"P5, {n} segments, {d} times as dense": partial(measure, segments=n, density=d)
         for d in (2, 4)
         for n in (3, 4, 5, 6)
     },
-    **{f"P5, {n} segments, targets": partial(measure, segments=n, density=1, goal=TARGET) for n in (3, 4, 5, 6)},
+    **{f"P5, {n} segments, targets": partial(measure, segments=n, density=1, to_target=True) for n in (3, 4, 5, 6)},
 }

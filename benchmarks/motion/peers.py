@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.motion.pairs import Pair
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
+from sinuous.model.robot import Robot
+from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import Prover
 
-OPTIMAL = "BITstar"
-PLANNERS = ("RRTConnect", OPTIMAL)
-"""Those to compare with; one of them looks for the shortest way."""
+PLANNERS = ("RRTConnect", "BITstar")
+"""Those to compare with; the second goes on to shorten the way until its time is over."""
 
 
 def installed() -> bool:
@@ -23,22 +23,21 @@ def installed() -> bool:
     return find_spec("ompl") is not None
 
 
-def plan_all(pair: Pair, seconds: float) -> dict[str, tuple[float, bool]]:
-    """Return the time that each planner took, and whether it found a way."""
-    return {name: _plan(name, pair, seconds) for name in PLANNERS} if installed() else {}
+def plan_all(robot: Robot, scene: Scene, start: Floats, goal: Floats, seconds: float) -> dict[str, tuple[float, bool]]:
+    """Return the time that each planner took from one configuration (n, 3) to another, and whether it found a way."""
+    return {name: _plan(name, _checker(robot, scene), start, goal, seconds) for name in PLANNERS} if installed() else {}
 
 
-def _plan(name: str, pair: Pair, seconds: float) -> tuple[float, bool]:
+def _plan(name: str, clear: Callable[..., bool], start: Floats, goal: Floats, seconds: float) -> tuple[float, bool]:
     from ompl import base, geometric, util  # noqa: PLC0415
 
     util.setLogLevel(util.LogLevel.LOG_ERROR)
-    n = len(pair.robot)
+    n = len(start)
     space, bounds = base.RealVectorStateSpace(2 * n), base.RealVectorBounds(2 * n)
     bounds.setLow(-np.pi)
     bounds.setHigh(np.pi)
     space.setBounds(bounds)
     setup = geometric.SimpleSetup(space)
-    clear = _checker(pair)
     setup.setStateValidityChecker(lambda state: clear(_read(state, n)))
 
     class Proof(base.MotionValidator):  # type: ignore[misc]
@@ -47,15 +46,15 @@ def _plan(name: str, pair: Pair, seconds: float) -> tuple[float, bool]:
 
     information = setup.getSpaceInformation()
     information.setMotionValidator(Proof(information))
-    setup.setStartAndGoalStates(_write(space, pair.start), _write(space, pair.goal))
+    setup.setStartAndGoalStates(_write(space, start), _write(space, goal))
     setup.setPlanner(getattr(geometric, name)(information))
     began = perf_counter()
     setup.solve(seconds)
     return perf_counter() - began, bool(setup.haveExactSolutionPath())
 
 
-def _checker(pair: Pair) -> Callable[..., bool]:
-    prover = Prover(pair.robot, pair.scene.snapshot())
+def _checker(robot: Robot, scene: Scene) -> Callable[..., bool]:
+    prover = Prover(robot, scene.snapshot())
 
     def clear(one: Floats, other: Floats | None = None) -> bool:
         q = np.stack([one, one if other is None else other])

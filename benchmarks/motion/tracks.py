@@ -12,7 +12,7 @@ import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from benchmarks.motion.judged import collides
+from benchmarks.judges.motions import wrong_in
 from benchmarks.paper.scenes import path_through
 from benchmarks.problems import ProblemSet
 from benchmarks.solvers.parallel import in_processes
@@ -129,7 +129,7 @@ def follow(path: Path) -> Followed:
         solved,
         solved - _unproved(motion),
         len(motion.reconfigured),
-        sum(bool(collides(problems.robot, problems.scene, knots)) for knots in _proved_runs(motion)),
+        sum(bool(wrong_in(problems.robot, problems.scene, knots)) for knots in _proved_runs(motion)),
         _missed(problems, motion),
     )
 

@@ -15,8 +15,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.harness.experiment import Measurement
+from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from sinuous.base.checks import Floats
 from sinuous.statics.equilibrium import run
@@ -33,14 +34,6 @@ ANOTHER = 5.0
 REPEATS = 5
 
 
-def parts(quick: bool) -> Iterator[tuple[str, Measurement]]:
-    """What is measured."""
-    yield "tendon-robot", tendon_robot
-    for name in ROD_MATERIALS:
-        yield f"rod-{name}", partial(rods, name, 40 if quick else 400)
-    yield "tentacle", tentacle
-
-
 class Case(NamedTuple):
     """A row of the tendon robot: tensions (6,), force (3,), and tips by the name of the model."""
 
@@ -49,7 +42,7 @@ class Case(NamedTuple):
     tips: dict[str, Floats]
 
 
-def tendon_robot() -> list[Line]:
+def tendon_robot(_: Plan) -> list[Line]:
     """Distances of tips, and the time of one equilibrium from the straight robot."""
     robot = the_tendon_robot()
     errors, others, seconds, names = [], [], [], []
@@ -129,8 +122,9 @@ ROD_MATERIALS = {
 }
 
 
-def rods(name: str, count: int) -> list[Line]:
+def rods(name: str, plan: Plan) -> list[Line]:
     """Distances of the tip with 8 and with 16 arcs."""
+    count = plan.count(400, 40)
     return [line for arcs, goal in ((8, 0.2), (16, 0.05)) for line in _rods(name, count, arcs, goal)]
 
 
@@ -184,7 +178,7 @@ LOWEST, LARGEST = np.array([10e3, 1000.0, 0.4]), np.array([1e6, 2000.0, 0.5])
 """Within which they are fitted, as the makers did."""
 
 
-def tentacle() -> list[Line]:
+def tentacle(_: Plan) -> list[Line]:
     """Distances of markers with the nominal material, and with three parameters that are fitted."""
     loads, markers = read_tentacle()
 
@@ -238,3 +232,11 @@ def _places(material: Floats, tensions: Floats) -> Floats:
         poses = robot.equilibrium(tensions=np.tile(pair, len(robot.actuators) // 2)).poses[at]
         result.append(poses[:, :3, 3] + np.einsum("mij,mj->mi", poses[:, :3, :3], OFFSETS))
     return np.array(result)
+
+
+PARTS: dict[str, Part] = {
+    "tendon-robot": tendon_robot,
+    **{f"rod-{name}": partial(rods, name) for name in ROD_MATERIALS},
+    "tentacle": tentacle,
+}
+"""What is measured, by name."""

@@ -7,8 +7,9 @@ from functools import partial
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Measurement
+from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
@@ -29,22 +30,15 @@ NEAR = 0.5
 """Percent of the length by which the judge's tip may be off."""
 
 
-def parts(quick: bool) -> Iterator[tuple[str, Measurement]]:
-    """What is measured."""
-    count, judged = (10, 2) if quick else (60, 8)
-    for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3)):
-        yield f"load-{sections}-{spheres}", partial(solves, sections, spheres, count, judged, goal)
-
-
 def robot_of(sections: int) -> sn.Robot:
     """A robot that hangs, stands or lies, as its drive makes it."""
     segment = sn.Segment((0.07, 0.13), max_bend=2.0, radius=0.005, stiffness=ROD, mass=MASS, arcs=4)
     return sn.Robot([segment] * sections, gravity=GRAVITY, payload=sn.Payload(CARRIED))
 
 
-def solves(sections: int, spheres: int, count: int, judged: int, goal: float) -> list[Line]:
+def solves(sections: int, spheres: int, goal: float, plan: Plan) -> list[Line]:
     """Targets that are known to be reached by a loaded body that is clear; a few answers are computed as a rod."""
-    random = np.random.default_rng(sections + spheres)
+    count, judged, random = plan.count(60, 10), plan.count(8, 2), np.random.default_rng(sections + spheres)
     robot, scene = robot_of(sections), list(_balls(random, spheres))
     solver, targets = sn.Solver(robot, scene), list(_targets(random, robot, scene, count))
     solver.solve(targets[0])  # kernels are loaded
@@ -106,3 +100,10 @@ def _off(robot: sn.Robot, q: Floats, target: sn.Target) -> float:
     tip = shoot(q[:, 2], stiffness, rests, weights, loads, robot.base, guess)[-1][:3, 3]
     assert target.position is not None
     return 100.0 * float(np.linalg.norm(tip - target.position)) / robot.mean_length
+
+
+PARTS: dict[str, Part] = {
+    f"load-{sections}-{spheres}": partial(solves, sections, spheres, goal)
+    for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3))
+}
+"""What is measured, by name."""

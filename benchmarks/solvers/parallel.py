@@ -10,8 +10,7 @@ from functools import cache
 from multiprocessing.queues import SimpleQueue
 from typing import Any, TypeVar
 
-from benchmarks.harness.experiment import InTurn, Piece
-from benchmarks.harness.plan import Plan
+from benchmarks.harness.experiment import Experiment, Piece
 from benchmarks.harness.quiet import ignore_suspicions
 from sinuous.base.processes import pool_of
 from sinuous.scene.prepared import sampling
@@ -38,14 +37,12 @@ def in_processes(
         raise
 
 
-class Abreast(InTurn):
+class Abreast(Experiment):
     """An experiment whose pieces are done in as many processes as there are cores, each as soon as one is free.
 
     So no process waits for the others between two families, and what is timed has a core of its own. A quick run does
     them in this process.
     """
-
-    plan: Plan
 
     def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
         """Do the pieces, and yield each as soon as it is done. What a piece calls goes to another process."""

@@ -1,4 +1,4 @@
-"""Five segments, position and direction, from cold: what one answer costs, without and with obstacles.
+"""Position and direction from cold: what one answer costs, whether all targets are reached, how time grows.
 
 And how much of it the proof takes that the body does not run through itself, where it does not come near.
 """
@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
+from benchmarks.harness.times import Times, exponent
 from benchmarks.problems import ProblemSet, among_spheres, arm, reachable, relative_tolerance
 from benchmarks.solvers.answers import right, solve_all
 from benchmarks.solvers.inner import inner_times, self_proof_times
@@ -27,6 +27,14 @@ SPHERES = 40
 
 TOLERANCES = {"default tolerance": None, "1e-6": 1e-6}
 """By default 1e-4 of the robot's mean length and 1e-3 rad; else relative to the length, and as many rad."""
+
+REACHED = "random reachable targets, position and direction, to 1e-6 of the length and 1e-6 rad"
+ARMS = {3: 2.4, 5: 2.4, 8: 2.0, 20: 1.2}
+"""Number of segments, and their largest bend."""
+
+GROWTH = "time per iteration against the number of segments (inside the kernel, all of a solve over its iterations)"
+GROWN = (5, 10, 20, 40, 80, 160, 320, 640)
+"""Numbers of segments; the sum of their bends is `TOTAL_BEND`, so that long arms do not curl up."""
 
 
 def measure(plan: Plan) -> Iterator[Line]:
@@ -80,3 +88,27 @@ def _inside(sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
     good = [run.solved & right(problems, run.q) for run, problems in zip(runs, sets, strict=True)]
     solved = sum(int(flags.sum()) for flags in good), sum(len(flags) for flags in good)
     return Line(SECTION, what, times.median, "us", goal, times, solved)
+
+
+def reachable_targets(plan: Plan) -> Iterator[Line]:
+    """Without obstacles, from the single arc on; all must be solved."""
+    for n, max_bend in ARMS.items():
+        asked = _at(reachable(arm(n, max_bend), plan.count(10_000, 50), plan.rng(3, n)), 1e-6)
+        what = f"solved, {n} segments, bends to {max_bend}"
+        answers = solve_all(plan, asked, what)
+        goal = Goal(100.0, at_most=False, correctness=True)
+        yield Line(REACHED, what, answers.percent, "%", goal, answers.times, answers.solved, answers.complaint)
+
+
+def growth(plan: Plan) -> Iterator[Line]:
+    """One line a size, and the exponent: the step is exact, and linear in the number of segments."""
+    medians = []
+    sizes = GROWN[: plan.count(len(GROWN), 5)]
+    for n in sizes:
+        problems = _at(reachable(arm(n, TOTAL_BEND / n), plan.count(100, 5), plan.rng(4, n)), 1e-6)
+        run = inner_times(problems, max(1, plan.count(2000, 100) // n))
+        good = run.solved & right(problems, run.q) & (run.iterations > 0)
+        times = Times.of(run.seconds[good] / run.iterations[good])
+        medians.append(times.median)
+        yield Line(GROWTH, f"{n} segments", times.median, "us", None, times, (int(good.sum()), len(good)))
+    yield Line(GROWTH, "exponent", exponent(sizes, medians), "", Goal(1.1))

@@ -1,4 +1,4 @@
-"""Whether memory grows over many solves, how many a second arrays bring, and how much more two threads get done."""
+"""Whether memory grows over many solves, how many a second arrays bring, and what a second thread adds."""
 
 import os
 import tracemalloc
@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import cycle, islice
 from pathlib import Path
 from statistics import median
-from threading import Barrier, Thread
 from time import perf_counter
 from typing import Any
 
@@ -35,8 +34,6 @@ def measure(plan: Plan) -> Iterator[Line]:
         ("20 segments, 40 spheres", long, None),
     ):
         yield from _arrays(plan, what, problems, rate)
-        yield _scaling(plan, f"{what}, a loop of solve", problems)
-    yield from _million(plan, free)
 
 
 def _memory(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
@@ -107,53 +104,4 @@ def _goals(problems: ProblemSet, count: int) -> GoalArrays:
 def _seconds(solver: Solver, goals: GoalArrays, workers: int) -> float:
     began = perf_counter()
     solver.solve_many(**goals, workers=workers)
-    return perf_counter() - began
-
-
-def _million(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
-    """Time and memory of a million free targets."""
-    solver = Solver(problems.robot, tolerance=problems.tolerance)
-    count = plan.count(1_000_000, 1000)
-    goals = _goals(problems, count)
-    what = f"{count} free positions and directions, 5 segments"
-    yield Line(SECTION, f"{what}, 2 workers", _seconds(solver, goals, 2), "s", Goal(3.0 * count / 1e6), noise=0.5)
-    tracemalloc.start()
-    try:
-        found = solver.solve_many(**goals, workers=2)
-        held, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    note = f"{held / len(found):.0f} of them are kept: the configuration, 11 numbers about it, and the target"
-    yield Line(SECTION, f"{what}, peak memory a target", peak / count, "bytes", Goal(400.0), note=note)
-
-
-def _scaling(plan: Plan, what: str, problems: ProblemSet) -> Line:
-    """Work done by two threads with a solver each, over that of one in the same time; median of several rounds."""
-    solvers = [Solver(problems.robot, problems.scene, tolerance=problems.tolerance) for _ in range(2)]
-    count = plan.count(10 * len(problems.targets), len(problems.targets))
-    for solver in solvers:
-        _one_by_one(solver, problems, count)
-    ratios = [
-        2.0 * _together(solvers[:1], problems, count) / _together(solvers, problems, count)
-        for _ in range(plan.count(ROUNDS, 1))
-    ]
-    note = f"{count} solves a thread, median of {len(ratios)} rounds: " + ", ".join(f"{ratio:.2f}" for ratio in ratios)
-    return Line(SECTION, f"two threads over one, {what}", median(ratios), "x", note=note, noise=0.5)
-
-
-def _together(solvers: list[Solver], problems: ProblemSet, count: int) -> float:
-    """Seconds until all threads are through, each with `count` solves on its own solver."""
-    barrier = Barrier(len(solvers) + 1)
-
-    def run(solver: Solver) -> None:
-        barrier.wait()
-        _one_by_one(solver, problems, count)
-
-    threads = [Thread(target=run, args=(solver,)) for solver in solvers]
-    for thread in threads:
-        thread.start()
-    barrier.wait()
-    began = perf_counter()
-    for thread in threads:
-        thread.join()
     return perf_counter() - began

@@ -1,6 +1,5 @@
 """Large meshes and live clouds: time to prepare a mesh, what it adds to a solve, and how fast a cloud is replaced."""
 
-import math
 import os
 import tempfile
 from collections.abc import Iterator
@@ -13,57 +12,36 @@ import numpy as np
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
+from benchmarks.places.parts.surfaces import Surface, ball, solid
 from benchmarks.problems import arm, reachable
 from benchmarks.solvers.answers import solve_all
-from sinuous.base.checks import Floats
-from sinuous.scene.meshes.mending import Integers
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 SECTION = "large meshes and live clouds"
-TRIANGLES, POINTS = 100_000, 50_000
+SIDES = 224
+"""Of a ball, around and from pole to pole: 99,904 triangles."""
+
+POINTS = 50_000
 RESOLUTION = 0.01
 """Of the cloud, in the edge of the cube that it fills."""
 
 
 def measure(plan: Plan) -> Iterator[Line]:
     """Prepare a mesh with and without the samples on disk, solve beside it, and replace a cloud again and again."""
-    vertices, faces = bumpy_ball(plan.count(TRIANGLES, 2000))
+    surface = ball(np.zeros(3), 1.0, plan.count(SIDES, 32))
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, {"XDG_CACHE_HOME": folder}):
-        Scene([Mesh(*bumpy_ball(600))]).prepare()  # loads the kernels, or compiles them
-        scene = Scene([Mesh(vertices, faces)])
-        what = f"a mesh of {len(faces)} triangles"
+        Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
+        scene = Scene([solid(surface, "ball")])
+        what = f"a mesh of {len(surface.faces)} triangles"
         seconds = _seconds(scene)
         note = f"{scene.memory / 1e6:.0f} MB"
         yield Line(SECTION, f"{what}, sampled", seconds, "s", Goal(10.0), note=note, noise=0.5)
-        seconds = _seconds(Scene([Mesh(vertices, faces)]))
+        seconds = _seconds(Scene([solid(surface, "ball")]))
         yield Line(SECTION, f"{what}, samples from disk", seconds, "s", Goal(1.0), noise=0.5)
-        yield from _beside(plan, vertices, faces)
+        yield from _beside(plan, surface)
     yield _updates(plan)
-
-
-def bumpy_ball(triangles: int) -> tuple[Floats, Integers]:
-    """Vertices and faces of a ball about the origin with bumps, radius about 1, of about so many triangles."""
-    rings = max(3, round(math.sqrt(triangles / 4.0)))
-    around = 2 * rings
-    polar, angle = np.meshgrid(
-        np.pi * np.arange(1, rings) / rings, 2.0 * np.pi * np.arange(around) / around, indexing="ij"
-    )
-    side = np.stack([np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle), np.cos(polar)], axis=-1)
-    bump = 1.0 + 0.1 * np.sin(5.0 * side[..., 0]) * np.cos(7.0 * side[..., 2])
-    body = (bump[..., None] * side).reshape(-1, 3)
-    first, second = len(body), len(body) + 1
-    index = np.arange(len(body)).reshape(rings - 1, around)
-    a, b, c, d = index[:-1], np.roll(index, -1, axis=1)[:-1], np.roll(index, -1, axis=1)[1:], index[1:]
-    top, bottom = index[0], index[-1]
-    faces = [
-        np.stack([a, d, c], axis=-1).reshape(-1, 3),
-        np.stack([a, c, b], axis=-1).reshape(-1, 3),
-        np.stack([np.full(around, first), top, np.roll(top, -1)], axis=-1),
-        np.stack([np.full(around, second), np.roll(bottom, -1), bottom], axis=-1),
-    ]
-    return np.concatenate([body, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]]), np.concatenate(faces)
 
 
 def _seconds(scene: Scene) -> float:
@@ -72,15 +50,15 @@ def _seconds(scene: Scene) -> float:
     return perf_counter() - began
 
 
-def _beside(plan: Plan, vertices: Floats, faces: Integers) -> Iterator[Line]:
+def _beside(plan: Plan, surface: Surface) -> Iterator[Line]:
     """Solve the same problems without a mesh, and with one out of reach."""
     free = reachable(arm(5, 2.4, radius=4.0), plan.count(500, 20), plan.rng(11))
     unit = free.robot.mean_length
     alone = solve_all(plan, free, "nothing")
-    far = replace(free, scene=Scene([Mesh(0.4 * unit * vertices + [1.8 * unit, 0.0, 0.0], faces)]))
+    far = replace(free, scene=Scene([Mesh(0.4 * unit * surface.vertices + [1.8 * unit, 0.0, 0.0], surface.faces)]))
     beside = solve_all(plan, far, "a mesh out of reach")
     added = beside.times.median - alone.times.median
-    what = f"{len(faces)} triangles out of reach add to a solve of 5 segments"
+    what = f"{len(surface.faces)} triangles out of reach add to a solve of 5 segments"
     note = f"{1e6 * alone.times.median:.1f} us without; {beside.complaint}".rstrip("; ")
     yield Line(SECTION, what, max(added, 0.0), "us", Goal(20e-6), beside.times, beside.solved, note, slack=2e-6)
 

@@ -5,6 +5,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
@@ -26,6 +28,16 @@ solution = sn.solve(robot, sn.Target((-10, 40, -260), direction=(0, 0.2169, -0.9
 assert solution.solved, solution
 """
 SOLVE = FREE + "scene = sn.Scene([sn.Sphere((0, 80, -120), 25)])" + ASK
+ROOT = Path(__file__).parents[2]
+README = (
+    "import sys; sys.argv = ['sinuous', 'solve', 'examples/insertion_room.yaml']; "
+    "from sinuous.cli.app import main; main()"
+)
+ONE_CORE = "import os; hasattr(os, 'sched_setaffinity') and os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}); "
+LOAD = 4
+"""Processes that do nothing but work, beside those that are measured."""
+
+LATER = "the README's command, nothing compiled, against what it takes interpreted (least of several, by turns)"
 
 
 def measure(plan: Plan) -> Iterator[Line]:
@@ -37,6 +49,10 @@ def measure(plan: Plan) -> Iterator[Line]:
     if not plan.quick:
         yield _first("first solve ever, nothing compiled, and said so", FREE + ASK, Goal(10.0))
         yield _first("the same among obstacles", SOLVE, Goal(10.0))
+        yield _later("on all cores", README, repeats)
+        yield _later("on one core", ONE_CORE + README, repeats)
+        with _busy(LOAD):
+            yield _later(f"beside a load of {LOAD}", README, repeats)
 
 
 def _line(what: str, code: str, repeats: int, goal: Goal) -> Line:
@@ -56,14 +72,38 @@ class _Run(NamedTuple):
 
 def _run(code: str, environment: dict[str, str]) -> _Run:
     began = perf_counter()
-    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-c", code]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, cwd=ROOT)
     seconds = perf_counter() - began
     return _Run(seconds, run.stderr, "" if run.returncode == 0 else (run.stderr.split("\n")[-2:-1] or ["failed"])[0])
 
 
 def _first(what: str, code: str, goal: Goal) -> Line:
-    with tempfile.TemporaryDirectory() as folder:
-        run = _run(code, {**os.environ, "SINUOUS_KERNELS": "auto", "SINUOUS_CACHE": folder})
+    run = _run_from_nothing(code, "auto")
     note = run.complaint or ("" if "compiled" in run.said else "nothing was said of compiling")
     reached = float("inf") if note else run.seconds
     return Line(SECTION, what, reached, "s", goal, note=note, noise=0.5)
+
+
+def _run_from_nothing(code: str, mode: str) -> _Run:
+    with tempfile.TemporaryDirectory() as folder:
+        return _run(code, {**os.environ, "SINUOUS_KERNELS": mode, "SINUOUS_CACHE": folder})
+
+
+def _later(what: str, code: str, repeats: int) -> Line:
+    runs = [[_run_from_nothing(code, mode) for mode in ("auto", "interpreted")] for _ in range(repeats)]
+    first, alone = (min(run.seconds for run in each) for each in zip(*runs, strict=True))
+    complaint = next((run.complaint for pair in runs for run in pair if run.complaint), "")
+    note = complaint or f"{first:.1f} s against {alone:.1f} s"
+    return Line(LATER, what, float("inf") if complaint else first / alone, "times", Goal(1.3), note=note, noise=0.5)
+
+
+@contextmanager
+def _busy(count: int) -> Iterator[None]:
+    """Have so many processes work within."""
+    with ExitStack() as stack:
+        for _ in range(count):
+            process = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+            stack.callback(process.wait)
+            stack.callback(process.kill)
+        yield

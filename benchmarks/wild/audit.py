@@ -1,6 +1,8 @@
 """Kinds of worlds that an audit of the proofs asked for: each strains one argument, and each claim is judged.
 
-The judge shares no code with the solver. Obstacles with huge coordinates are judged in extended precision.
+The judge shares no code with the solver. Obstacles with huge coordinates are judged in extended precision. The shape of
+a robot under load is its equilibrium, looked for anew; that this is at rest is held against Cosserat rods elsewhere
+(`benchmarks.real`).
 """
 
 import math
@@ -14,21 +16,24 @@ from numpy.random import Generator
 from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import body_points
-from benchmarks.judges.self_collision import Flags, surely_clear
+from benchmarks.judges.self_collision import Flags, look, surely_clear
 from benchmarks.places.parts.surfaces import Surface, joined
 from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
 from benchmarks.wild.robots import TIGHTEST, robot_with_shapes, shapes_of
-from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked
+from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked, standing
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.model.actuators import Tendons
+from sinuous.model.loads import Payload
 from sinuous.model.poses import pose
 from sinuous.model.robot import Robot, Uncertainty
-from sinuous.model.segment import Segment
-from sinuous.problem.target import Tolerance
+from sinuous.model.segment import Segment, Stiffness
+from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
+from sinuous.statics.rest import bodies_at
 
 UNITS = (-9.0, 9.0)
 """Powers of ten between which a segment is long."""
@@ -47,6 +52,9 @@ SHORT = 0.05
 
 DRAWS = 30
 """Draws of a scene before another robot is drawn."""
+
+LOADED, BUDGET = (-2.0, 0.3), 0.2
+"""Powers of ten of weight times the square of the length, of the stiffness EI; and seconds of a solve under load."""
 
 
 def mounts(seed: int, number: int) -> World:
@@ -172,6 +180,30 @@ def demands(seed: int, number: int) -> World:
             return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q)
 
 
+def loaded(seed: int, number: int) -> World:
+    """Robots that bend under gravity and payload among obstacles, at drives whose bodies at rest are clear."""
+    rng = np.random.default_rng([seed, 23, number])
+    while True:
+        robot = _loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng)
+        q = shapes_of(robot, 6, rng)
+        q = q[standing(robot, q)]
+        if len(q) == 0:
+            continue
+        body, arcs = bodies_at(robot, q)
+        scene = scene_about(body, arcs, rng)
+        clear = look(self_body(body), arcs, 0.0).least > 0.0
+        if len(scene):
+            clear &= Clearances(needed_body(body), scene).least(arcs, 0.0) > CLEAR * robot.mean_length
+        if clear.any():
+            q, tolerance = q[clear], Tolerance().for_robot(robot)
+            kind, tips = int(rng.integers(3)), [robot.shape(each).tip for each in q]
+            targets = [
+                [Target(t[:3, 3], direction=t[:3, 2] if kind == 1 else None, rotation=t[:3, :3] if kind == 2 else None)]
+                for t in tips
+            ]
+            return World(robot, scene, tolerance, targets, q, time=BUDGET, loaded=True)
+
+
 KINDS: dict[str, Callable[[int, int], World]] = {
     "mounts with uneven segments": mounts,
     "units from 1e-9 to 1e9": units,
@@ -180,6 +212,7 @@ KINDS: dict[str, Callable[[int, int], World]] = {
     "fields and grids with bounds": bounds,
     "several radii and hinges": radii,
     "demanded clearances": demands,
+    "robots under load": loaded,
 }
 
 
@@ -265,6 +298,31 @@ def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
     other = np.roll(axis, 1)
     middle = at + side * (off + size) * axis + 0.4 * size * rng.uniform(-1.0, 1.0) * other
     return (Capsule if kind == "capsule" else Cylinder)(middle - size * other, middle + size * other, size)
+
+
+def _loaded_robot(unit: float, rng: Generator) -> Robot:
+    """A robot of 1 to 5 segments of 1 to 4 arcs, whose weight bends it a little or much."""
+    count, arcs = int(rng.integers(1, 6)), int(rng.integers(1, 5))
+    longest = count * 1.2 * unit
+    gravity, mass = 9.81 * rng.normal(size=3), 10.0 ** rng.uniform(-3.0, 3.0)
+    carried = mass * longest * rng.uniform(0.0, 1.0) if rng.random() < 0.6 else 0.0
+    weight = float(np.linalg.norm(gravity)) * (mass * longest + carried)
+    bend = weight * longest**2 / 10.0 ** rng.uniform(*LOADED)
+    twist = bend * rng.uniform(0.6, 1.0) if rng.random() < 0.5 else None
+    stretch = bend / unit**2 * 10.0 ** rng.uniform(2.0, 4.0) if rng.random() < 0.3 else None
+    rod, driven, radius = Stiffness(bend, twist, stretch), rng.random() < 0.3, unit * 10.0 ** rng.uniform(-2.5, -1.0)
+    segments: list[Segment] = []
+    for _ in range(count):
+        low, gives = unit * rng.choice([1.2, rng.uniform(0.6, 1.1)]), rng.random() < 0.85 or not segments
+        segment = Segment((low, 1.2 * unit), rng.uniform(0.5, 3.0), radius=radius, mass=mass)
+        if gives:
+            tendons = Tendons(3, 0.08 * unit) if driven else None
+            segment = segment.changed(tendons=tendons, stiffness=rod, arcs=arcs)
+        segments.append(segment)
+    base = pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
+    payload = Payload(carried) if carried > 0.0 else None
+    robot = Robot(segments, base=base, gravity=gravity, payload=payload)
+    return demanding(robot, rng) if rng.random() < 0.3 else robot
 
 
 def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator) -> Obstacle:

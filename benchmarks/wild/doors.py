@@ -1,10 +1,9 @@
 """Does `solve_all` find a solution through every door? Walls with doors, each with a hidden shape through every one."""
 
 import itertools
-import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -13,14 +12,13 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import body_points
+from benchmarks.wild.trials import named
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver
-
-WALLS = 60
 
 MOST_DOORS = 4
 
@@ -207,16 +205,32 @@ def compare(wall: Wall) -> Passed:
     return Passed(len(wall.doors), len(single), again, alike, int((~right).sum()), seconds)
 
 
-def lines_of(passed: list[Passed], seed: int) -> Iterator[Line]:
-    """Sum up walls."""
-    doors, found = (sum(getattr(each, key) for each in passed) for key in ("doors", "found"))
-    lacking = [f"{i}: {each.found} of {each.doors}" for i, each in enumerate(passed) if each.found < each.doors]
-    share = 100.0 * found / doors if doors else math.nan
-    note = f"seed {seed}, lacking at wall {', '.join(lacking)}" if lacking else ""
-    goal = Goal(FOUND, at_most=False)
-    yield Line(SECTION, "doors that a solution goes through", share, "%", goal, None, (found, doors), note)
-    yield Line(SECTION, "solutions through the same doors as a better one", sum(each.again for each in passed), "")
-    alike = sum(each.alike for each in passed)
-    yield Line(SECTION, "solutions that are said to pass all as a better one does", alike, "", Goal(0))
-    yield Line(SECTION, "false", sum(each.false for each in passed), "", Goal(0, correctness=True))
-    yield Line(SECTION, "median time", float(np.median([each.seconds for each in passed])), "ms", noise=1.0)
+def passed(seed: int, number: int) -> Passed:
+    """Hold `solve_all` against a wall."""
+    return compare(make(seed, number))
+
+
+def lines_of(kind: str, shares: Sequence[Sequence[Sequence[Any]]]) -> list[Line]:
+    """Sum up walls, of which shares hold plain values."""
+    made = [Passed(*each) for share in shares for each in share]
+    doors, found = (sum(getattr(each, key) for each in made) for key in ("doors", "found"))
+    lacking = [f"{i}: {each.found} of {each.doors}" for i, each in enumerate(made) if each.found < each.doors]
+    share, goal, alike = 100.0 * found / doors, Goal(FOUND, at_most=False), sum(each.alike for each in made)
+    return [
+        Line(
+            SECTION,
+            f"{kind}: doors that a solution goes through",
+            share,
+            "%",
+            goal,
+            None,
+            (found, doors),
+            named(lacking),
+        ),
+        Line(
+            SECTION, f"{kind}: solutions through the same doors as a better one", sum(each.again for each in made), ""
+        ),
+        Line(SECTION, f"{kind}: solutions that are said to pass all as a better one does", alike, "", Goal(0)),
+        Line(SECTION, f"{kind}: false", sum(each.false for each in made), "", Goal(0, correctness=True)),
+        Line(SECTION, f"{kind}: median time", float(np.median([each.seconds for each in made])), "ms", noise=1.0),
+    ]

@@ -1,34 +1,46 @@
-"""One wild world solved problem by problem: every claim is held against judges, and against the hidden solutions."""
+"""Wild worlds solved problem by problem: every claim is held against judges, and against the hidden solutions."""
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.times import Times
 from benchmarks.judges.bodies import measured_body, needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import ROUNDING, Flags, target_errors, within_limits
+from benchmarks.judges.motions import GRACE
 from benchmarks.judges.self_collision import look
-from benchmarks.wild.worlds import World
+from benchmarks.wild import worlds
+from benchmarks.wild.worlds import LIMIT, World, standing
 from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
+from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.solver.solver import Solver
+from sinuous.statics.rest import bodies_at
 
 IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)
 """What no problem may be called: it has a hidden solution."""
 
 TARGET, LIMITS, OVERLAP, SELF_OVERLAP = "target missed", "limits", "overlap", "overlap with itself"
-DEMAND = "less clearance than is demanded"
+DEMAND, REST = "less clearance than is demanded", "no equilibrium"
 CLEARANCE, SELF_CLEARANCE = "clearance overstated", "self-clearance overstated"
 
 EXCEPTION = "exception"
 
-FALSE = (TARGET, LIMITS, OVERLAP, SELF_OVERLAP, DEMAND, CLEARANCE, SELF_CLEARANCE, *map(str, IMPOSSIBLE), EXCEPTION)
-"""Kinds of false claims: of what is called solved, then words for what is not; and a call that ended in no answer."""
+QUICK = 0.3
+"""Seconds within which most should be solved."""
 
-GRACE = 1e-9
-"""By how much of its length a body may overlap, so that rounding accuses nobody."""
+MANY, UNIT = 100_000, "of 100,000"
+"""What counts are relative to."""
+
+SHOWN = 40
+"""Most names of problems in a note."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +53,7 @@ class Trial:
     seconds : float
         Around the call.
     false : tuple of str
-        Which of `FALSE` the judges found.
+        Kinds of false claims: of what is called solved, words for what is not, and a call that ended in no answer.
     """
 
     status: str
@@ -81,7 +93,7 @@ def examine(world: World) -> list[Trial]:
     ]
 
 
-def refuted(world: World, solutions: dict[int, Solution]) -> dict[int, tuple[str, ...]]:
+def refuted(world: World, solutions: Mapping[int, Solution]) -> dict[int, tuple[str, ...]]:
     """What is false of solutions of some problems, by their numbers."""
     false: dict[int, tuple[str, ...]] = {
         i: (str(each.status),) if world.possible and each.status in IMPOSSIBLE else () for i, each in solutions.items()
@@ -89,44 +101,114 @@ def refuted(world: World, solutions: dict[int, Solution]) -> dict[int, tuple[str
     claims = {i: each for i, each in solutions.items() if each.solved}
     if claims:
         wrong = _wrong(world, claims)
-        false |= {i: tuple(kind for kind in FALSE if kind in wrong and wrong[kind][at]) for at, i in enumerate(claims)}
+        false |= {i: tuple(kind for kind, where in wrong.items() if where[at]) for at, i in enumerate(claims)}
     return false
 
 
-def _wrong(world: World, claims: dict[int, Solution]) -> dict[str, Flags]:
-    """Where solutions that are called solved are wrong, kind by kind."""
+def _wrong(world: World, claims: Mapping[int, Solution]) -> dict[str, Flags]:
+    """Where solutions that are called solved are wrong, kind by kind; of a robot under load its body at rest counts."""
     robot, q = world.robot, np.array([solution.q for solution in claims.values()])
-    slack = GRACE * robot.mean_length
-    found = {
-        TARGET: ~_at_targets(world, list(claims), q),
-        LIMITS: ~within_limits(robot, q),
-        DEMAND: np.zeros(len(q), bool),
-    }
+    slack, demanded = GRACE * robot.mean_length, np.zeros(len(q), bool)
+    found = {LIMITS: ~within_limits(robot, q)}
+    if world.loaded:
+        found[REST] = ~standing(robot, q)
+        if found[REST].any():
+            return found
+        shapes = [robot.shape(one) for one in q]
+        met = [_at_targets(world, [i], each.body, each.arcs[None])[0] for i, each in zip(claims, shapes, strict=True)]
+        found[TARGET] = ~np.array(met)
+        robot, q = bodies_at(robot, q)
+    else:
+        found[TARGET] = ~_at_targets(world, list(claims), robot, q)
     if len(world.scene):
         scene, said = world.truth or world.scene, _said(claims, "clearance")
         gaps = Clearances(measured_body(robot), scene).least(q, max(0.0, float(np.nanmax(said))))
         found |= {OVERLAP: gaps < -slack, CLEARANCE: said > gaps + slack}
         if np.any(robot.clearance):
-            found[DEMAND] |= Clearances(needed_body(robot), scene).least(q, 0.0) < -slack
+            demanded |= Clearances(needed_body(robot), scene).least(q, 0.0) < -slack
     gaps, thick = look(robot, q, 0.0).least, self_body(robot)
     left = gaps if thick is robot else look(thick, q, 0.0).least
-    least = float(np.min(robot.self_clearance))
-    found[DEMAND] |= left < -slack
-    return found | {SELF_OVERLAP: gaps < -slack, SELF_CLEARANCE: _said(claims, "self_clearance") > left + least + slack}
+    found |= {SELF_OVERLAP: gaps < -slack, DEMAND: demanded | (left < -slack)}
+    most = left + float(np.min(robot.self_clearance)) + slack
+    return found | {SELF_CLEARANCE: _said(claims, "self_clearance") > most}
 
 
-def _said(claims: dict[int, Solution], name: str) -> Floats:
+def _said(claims: Mapping[int, Solution], name: str) -> Floats:
     """A bound that every solution claims; NaN where it claims none."""
     values = [getattr(solution, name, None) for solution in claims.values()]
     return np.array([np.nan if value is None else value for value in values], np.float64)
 
 
-def _at_targets(world: World, problems: list[int], q: Floats) -> Flags:
-    """Whether configurations meet all targets of these problems."""
+def _at_targets(world: World, problems: list[int], robot: Any, q: Floats) -> Flags:
+    """Whether the shapes of a body meet all targets of these problems."""
     tolerance = world.tolerance
     good = np.ones(len(q), bool)
     for targets in zip(*(world.targets[i] for i in problems), strict=True):
-        position, angle = target_errors(world.robot, targets, q)
-        good &= position <= (tolerance.position or 0.0) + ROUNDING * world.robot.mean_length
+        position, angle = target_errors(robot, targets, q)
+        good &= position <= (tolerance.position or 0.0) + ROUNDING * robot.mean_length
         good &= angle <= tolerance.angle + ROUNDING
     return good
+
+
+def tallied(make: Callable[[int], World], numbers: range) -> dict[str, Any]:
+    """Solve and judge worlds: times, and names of what is not solved, late, or false, as plain values."""
+    examine(make(numbers[0]))  # loads what is compiled, which nobody's time should count
+    seconds, failed, late, false = list[float](), list[str](), list[str](), list[str]()
+    for number in numbers:
+        for i, trial in enumerate(examine(make(number))):
+            name = f"{number}.{i}"
+            seconds.append(round(trial.seconds, 7))
+            if not trial.solved or trial.seconds > LIMIT:
+                failed.append(f"{name} {trial.status}{', late' if trial.seconds > LIMIT else ''}")
+            elif trial.seconds > QUICK:
+                late.append(name)
+            false += [f"{name} {kind}" for kind in trial.false]
+    return {"seconds": seconds, "failed": failed, "late": late, "false": false}
+
+
+def lines_of(section: str, what: str, most: float, parts: Sequence[dict[str, Any]]) -> Iterator[Line]:
+    """Sum up worlds: how many problems are not solved in time, at most so many of `MANY`, and false claims."""
+    seconds, failed, late, false = (
+        [value for part in parts for value in part[key]] for key in ("seconds", "failed", "late", "false")
+    )
+    count, times = len(seconds), Times.of(seconds)
+    for limit, goal, names in ((LIMIT, Goal(most), failed), (QUICK, None, [*failed, *late])):
+        told, solved = f"{what}, not solved and found right by the judges within {limit:g} s", count - len(names)
+        yield Line(section, told, MANY * len(names) / count, UNIT, goal, times, (solved, count), named(names))
+    yield Line(section, f"{what}, false claims", len(false), "", Goal(0, correctness=True), note=named(false))
+
+
+def named(names: Sequence[str]) -> str:
+    """Say the first names."""
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return f"problems: {', '.join(names[:SHOWN])}{more}" if names else ""
+
+
+def replay(seed: int, names: Sequence[str]) -> Iterator[str]:
+    """Solve problems of `wild` again, by names WORLD.PROBLEM, or WORLD for all of its, and describe what came of each.
+
+    Raises
+    ------
+    InputError
+        When a name is none.
+    """
+    for name in names:
+        number, _, which = name.partition(".")
+        if not number.isdecimal() or not (which.isdecimal() or which == ""):
+            raise InputError("--only", "", name, "WORLD.PROBLEM, or WORLD for all its problems")
+        world = worlds.make(seed, checks.integer("--only", int(number), 0, 2**31 - 1))
+        if which and int(which) >= len(world.targets):
+            raise InputError("--only", "", name, f"{number}.0 to {number}.{len(world.targets) - 1}")
+        solutions, seconds = solutions_of(world)
+        yield f"world {number}: {world.robot!r}, {len(world.scene)} obstacles, {world.tolerance!r}"
+        for i in [int(which)] if which else range(len(world.targets)):
+            solution = solutions[i]
+            if isinstance(solution, Exception):
+                raise solution
+            false = ", ".join(refuted(world, {i: solution})[i])
+            yield f"  {number}.{i}: {', '.join(map(repr, world.targets[i]))}"
+            yield f"    {solution.status} in {1e3 * seconds[i]:.3g} ms, {solution.start}" + f"; FALSE: {false}" * bool(
+                false
+            )
+            if not solution.solved:
+                yield f"    {solution.reason or solution.worst}"

@@ -6,10 +6,13 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.kinematics import segment_ends
+from benchmarks.judges.kinematics import segment_ends, tip_poses
+from benchmarks.judges.self_collision import Flags, surely_clear
+from benchmarks.problems import direction_targets, random_configurations
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import robot_with_shapes
 from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
@@ -32,6 +35,9 @@ KINDS = {"position": 0.2, "direction": 0.3, "rotation": 0.4, "direction alone": 
 ELBOWS = 0.15
 """Share of worlds that ask for the place of another segment's end as well."""
 
+NEAR, TOGETHER = 0.35, 50
+"""Most distance of a target of a thick arm from the base, of its mean length; and problems of one such world."""
+
 
 @dataclass(frozen=True)
 class World:
@@ -52,6 +58,8 @@ class World:
         The obstacles that judges look at, where `scene` knows bounds of their distances only.
     time : float
         Budget of one solve, in seconds.
+    loaded : bool
+        Whether gravity bends the robot: its body is then the one at rest.
     """
 
     robot: Robot
@@ -62,6 +70,7 @@ class World:
     possible: bool = True
     truth: Scene | None = None
     time: float = LIMIT
+    loaded: bool = False
 
 
 def make(seed: int, number: int) -> World:
@@ -99,3 +108,29 @@ def asked(robot: Robot, q: Floats, rng: Generator, kind: str | None = None) -> l
             targets.append(Target(ends[elbow][:3, 3], segment=elbow))
         questions.append(targets)
     return questions
+
+
+def thick_arm(n: int, seed: int, number: int) -> World:
+    """Make problems for an arm as thick as a tenth of its segments, near its base: of shapes that are clear of it."""
+    robot, rng = Robot.uniform(n, (100, 120), max_bend=3.1, radius=10), np.random.default_rng([seed, 10, n, number])
+    found = np.empty((0, n, 3))
+    while len(found) < TOGETHER:
+        drawn = random_configurations(robot, 4 * TOGETHER, rng)
+        drawn = drawn[np.linalg.norm(tip_poses(robot, drawn)[:, :3, 3], axis=1) < NEAR * robot.mean_length]
+        tight = (np.hypot(drawn[..., 0], drawn[..., 1]) > drawn[..., 2] / np.array(robot.radii)).any(axis=1)
+        found = np.concatenate([found, drawn[surely_clear(robot, drawn) & ~tight]])
+    q = found[:TOGETHER]
+    targets = [[target] for target in direction_targets(robot, q)]
+    return World(robot, Scene(), Tolerance().for_robot(robot), targets, q)
+
+
+def standing(robot: Robot, drives: Floats) -> Flags:
+    """Whether the body of a robot under load is at rest at drives (m, n, 3), and stays there."""
+
+    def stands(q: Floats) -> bool:
+        try:
+            return robot.shape(q).stable
+        except InputError:
+            return False
+
+    return np.array([stands(q) for q in drives], bool)

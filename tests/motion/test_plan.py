@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.judged import collides
+from benchmarks.judges.motions import wrong_in
 from sinuous.base.errors import InputError
 from sinuous.motion.plan import Planner
 from tests.kernels.planning.test_query import ROBOT, pair
@@ -26,7 +26,7 @@ def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
         np.testing.assert_array_equal(motion.times[[0, -1]], [0.0, 1.0])
         assert motion.clearance is not None
         assert motion.clearance > 0.0
-        assert collides(ROBOT, scene, motion.q) == ""
+        assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
 def test_a_plan_to_a_target_ends_there() -> None:
@@ -39,7 +39,7 @@ def test_a_plan_to_a_target_ends_there() -> None:
         np.testing.assert_array_equal(motion.q[-1], solution.q)
         assert motion.waypoint_knots == (len(motion.q) - 1,)
         assert solution.verify().ok
-        assert collides(ROBOT, scene, motion.q) == ""
+        assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
 def test_several_targets_are_met_at_once_and_a_solution_is_a_configuration() -> None:
@@ -121,7 +121,7 @@ def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() 
     assert motion.worst.obstacle == "ball"
     with pytest.raises(
         InputError,
-        match=r"^goal: expected a configuration within all limits, .*\(length of segment 1 is 0.3 beyond its limit\)",
+        match=r"^goal: length of segment 1 is 0.3 beyond its limit; expected a configuration within all limits",
     ):
         sn.plan(ROBOT, bent, [[0.0, 0.0, 1.5]] * 4)
 
@@ -158,7 +158,7 @@ def test_a_target_that_no_motion_comes_to_is_not_counted() -> None:
     [
         ({"shortcuts": -1}, r"^shortcuts: expected"),
         ({"time": -1.0}, r"^time: expected"),
-        ({"pace": 1}, r"^pace: expected one of tolerance"),
+        ({"pace": 1}, r"^pace: unknown option; expected one of tolerance"),
     ],
 )
 def test_wrong_options_are_refused(options: dict[str, float], message: str) -> None:

@@ -86,6 +86,16 @@ def tube(poses: Floats, radius: float, sides: int = 16, caps: int = 4) -> Surfac
     return loft(np.array(rings), np.array(ends))
 
 
+def ball(center: Floats, radius: float, sides: int) -> Surface:
+    """Return a ball of `2 * sides * (sides - 1)` triangles."""
+    lean = math.pi * np.arange(1, sides)[:, None] / sides
+    turn = 2.0 * math.pi * np.arange(sides) / sides
+    height = np.broadcast_to(-np.cos(lean), (sides - 1, sides))
+    rings = np.stack([np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), height], axis=-1)
+    poles = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    return loft(center + radius * rings, center + radius * poles)
+
+
 def hollow(poses: Floats, inside: float, outside: float) -> Surface:
     """Return the wall between two radii around a curve, closed by half a ball at each end."""
     return joined([tube(poses, outside), tube(poses, inside).turned])

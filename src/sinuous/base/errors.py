@@ -5,11 +5,14 @@ import reprlib
 import sys
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 if TYPE_CHECKING:  # numpy takes long to import, and `sinuous --help` does without it
     import numpy as np
     from numpy.typing import NDArray
+
+GUESS = "did you mean "
+"""How a refusal begins to say what is meant, in the place of what was expected."""
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
@@ -25,10 +28,10 @@ def shown(value: object) -> str:
 
 
 class InputError(ValueError):
-    """Input that cannot be meant, in one line: `KEY: expected EXPECTED, got VALUE`.
+    """Input that cannot be meant, in one line: `KEY: PROBLEM; expected EXPECTED, got VALUE`.
 
-    In front stands the file that holds the key, when it came from one; at the end, in parentheses, what is wrong, where
-    that is not plain from the rest.
+    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it;
+    of a name that is not known, the one that is meant may be what was expected: `did you mean 'length'?`.
 
     Attributes
     ----------
@@ -46,26 +49,27 @@ class InputError(ValueError):
 
     def __init__(self, key: str, problem: str, value: object, expected: str, file: str | None = None) -> None:
         place = key if file is None else f"{file}: {key}"
-        wrong = f" ({problem})" if problem else ""
-        super().__init__(f"{place}: expected {expected}, got {shown(value)}{wrong}")
+        wrong = f"{problem}; " if problem else ""
+        right = expected if expected.startswith(GUESS) else f"expected {expected}, got {shown(value)}"
+        super().__init__(f"{place}: {wrong}{right}")
         self.key = key
         self.problem = problem
         self.value: Any = value
         self.expected = expected
         self.file = file
 
-    def within(self, outer: str) -> "InputError":
+    def within(self, outer: str) -> Self:
         """Return the same error, seen from the key that contains this one; a file's keys stay that file's."""
         if self.file is not None or not outer:
             return self
         inner = self.key if self.key.startswith("[") or not self.key else f".{self.key}"
-        return InputError(f"{outer}{inner}", self.problem, self.value, self.expected)
+        return type(self)(f"{outer}{inner}", self.problem, self.value, self.expected)
 
-    def in_file(self, file: object) -> "InputError":
+    def in_file(self, file: object) -> Self:
         """Return the same error with the name of the file it is in, unless it names one already."""
         if self.file is not None:
             return self
-        return InputError(self.key, self.problem, self.value, self.expected, str(file))
+        return type(self)(self.key, self.problem, self.value, self.expected, str(file))
 
     @property
     def row(self) -> tuple[str, int] | None:
@@ -74,7 +78,11 @@ class InputError(ValueError):
         return None if found is None else (found[1], int(found[2]))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return InputError, (self.key, self.problem, self.value, self.expected, self.file)
+        return type(self), (self.key, self.problem, self.value, self.expected, self.file)
+
+
+class UnknownOptionError(InputError, TypeError):
+    """An argument that a function does not have: for Python a `TypeError`, and said in the same line as in a file."""
 
 
 class SuspiciousInput(UserWarning):

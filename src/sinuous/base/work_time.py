@@ -6,7 +6,7 @@ and each is worth what it takes in machine code. Every thread has a time of its 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -15,6 +15,9 @@ from time import perf_counter
 
 LOOK = 5e-9
 """Seconds of a look, compiled (see `kernels.clock`)."""
+
+PAUSE = 0.05
+"""Seconds between two questions whether an interpreted call is to be abandoned."""
 
 
 @dataclass(slots=True)
@@ -25,19 +28,22 @@ class _Call:
     ----------
     since : float
         When it began, by the time of work.
-    until : float
-        When it has taken too long, by `time.perf_counter`.
+    end : callable
+        Says whether it is to be abandoned.
     looks : int
         Until now.
+    asked : float
+        When `end` was asked last, by `time.perf_counter`.
     """
 
     since: float
-    until: float
+    end: Callable[[], bool]
     looks: int = 0
+    asked: float = -math.inf
 
 
-class TooLongError(BaseException):
-    """Raised within an interpreted call that takes longer than it may."""
+class AbandonedError(BaseException):
+    """Raised within an interpreted call that is to be made again in another way."""
 
 
 _calls: dict[int, _Call] = {}
@@ -56,8 +62,10 @@ def work_time() -> float:
     """Seconds of work; differences count, within one thread."""
     if not _calls or (call := _call()) is None:
         return perf_counter() - _left_out.get()
-    if perf_counter() > call.until:
-        raise TooLongError
+    if (now := perf_counter()) > call.asked + PAUSE:
+        call.asked = now
+        if call.end():
+            raise AbandonedError
     return call.since + LOOK * call.looks
 
 
@@ -73,21 +81,21 @@ def looked(looks: int) -> None:
 
 
 @contextmanager
-def counting_looks(most: float = math.inf) -> Iterator[None]:
+def counting_looks(end: Callable[[], bool] = lambda: False) -> Iterator[None]:
     """Let time be what looks are worth: kernels are interpreted within.
 
     Raises
     ------
-    TooLongError
-        Where it is asked for the time after so many seconds on the wall.
+    AbandonedError
+        Where it is asked for the time after `end` has said so.
     """
     if interpreting():  # an entry that an entry calls
         yield
         return
-    call = _calls[get_ident()] = _Call(work_time(), perf_counter() + most)
+    call = _calls[get_ident()] = _Call(work_time(), end)
     try:
         yield
-    except TooLongError:
+    except AbandonedError:
         call.looks = 0  # it is done again
         raise
     finally:

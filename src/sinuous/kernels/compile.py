@@ -7,7 +7,6 @@ it.
 """
 
 import functools
-import math
 import sys
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -145,12 +144,12 @@ def _inner(function: Any, original: Any, options: dict[str, Any], kind: str = "i
 
 
 def interpreted(function: Any) -> Any:
-    """Let Python call a kernel as what it is; `most` seconds on the wall, see `work_time.counting_looks`."""
+    """Let Python call a kernel as what it is, until `end` says that it is to be abandoned (`base.work_time`)."""
 
     @functools.wraps(function)
-    def call(*arguments: Any, most: float = math.inf) -> Any:
+    def call(*arguments: Any, end: Callable[[], bool] = lambda: False) -> Any:
         interpret_all()
-        with np.errstate(all="ignore"), counting_looks(most):
+        with np.errstate(all="ignore"), counting_looks(end):
             return plain(function(*arguments))
 
     return call

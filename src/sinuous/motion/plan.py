@@ -14,6 +14,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import warn_of
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.reprs import call
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
@@ -21,20 +22,20 @@ from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import Pace
-from sinuous.motion.planning.find import find_path, find_timed_path, standing
+from sinuous.motion.pace import Pace
+from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
+from sinuous.motion.planning.planners import find_path, find_timed_path, standing
 from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedPath, Query, TargetGoals, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
-from sinuous.motion.times import spread_times
+from sinuous.motion.timetable import spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Prover, Steps, load_motions
-from sinuous.solver.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.solver import Initial, Solver
 
 TIME = 5.0
@@ -111,7 +112,7 @@ class Workspace:
     scene: Snapshot
     prover: Prover
     trees: RRTConnect
-    walks: Walks | None = None
+    walks: MemorySearch | None = None
 
 
 class Workspaces:
@@ -168,7 +169,7 @@ class Planner:
 
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
         given: dict[str, Any] = dict(options)
-        refuse_unknown(given, PlanArguments)
+        refuse_unknown(given, PlanArguments.__annotations__)
         checks.instance("robot", robot, Robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
         self._pace = Pace.of(robot, **{key: given.pop(key) for key in ("rates", "duration", "begin") if key in given})
@@ -212,7 +213,7 @@ class Planner:
         goals = FixedGoal(end) if isinstance(end, np.ndarray) else TargetGoals(self._solver, end, [])
         query = Query(self._robot, work.scene, begin, goals, self._options.seed, self._shortcuts, deadline)
         with deadline.paused():  # what is kept of a graph is made once
-            work.walks = walks_in(self._options.memory, self._robot, work.scene, work.trees, work.walks)
+            work.walks = search_memory(self._options.memory, self._robot, work.scene, work.trees, work.walks)
         path = None if work.walks is None else work.walks.find_path(query, goals)
         if path is None:
             if not isinstance(end, np.ndarray):

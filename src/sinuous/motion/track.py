@@ -8,23 +8,24 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Shortest, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import Pace
+from sinuous.motion.pace import Pace
 from sinuous.motion.report import MOST_WAYPOINTS
-from sinuous.motion.times import Timetable
+from sinuous.motion.timetable import Timetable
 from sinuous.motion.tracker import Tracker
 from sinuous.problem.path import Path
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
-from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Initial, Solver
 
-ROOM = 0.02
+WISHED_CLEARANCE = 0.02
 """Clearance that is wished for by default, in mean lengths of a segment."""
 
 HALF = 0.5
@@ -105,7 +106,7 @@ def track(
     InputError
         When an argument is not what it should be; nothing is solved then.
     """
-    refuse_unknown(options, TrackArguments, *(track.__kwdefaults__ or ()))
+    refuse_unknown(options, TrackArguments.__annotations__)
     given: dict[str, Any] = dict(options)
     path = read_target_sets(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)
@@ -141,14 +142,14 @@ def tracker_of(
         When an argument is not what it should be.
     """
     if options.get("prefer") is None:
-        options["prefer"] = wish(robot, options.get("method", "newton"))
+        options["prefer"] = default_preferences(robot, options.get("method", "newton"))
     place = as_scene(scene)
     timetable = timetable_of(place, times, waypoints, start is not None)
     solver = Solver(robot, place if timetable is None else timetable.live, **options)
     return Tracker(solver, start, read_deviation(solver, deviation), timetable)
 
 
-class Room(Preferences):
+class ClearanceWish(Preferences):
     """A clearance that is wished for on the way: a robot that has half of it goes on as it is.
 
     It is there for the steps, which are then proved sooner. To strive for the last of it at every waypoint would take
@@ -166,12 +167,12 @@ def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bo
     return Timetable(snapshot, times, waypoints, started) if snapshot.moves else None
 
 
-def wish(robot: Robot, method: Choice) -> Preferences:
+def default_preferences(robot: Robot, method: Choice) -> Preferences:
     """Return what a robot on its way prefers by default, where the method takes preferences: some room."""
     checks.instance("robot", robot, Robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
-    return Room(clearance=robot.least_demanded[0] + ROOM * robot.mean_length / len(robot))
+    return ClearanceWish(clearance=robot.least_demanded[0] + WISHED_CLEARANCE * robot.mean_length / len(robot))
 
 
 def read_deviation(solver: Solver, deviation: Number | None) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.pairs import draw
+from benchmarks.motion.p5 import draw
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, VERDICT
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND, sweep_size

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.judged import collides
-from benchmarks.motion.places.known import make
+from benchmarks.judges.motions import wrong_in
+from benchmarks.motion.known import make
 from sinuous.motion.planning import contact_retraction
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
@@ -35,8 +35,8 @@ def grow(scene: Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
 def test_an_edge_goes_on_beside_what_stops_it() -> None:
     scene = Scene([BALL])
     straight = np.stack([LEFT, RIGHT])
-    assert collides(ROBOT, scene, straight[:1]) == collides(ROBOT, scene, straight[1:]) == ""
-    assert collides(ROBOT, scene, straight) == "obstacle"
+    assert wrong_in(ROBOT, scene, straight[:1]) == wrong_in(ROBOT, scene, straight[1:]) == ""
+    assert wrong_in(ROBOT, scene, straight) == "overlap"
     tree = Tree(ROBOT)
     tree.plant([LEFT])
     node, there = ContactRetractionTrees(LocalPlanner(query(scene, LEFT, RIGHT)), 0)._connect(
@@ -45,7 +45,7 @@ def test_an_edge_goes_on_beside_what_stops_it() -> None:
     assert there
     path = np.stack(tree.chain(node))
     np.testing.assert_array_equal(path[[0, -1]], straight)
-    assert collides(ROBOT, scene, path) == ""
+    assert wrong_in(ROBOT, scene, path) == ""
 
 
 def test_the_path_is_clear_and_the_same_each_time() -> None:
@@ -53,7 +53,7 @@ def test_the_path_is_clear_and_the_same_each_time() -> None:
     one, other = grow(scene), grow(scene)
     assert one is not None
     np.testing.assert_array_equal(np.stack(one)[[0, -1]], [OUTSIDE, INSIDE])
-    assert collides(ROBOT, scene, np.stack(one)) == ""
+    assert wrong_in(ROBOT, scene, np.stack(one)) == ""
     np.testing.assert_array_equal(one, other)
 
 
@@ -65,7 +65,7 @@ def test_all_that_is_in_a_tree_is_clear() -> None:
     trees.grow(12)
     for tree in trees._trees:
         for node in range(1, len(tree)):
-            assert collides(ROBOT, scene, np.stack(tree.chain(node)[-2:])) == ""
+            assert wrong_in(ROBOT, scene, np.stack(tree.chain(node)[-2:])) == ""
 
 
 def test_trees_that_are_large_are_planted_anew(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,4 +89,4 @@ def test_a_fold_becomes_another_fold() -> None:
     place = make("folded", 12)
     motion = sn.plan(place.robot, place.knots[0], place.knots[-1], place.scene, time=60.0)
     assert motion.solved
-    assert collides(place.robot, place.scene, motion.q) == ""
+    assert wrong_in(place.robot, place.scene, motion.q) == ""

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.judged import collides
-from benchmarks.motion.places.motions import straight
+from benchmarks.judges.motions import wrong_in
+from benchmarks.motion.hidden import straight
 from benchmarks.places import make
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
@@ -57,7 +57,7 @@ def test_it_leads_out_of_a_bore(kind: int) -> None:
     scene = Scene(bore())
     knots = draw_back(scene, INSIDE, kind)
     np.testing.assert_array_equal(knots[0], INSIDE)
-    assert collides(ROBOT, scene, knots) == ""
+    assert wrong_in(ROBOT, scene, knots) == ""
     curve = Curve(ROBOT.backbone(INSIDE, 40))
     tips = ROBOT.forward(knots)[:, -1, :3, 3]
     assert curve.distance(tips).max() < 1e-3 * ROBOT.mean_length
@@ -157,10 +157,10 @@ def test_paths_are_found_that_trees_alone_do_not_find(start: Floats, goal: Float
     path = next(path for path in islice(paths(query(scene, start, goal)), TURNS_BEFORE + 7) if path is not None)
     np.testing.assert_array_equal(path.q[[0, -1]], [start, goal])
     assert (path.answers[:, VERDICT] == CLEAR).all()
-    assert collides(ROBOT, scene, path.q) == ""
+    assert wrong_in(ROBOT, scene, path.q) == ""
     motion = sn.plan(ROBOT, start, goal, scene, time=60.0)
     assert motion.solved
-    assert collides(ROBOT, scene, motion.q) == ""
+    assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
 def test_the_same_seed_gives_the_same_path() -> None:

@@ -12,14 +12,13 @@ import sinuous as sn
 from sinuous.studies.batch.batch import Batch
 from sinuous.studies.batch.solve import owns
 from sinuous.studies.batch.tables.layout import STATUSES
-from tests.cases import with_each
 from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
 
 COUNT = 130
 
 
 def solve(targets: Any, out: Path | None = None, **options: Any) -> Batch:
-    return sn.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
+    return sn.studies.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
 
 
 def results(file: Path) -> dict[str, Any]:
@@ -27,8 +26,8 @@ def results(file: Path) -> dict[str, Any]:
         return {name: data[name] for name in data.files}
 
 
-@with_each("workers", [1, 3])
-@with_each("chunk", [7, 50, 1000])
+@pytest.mark.parametrize("workers", [1, 3])
+@pytest.mark.parametrize("chunk", [7, 50, 1000])
 def test_it_is_a_loop_to_the_last_bit(workers: int, chunk: int) -> None:
     batch = solve({"positions": points(COUNT)}, workers=workers, chunk=chunk)
     expected, rows = loop(COUNT)
@@ -104,9 +103,9 @@ def test_another_robot_scene_table_or_version_is_refused_by_name(
     out = tmp_path / "out.npz"
     solve(points(30), out)
     with pytest.raises(sn.InputError, match=r"^robot: "):
-        sn.solve_batch(ROBOT.changed(name="other"), points(30), [BALL], out, **OPTIONS)
+        sn.studies.solve_batch(ROBOT.changed(name="other"), points(30), [BALL], out, **OPTIONS)
     with pytest.raises(sn.InputError, match=r"^scene: "):
-        sn.solve_batch(ROBOT, points(30), [BALL, BALL], out, **OPTIONS)
+        sn.studies.solve_batch(ROBOT, points(30), [BALL, BALL], out, **OPTIONS)
     with pytest.raises(sn.InputError, match=r"^targets: "):
         solve(points(30, seed=1), out)
     monkeypatch.setattr(sn, "__version__", "9.9")
@@ -152,7 +151,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("options", "key"),
     [
         ({"chunk": 0}, "chunk"),
@@ -168,7 +167,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
 )
 def test_wrong_options_are_refused(options: dict[str, Any], key: str) -> None:
     with pytest.raises(sn.InputError, match=rf"^{key}"):
-        sn.solve_batch(ROBOT, points(5), **options)
+        sn.studies.solve_batch(ROBOT, points(5), **options)
 
 
 def test_the_folder_must_be_writable(tmp_path: Path) -> None:

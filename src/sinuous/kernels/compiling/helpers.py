@@ -29,13 +29,19 @@ IDLE = 5.0
 PAUSE = 0.2
 """Seconds between two looks whether there is room for another helper."""
 
-NICE = 10
-"""By how much helpers give way to others."""
+NICE = 19
+"""By how much helpers give way to others: as far as can be."""
 
 DONE, FAILED = "done", "failed"
 """What a helper answers."""
 
-COMMAND = "from sinuous.kernels.compiling.helpers import help_out; help_out()"
+COMMAND = f"""
+import os
+if hasattr(os, "nice"):
+    os.nice({NICE})  # before anything is imported, which takes a second
+from sinuous.kernels.compiling.helpers import help_out
+help_out()
+"""
 
 
 class CompileOrder(NamedTuple):
@@ -170,7 +176,8 @@ def begin_helper() -> "subprocess.Popen[str]":
     """Begin a process that waits for orders."""
     paths = [str(PACKAGE.parent), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     words = {**os.environ, "SINUOUS_KERNELS": "compiled", "PYTHONPATH": os.pathsep.join(paths)}
-    flags: dict[str, Any] = {"start_new_session": True}
+    # A group, so that Ctrl-C is not for it, but no session: Linux weighs priorities within one alone (autogroup).
+    flags: dict[str, Any] = {"process_group": 0}
     if sys.platform == "win32":
         flags = {"creationflags": subprocess.BELOW_NORMAL_PRIORITY_CLASS | subprocess.CREATE_NEW_PROCESS_GROUP}
     return subprocess.Popen(
@@ -205,8 +212,6 @@ def _ask(process: "subprocess.Popen[str]", order: CompileOrder) -> bool:
 
 def help_out() -> None:
     """Be a helper: compile what is told on standard input, until it ends."""
-    if hasattr(os, "nice"):
-        os.nice(NICE)
     answers, sys.stdout = sys.stdout, sys.stderr
     orders: list[str] = []
     told = threading.Condition()

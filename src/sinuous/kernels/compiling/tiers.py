@@ -1,24 +1,29 @@
 """Entries whose machine code is missing run as Python at once, while helpers compile them.
 
 Whether the code is there is asked only where Numba has none for the arguments of a call, so calls of compiled code take
-no longer than without this. An entry waits for its code where it is known to be heavy (`Piece.waits`, `Piece.most`),
-where no helper can be had, and within `code_first`. A call that takes longer than `PATIENCE`,
-interpreted, is given up; it waits for its code, and begins again.
+no longer than without this. An interpreted call goes on until it is done, or until its code is there, and is then made
+again with that. So the first answer is as soon there as it would be without any compiler. An entry waits for its code
+
+- where interpreted calls of its piece have taken so long that compiling makes it at most `LATER` later: on a machine
+  that has no time for helpers;
+- where a call would take long, and could not be abandoned, or has to be on time (`Piece.waits`, `Piece.most`);
+- where no helper can be had, and within `code_first`.
 """
 
 import contextlib
 import os
 import sys
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
-from functools import partial
+from pathlib import Path
 from threading import Lock
 from typing import Any
 
 import numpy as np
 from numba import types
 
-from sinuous.base.work_time import TooLongError, no_work
+from sinuous.base.work_time import AbandonedError, no_work
 from sinuous.kernels.compiling.helpers import CompileOrder, foreman
 from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
 from sinuous.kernels.compiling.store import ENTRIES, Store, begun
@@ -26,9 +31,8 @@ from sinuous.kernels.compiling.store import ENTRIES, Store, begun
 FIRST = 45
 """Seconds that compiling takes about for somebody who begins."""
 
-PATIENCE = 4.0
-"""Seconds that an interpreted call may take."""
-
+LATER = 0.3
+"""By which share of what it takes interpreted an answer may be later, for the good of those that follow."""
 
 MODES = ("auto", "compiled", "interpreted")
 
@@ -51,8 +55,11 @@ class _Waiting:
 
 
 @contextlib.contextmanager
-def code_first() -> Iterator[None]:
+def code_first(wanted: bool = True) -> Iterator[None]:
     """Let entries wait for their code within, in all threads: for what calls them very often, or has to be on time."""
+    if not wanted:
+        yield
+        return
     with _Waiting.lock:
         _Waiting.count += 1
     try:
@@ -87,7 +94,7 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
         if piece is None or not _may_come_later(piece, arguments) or not store.usable() or not foreman.order(order):
             return now(piece, *arguments)
         _tell(piece)
-        return lambda *given: _interpreted_first(interpreted, partial(now, piece), given)
+        return lambda *given: _interpreted_first(interpreted, choose, piece, path, given)
 
     def now(piece: Piece | None, *arguments: Any) -> Any:
         began = time.thread_time()
@@ -103,19 +110,38 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
 def _may_come_later(piece: Piece, arguments: tuple[Any, ...]) -> bool:
     """Say whether the code of a piece may come later."""
     largest = max((one.size for one in arguments if isinstance(one, np.ndarray)), default=0)
-    return MODE == "auto" and not (_Waiting.count or piece.waits) and (piece.most is None or largest <= piece.most)
+    soon = piece.most is None or largest <= piece.most
+    return MODE == "auto" and not (_Waiting.count or piece.waits) and soon and _spent[piece] <= _expected(piece) / LATER
 
 
-def _interpreted_first(interpreted: Callable[..., Any], code: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Interpret a call; where that takes too long, put everything back, wait for the code, and call that."""
+def _interpreted_first(
+    interpreted: Callable[..., Any],
+    choose: Callable[..., Any],
+    piece: Piece,
+    path: Path,
+    arguments: tuple[Any, ...],
+) -> Any:
+    """Interpret a call; where that is abandoned, put everything back, and call what is chosen now."""
     with no_work():
         before = [_copied(one) for one in arguments]
+    began, most = time.thread_time(), _expected(piece) / LATER - _spent[piece]
     try:
-        return interpreted(*arguments, most=PATIENCE)
-    except TooLongError:
+        return interpreted(*arguments, end=lambda: path.exists() or time.thread_time() - began > most)
+    except AbandonedError:
         for one, kept in zip(arguments, before, strict=True):
             _put_back(one, kept)
-    return code(*arguments)(*arguments)
+    finally:
+        _spent[piece] += time.thread_time() - began
+    return choose(*arguments)(*arguments)
+
+
+def _expected(piece: Piece) -> float:
+    """Seconds that compiling a piece takes about, with all that comes with it for somebody who begins."""
+    return piece.expected if begun() else max(piece.expected, FIRST)
+
+
+_spent: defaultdict[Piece, float] = defaultdict(float)
+"""Seconds of CPU of this process that the entries of a piece took, interpreted while their code was missing."""
 
 
 def _copied(value: Any) -> Any:
@@ -136,12 +162,12 @@ def _put_back(value: Any, kept: Any) -> None:
 
 def _tell(piece: Piece) -> None:
     """Say once that kernels are compiled in the background, and about how long that takes."""
-    seconds = piece.expected if begun() else max(piece.expected, FIRST)
+    seconds = _expected(piece)
     if not _told and seconds > SHORT:
         _told.append(piece)
         text = (
             f"sinuous: first use on this machine: kernels are compiled in the background (about {seconds} s); "
-            "until then answers take longer"
+            "until then answers take longer; 'sinuous warm' compiles everything ahead"
         )
         print(text, file=sys.stderr, flush=True)  # noqa: T201
 

@@ -63,7 +63,7 @@ def _longest(guide: Guide, away: Array, missing: float) -> tuple[int, int]:
 
 
 @entry
-def lengthen_route(
+def add_detours(
     scene: Array, wanted: float, radius: float, numbers: Array, seconds: float, workspace: Array, points: Array
 ) -> float:
     """Lead a route aside until it is as long as wanted, nearly; return its length.

@@ -9,12 +9,12 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.fitting.query import ball_radius
-from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, detours_size, lengthen_route
+from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.solver.polylines import lengths_along, respaced
 from sinuous.solver.routing.growth import LEG_POINTS, segments_of
-from sinuous.solver.routing.parts import segments_in
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.partial_problems import segments_in
+from sinuous.solver.routing.reversed_problem import Groups
 from sinuous.solver.starts import Deadline
 
 POINTS = 64
@@ -24,7 +24,7 @@ GOLDEN = 0.618034
 """Share of what a leg may be longer by which one detour differs from the next."""
 
 
-def led_aside(groups: Groups, legs: Floats, number: int, deadline: Deadline) -> Floats | None:
+def lengthen_route(groups: Groups, legs: Floats, number: int, deadline: Deadline) -> Floats | None:
     """Return the legs (l, K, 3) of a route, each as long as some of its segments may be; `None`: none becomes longer.
 
     Parameters
@@ -51,7 +51,7 @@ def led_aside(groups: Groups, legs: Floats, number: int, deadline: Deadline) -> 
             points, numbers = respaced(leg, POINTS), rng.random((MOST_DETOURS, NUMBERS))
             left = max(0.0, deadline())
             if (
-                lengthen_route(groups[1], wanted, ball_radius(segments), numbers, left, workspace, points)
+                add_detours(groups[1], wanted, ball_radius(segments), numbers, left, workspace, points)
                 > length / LONG_ENOUGH
             ):
                 longer[i], some = respaced(points, LEG_POINTS), True

@@ -1,1 +1,0 @@
-"""Motions and control loops among obstacles that move."""

@@ -1,1 +1,0 @@
-"""Plans into narrow places: those of `clutter`, and those around a hidden motion."""

@@ -1,1 +1,0 @@
-"""`python -m benchmarks methods`: all methods on common random problems."""

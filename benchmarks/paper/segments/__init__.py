@@ -1,1 +1,0 @@
-"""`python -m benchmarks segments`: how time grows with the number of segments."""

@@ -1,1 +1,0 @@
-"""`python -m benchmarks tracking`: a path of 180 points behind random spheres."""

@@ -1,1 +1,0 @@
-"""How quickly pages follow, and how large they are."""

@@ -1,0 +1,190 @@
+"""A robot in two parts: the segments before a gate, and those beyond it, each with a problem of its own.
+
+Two problems of half the segments are far easier than one of all: where one start of a hundred leads through a gate, and
+one of a hundred from there to the target, it is one of ten thousand that does both.
+"""
+
+import numpy as np
+
+from sinuous.base.checks import Floats
+from sinuous.kernels import tables as t
+from sinuous.kernels.chain.batch import frames_of, points_of
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.fitting.query import ball_radius
+from sinuous.kernels.solve.search import search
+from sinuous.kernels.step.states import workspace_size
+from sinuous.kernels.tables import Outcome
+from sinuous.solver.polylines import respaced
+from sinuous.solver.routing.reversed_problem import FLIP, Groups
+from sinuous.solver.starts import Deadline
+
+NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
+"""Pose (12,) of the tip without a tool."""
+
+FEWEST = 8
+"""Points of a line that segments are laid along, at least."""
+
+SAMPLES = 8
+"""Points of a backbone for each segment."""
+
+SEED = 0
+"""Seed of scattered starts."""
+
+LOOSE, SLANT = 0.25, 0.08
+"""How far from a gate the part before it may end: in radii of the body, and in rad."""
+
+
+def problem_up_to(groups: Groups, count: int) -> Groups:
+    """Return the problem of the first `count` segments, without a tool, and of the targets that concern them."""
+    robot, scene, settings, targets = groups
+    told = _scaled(settings, segments_in(robot)[:count])
+    return first_segments(robot, count), scene, told, targets[_segments(groups) < count]
+
+
+def with_end_tangent(groups: Groups, tangent: Floats) -> Groups:
+    """Return the problem to end with a unit tangent (3,), where no target says how."""
+    targets = groups[3].copy()
+    open_rows = (_segments(groups) == groups[0][0] - 1.0) & (targets[:, t.ORIENTATION] == t.FREE)
+    targets[open_rows, t.ORIENTATION], targets[open_rows, t.GOAL : t.GOAL + 3] = t.DIRECTION, tangent
+    return (*groups[:3], targets)
+
+
+def problem_before(groups: Groups, row: Floats) -> Groups:
+    """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
+    robot, scene, told, own = problem_up_to(groups, int(row[t.TARGET_SEGMENT]) + 1)
+    last = row.copy()
+    last[t.TARGET_SEGMENT] = -1.0
+    told[t.POSITION_TOLERANCE] = max(told[t.POSITION_TOLERANCE], LOOSE * ball_radius(segments_in(groups[0])))
+    told[t.ANGLE_TOLERANCE] = max(told[t.ANGLE_TOLERANCE], SLANT)
+    return robot, scene, told, np.vstack([own, last])
+
+
+def problem_ending_at(groups: Groups, count: int, end: Floats) -> Groups:
+    """Return the problem of the first `count` segments, to end against a pose (12,), as exactly as the target asks for.
+
+    It is turned about its tangent as the pose is only where the target of the tip is a rotation.
+    """
+    row = np.zeros(t.TARGET_WIDTH)
+    row[t.TARGET_SEGMENT], row[t.HAS_POSITION] = count - 1.0, 1.0
+    row[t.TARGET_POSITION : t.TARGET_POSITION + 3] = end[t.POSE_POSITION :]
+    against = end[: t.POSE_POSITION].reshape(3, 3) @ FLIP
+    if groups[3][-1, t.ORIENTATION] == t.ROTATION:
+        row[t.ORIENTATION], row[t.GOAL : t.GOAL + 9] = t.ROTATION, against.ravel()
+    else:
+        row[t.ORIENTATION], row[t.GOAL : t.GOAL + 3] = t.DIRECTION, against[:, 2]
+    part = problem_before(groups, row)
+    tolerances = [t.POSITION_TOLERANCE, t.ANGLE_TOLERANCE]
+    part[2][tolerances] = groups[2][tolerances]
+    return part
+
+
+def problem_beyond(groups: Groups, chain: Floats) -> Groups:
+    """Return the problem of what is left of a robot, from where the chain (m, 3) of its first segments ends."""
+    robot, scene, settings, targets = groups
+    count = len(chain)
+    segments, _, tool = _split(robot)
+    own = targets[_segments(groups) >= count]
+    own[:, t.TARGET_SEGMENT] = np.where(own[:, t.TARGET_SEGMENT] < 0.0, -1.0, own[:, t.TARGET_SEGMENT] - count)
+    told = _scaled(settings, segments[count:])
+    told[t.MOUNT] = max(0.0, told[t.MOUNT] - chain[:, 2].sum())
+    return _robot(robot, count, len(segments), end_pose(groups, chain), tool), scene, told, own
+
+
+def end_pose(groups: Groups, chain: Floats) -> Floats:
+    """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
+    base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, t.POSE_WIDTH))
+    frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
+    return frames[0, -1]
+
+
+def search_part(groups: Groups, chains: Floats, own: tuple[int, int], deadline: Deadline) -> Outcome:
+    """Follow chains (g, n, 3), then own starts, from the first up to, without it, the last: see `search`."""
+    (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
+    best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
+    return Outcome(best, *search(*groups, chains, (*own, SEED, max(0.0, deadline())), workspace, best))
+
+
+def solve_part(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
+    """Return a configuration (n, 3) that is proved, from chains (g, n, 3) and scattered starts, or `None`."""
+    found = search_part(groups, chains, (0, starts), deadline)
+    return found.q if found.code == t.SOLVED else None
+
+
+def first_segments(robot: Floats, count: int) -> Floats:
+    """Return the group of a robot of the first `count` segments, without a tool."""
+    _, base, _ = _split(robot)
+    return _robot(robot, 0, count, base, NO_TOOL)
+
+
+def fit_first_segments(groups: Groups, count: int, line: Floats, seconds: float) -> Floats:
+    """Return the chain (m, 3) of the first `count` segments along a line (K, 3), that begins where the robot does."""
+    robot, scene, settings, targets = groups
+    if count == 0:
+        return np.empty((0, 3))
+    route = respaced(np.vstack([base_position(groups), line[1:]]), max(FEWEST, len(line)))
+    return fit_chain(
+        (first_segments(robot, count), scene, settings, targets[_segments(groups) < count]), route, seconds
+    )
+
+
+def fit_chain(groups: Groups, route: Floats, seconds: float) -> Floats:
+    """Return the chain (n, 3) of a robot along a route (K, 3)."""
+    robot, scene, _, targets = groups
+    n, actuators = (int(number) for number in robot[:2])
+    workspace = np.empty(fit_workspace_size(n, actuators, int(scene[0]), len(targets)))
+    q = np.empty((n, 3))
+    fit_route(*groups, np.array(route), seconds, workspace, q)
+    return q
+
+
+def backbone_of(groups: Groups, chain: Floats) -> Floats:
+    """Return points (K, 3) along the backbone of a chain (n, 3), `SAMPLES` for each segment."""
+    n, base = len(chain), _split(groups[0])[1]
+    frames, points = np.empty((1, n + 1, t.POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
+    frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
+    points_of(chain[None].copy(), frames, SAMPLES, points)
+    return points[0]
+
+
+def segments_in(robot: Floats) -> Floats:
+    """Return the rows (n, 7) of the segments of a robot, of which the group is given, see `sinuous.kernels.tables`."""
+    return _split(robot)[0]
+
+
+def base_position(groups: Groups) -> Floats:
+    """Where the backbone begins (3,)."""
+    return _split(groups[0])[1][t.POSE_POSITION :]
+
+
+def _split(robot: Floats) -> tuple[Floats, Floats, Floats]:
+    """Rows (n, 7) of the segments of a robot, and the poses (12,) of its base and its tool."""
+    n = int(robot[0])
+    rows = robot[t.ROBOT_HEADER : t.ROBOT_HEADER + t.SEGMENT_WIDTH * n].reshape(n, t.SEGMENT_WIDTH)
+    return rows, robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH], robot[-t.POSE_WIDTH :]
+
+
+def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> Floats:
+    """Group of a robot of the segments from `first` up to, without it, `last`.
+
+    Limits of actuators that see others, too, are left out: the whole robot has to keep them.
+    """
+    segments, _, _ = _split(robot)
+    rows = robot[t.ROBOT_HEADER + segments.size : -2 * t.POSE_WIDTH].reshape(-1, t.ACTUATOR_WIDTH)
+    inside = (rows[:, t.FIRST_SEGMENT] >= first) & (rows[:, t.LAST_SEGMENT] < last)
+    own = rows[inside & (rows[:, t.FIRST_SEGMENT] == rows[:, t.LAST_SEGMENT])]
+    own[:, [t.FIRST_SEGMENT, t.LAST_SEGMENT]] -= first
+    header = [float(last - first), float(len(own)), robot[2]]
+    return np.concatenate([header, segments[first:last].ravel(), own.ravel(), base, tool])
+
+
+def _scaled(settings: Floats, segments: Floats) -> Floats:
+    """Settings for a robot of these segments (m, 7)."""
+    told = settings.copy()
+    told[t.UNIT] = segments[:, [t.MIN_LENGTH, t.MAX_LENGTH]].mean(axis=1).sum()
+    return told
+
+
+def _segments(groups: Groups) -> Floats:
+    """Segment (t,) whose end each target concerns."""
+    robot, _, _, targets = groups
+    return np.where(targets[:, t.TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, t.TARGET_SEGMENT])

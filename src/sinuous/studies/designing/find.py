@@ -1,0 +1,276 @@
+"""`design`: a robot for a set of tasks."""
+
+import json
+import pickle
+import time as clock
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+
+from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Whole
+from sinuous.base.errors import InputError
+from sinuous.base.progress import ProgressBar
+from sinuous.model.robot import Robot
+from sinuous.scene.scene import SceneLike, as_scene
+from sinuous.solver.many import read_workers
+from sinuous.solver.options import SolveArguments
+from sinuous.solver.solver import Solver
+from sinuous.studies.designing.descent import Judging, can_descend
+from sinuous.studies.designing.design import Change, Cut, Design, FoundRobot
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.judge import Judge
+from sinuous.studies.designing.objectives import Objective, read_objectives
+from sinuous.studies.designing.search import Drawn, RobotCandidates, RobotSearch, front
+from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
+from sinuous.studies.runs.engine import Arrays, Engine
+from sinuous.studies.runs.open_engine import open_engine
+from sinuous.studies.tasks.tasks import Meet, read_tasks
+
+ROBOTS = 2000
+"""Robots that are judged, by default."""
+
+TIME = 60.0
+"""Seconds, by default."""
+
+STARTS, SOLVE_TIME = 24, 1.0
+"""Most starts and seconds of a target, by default: a robot that needs more is not one to build."""
+
+PERCENT = 0.01
+"""Change of a field whose cost is told."""
+
+NEVER = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED)
+"""Statuses that are proofs, and cheap."""
+
+
+def design(
+    template: Robot,
+    tasks: Mapping[str, Any] | Iterable[Any],
+    scene: SceneLike | None = None,
+    *,
+    vary: Mapping[str, Any],
+    minimise: str | Iterable[str],
+    robots: Whole = ROBOTS,
+    budget: Number = TIME,
+    engine: object = "threads",
+    workers: Whole | None = None,
+    out: str | Path | None = None,
+    progress: bool = False,
+    **options: Unpack[SolveArguments],
+) -> Design:
+    """Find the robot that does all tasks and has the least of something: the best of a template's variations.
+
+    What no robot with some listed values can do is proved where that is possible, and not tried. The others are tried
+    in generations: near the best that are known, and anywhere. Each is judged by all tasks, solved and proved.
+
+    Parameters
+    ----------
+    template : Robot
+    tasks : mapping or iterable of (Target, list of Target, Follow, Cover, or Move)
+        As for `assess`.
+    scene : Scene or list of obstacles, optional
+    vary : mapping of str to (low, high) or list
+        Fields of the robot file, as for `sweep`, and elements of lists like `base.position[2]`: each with a range (a
+        tuple of two numbers) or a list of values.
+    minimise : str or two of them
+        `actuators` (their number), `length`, `bend` (largest), `travel` (of actuators), `tension` (largest),
+        `clearance` (the least; it is maximised), `uncovered` (share of targets that are not met). Of two the front is
+        found: robots that no other is better than.
+    robots : int
+        How many are judged.
+    budget : float
+        Seconds; the generation that is under way is finished.
+    engine : str, executor or Dask client
+        As for `solve_batch`.
+    workers : int, optional
+        By default one a core.
+    out : path, optional
+        The table of the front (CSV). Until it is there, a folder beside it keeps what is done, and the same call goes
+        on where an earlier one was interrupted.
+    progress : bool
+        Whether to show on a terminal how many are judged.
+    **options
+        As for `Solver`, of each target: by default `time` is 1 s and `max_starts` 24.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be, or it is proved that no robot of these can do a task.
+    UnfinishedError
+        When workers are lost; what is done is kept beside `out`.
+    """
+    began = clock.perf_counter()
+    space, asked, place = Space(template, vary), read_tasks(tasks), as_scene(scene)
+    wanted = read_objectives(minimise, template)
+    count, seconds = checks.integer("robots", robots, 1, 10_000_000), checks.number("budget", budget, above=0.0)
+    chosen: dict[str, Any] = {"time": SOLVE_TIME, "max_starts": STARTS, **options}
+    judge = Judge(space, asked, place, wanted, chosen)
+    Solver(template, place, **chosen)  # options are checked, and what is suspicious of the template is said
+    cut = list(_cut(judge)) if "uncovered" not in wanted else []
+    tried_not = {number for number, _ in cut}
+    left = [number for number in range(len(space.combinations)) if number not in tried_not]
+    if not left:
+        first = cut[0][1]
+        raise InputError("tasks", f"no robot of these can do {first.task}: {first.reason}", list(asked), "wider ranges")
+    sizes, seed = (len(asked), space.segments), int(chosen.get("seed", 0))
+    search = RobotSearch(left, len(space.ranges), seed, sizes, space.shares_of(template), can_descend(judge))
+    with ProgressBar(count if checks.truth("progress", progress) else 0) as bar:
+        run = _DesignRun(judge, search, _kept(judge, out), bar.advance)
+        found = run.until(count, began + seconds, engine, read_workers(workers))
+    result = _told(judge, found, tuple(each for _, each in cut), clock.perf_counter() - began)
+    if out is not None:
+        result.to_csv(out)
+        run.kept.remove()
+    return result
+
+
+class _DesignRun:
+    """A search under way: generations are judged by an engine, and kept."""
+
+    def __init__(self, judge: Judge, search: RobotSearch, kept: Checkpoint, advance: Any) -> None:
+        self._judge, self._search, self.kept, self._advance = judge, search, kept, advance
+        self._found: list[RobotCandidates] = []
+
+    def until(self, count: int, end: float, engine: Any, workers: int) -> RobotCandidates:
+        """Judge generations until there are `count` robots, or the time is over."""
+        self.kept.open()
+        known = len(self.kept.done())
+        with open_engine(engine, Judging(self._judge), workers) as ready:
+            while sum(int(each.tried.sum()) for each in self._found) < count:
+                number = len(self._found)
+                if number >= max(1, known) and clock.perf_counter() >= end:
+                    break
+                drawn = self._search.generation(number, self._found)
+                rows = self.kept.once(number, partial(self._judged, ready, drawn, workers))
+                own = {name: rows[name] for name in RobotCandidates._fields if name not in ("combination", "source")}
+                self._found.append(RobotCandidates(combination=drawn.combination, source=drawn.source, **own))
+                self._advance(int(rows["tried"].sum()))
+        return RobotCandidates.joined(self._found)
+
+    def _judged(self, engine: Engine, drawn: Drawn, workers: int) -> Arrays:
+        """Have a generation judged, in chunks for all workers."""
+        told, count = self._known(), len(drawn.combination)
+        parts = np.array_split(np.arange(count), min(count, 4 * workers))
+        chunks = ({**told, **{name: each[part] for name, each in drawn._asdict().items()}} for part in parts)
+        blocks = engine.results(chunks, "a robot could not be judged")
+        return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+
+    def _known(self) -> Arrays:
+        """What judges are told of the generations before: see `Judge.judge`."""
+        count, objectives = len(self._judge.tasks), len(self._judge.minimise)
+        bounds, order, stops = np.full(objectives, np.inf), np.arange(count), False
+        if self._found:
+            found = RobotCandidates.joined(self._found)
+            stops = bool(np.isfinite(found.objectives).any())
+            order = np.argsort(-np.bincount(found.failed[found.failed >= 0], minlength=count), kind="stable")
+            if objectives == 1:  # of two, a robot that is better in neither than some may still be in the front
+                bounds = found.objectives.min(axis=0)
+        return {"bounds": bounds, "order": order, "stops": np.array(stops)}
+
+
+def _kept(judge: Judge, out: str | Path | None) -> Checkpoint:
+    """Where generations are kept."""
+    if out is None:
+        return Checkpoint(None, {}, "this design")
+    solver = judge.solver(judge.space.template)
+    record = {
+        **problem_record(judge.space.template, judge.scene.snapshot(), solver.options),
+        "vary": json.dumps([list(map(str, each)) for each in (*judge.space.ranges, *judge.space.choices)]),
+        "tasks": hash_of(pickle.dumps({name: vars(task) for name, task in judge.tasks.items()})),
+        "minimise": ", ".join(judge.minimise),
+    }
+    return Checkpoint(Path(out), record, "this design")
+
+
+def _cut(judge: Judge) -> Iterator[tuple[int, Cut]]:
+    """Yield the combinations that a proof rules out: their numbers, and by which task."""
+    for number, combination in enumerate(judge.space.combinations):
+        widest = judge.space.widest(combination)
+        if widest is None:
+            continue
+        robot, moved = widest
+        values = {each.field: value for each, value in zip(judge.space.choices, combination, strict=True)}
+        for name, task in judge.tasks.items():
+            reason = _impossible(judge, robot, moved, task)
+            if reason is not None:
+                yield number, Cut(values, name, reason)
+                break
+
+
+def _impossible(judge: Judge, robot: Robot, moved: float, task: Any) -> str | None:
+    """Why no robot that does no more than this one, with its base up to `moved` away, does a task; `None`: unknown.
+
+    That the base may move is as if targets might: so they may be missed by as much, and obstacles do not count.
+    """
+    if not isinstance(task, Meet) or (moved > 0.0 and robot.actuation.size):
+        return None
+    try:
+        task.check(robot)
+        solver = judge.solver(robot)
+        tolerance = solver.tolerance
+        if moved > 0.0:
+            wide = tolerance.__class__((tolerance.position or 0.0) + moved, tolerance.angle)
+            solver = Solver(robot, None, tolerance=wide)
+        found: Solution = solver.solve(task.targets, time=0.0)
+    except InputError as error:
+        return str(error)
+    return found.sentence if found.status in NEVER else None
+
+
+def _told(judge: Judge, found: RobotCandidates, cut: tuple[Cut, ...], seconds: float) -> Design:
+    best = front(found.objectives)
+    names = list(judge.tasks)
+    robots = tuple(_found(judge, found, int(i)) for i in best)
+    changes = tuple(_changes(judge, found, int(best[0]))) if len(best) else ()
+    failed = Counter(change.failed for change in changes if change.failed is not None)
+    if not failed:
+        tried = found.failed[found.failed >= 0]
+        failed = Counter(names[i] for i in tried.tolist())
+    deciding = failed.most_common(1)[0][0] if failed else None
+    judged = int(found.tried[found.failed != -2].sum())
+    most = int(found.done.max(initial=0))
+    return Design(judge.minimise, robots, deciding, changes, cut, judged, most, len(names), seconds)
+
+
+def _found(judge: Judge, found: RobotCandidates, i: int) -> FoundRobot:
+    space = judge.space
+    combination, shares = space.combinations[int(found.combination[i])], found.shares[i]
+    robot = space.robot(combination, shares)
+    assert robot is not None
+    objectives = _signed(judge.minimise, found.objectives[i])
+    values = space.values(combination, shares)
+    answers = {
+        name: q[: len(robot)] for name, q in zip(judge.tasks, found.answers[i], strict=True) if not np.isnan(q[0, 0])
+    }
+    return FoundRobot(robot, values, objectives, int(found.done[i]), len(judge.tasks), float(found.share[i]), answers)
+
+
+def _signed(minimise: tuple[Objective, ...], values: Iterable[float]) -> dict[str, float]:
+    """Objectives as they are told: the clearance with its own sign."""
+    return {name: float(-value if name == "clearance" else value) for name, value in zip(minimise, values, strict=True)}
+
+
+def _changes(judge: Judge, found: RobotCandidates, i: int) -> Iterator[Change]:
+    """Yield what becomes of a robot when one of its fields changes by a percent."""
+    space, names = judge.space, list(judge.tasks)
+    combination = space.combinations[int(found.combination[i])]
+    for place, each in enumerate(space.ranges):
+        value = each.value(float(found.shares[i, place]))
+        step = PERCENT * (abs(value) or each.high - each.low)
+        for other in (value - step, value + step):
+            shares = found.shares[i].copy()
+            shares[place] = each.share(other)
+            judged = judge.judge(space.robot(combination, shares), begin=found.answers[i])
+            counts = np.isfinite(judged.objectives).all()
+            objectives = _signed(judge.minimise, judged.objectives) if counts else None
+            yield Change(each.field, other, objectives, None if judged.failed == -1 else names[judged.failed])

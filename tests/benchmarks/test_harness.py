@@ -1,0 +1,360 @@
+"""The harness: an interrupted run goes on, figures from elsewhere stay out, what is worse is caught, noise passes."""
+
+import dataclasses
+import json
+import math
+import shutil
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import benchmarks
+import sinuous
+from benchmarks.harness import conduct as harness
+from benchmarks.harness import journal, reference
+from benchmarks.harness.baseline import Comparison, Figure, compare, load
+from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
+from benchmarks.harness.experiment import Divided, Experiment, Findings, OfLines, Piece
+from benchmarks.harness.journal import Journal, code_version
+from benchmarks.harness.lines import Goal, Line, together
+from benchmarks.harness.markdown import span, table
+from benchmarks.harness.plan import Plan
+from benchmarks.harness.reference import Look
+from benchmarks.harness.times import Times, exponent
+from benchmarks.paper.pictures import new_figure
+from benchmarks.solvers.parallel import Abreast, in_processes
+from sinuous.base.errors import InputError
+from sinuous.files.results import json_line
+from tests.cases import with_each
+
+
+@pytest.fixture
+def steady(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that is always equally fast."""
+    monkeypatch.setattr(reference, "look", lambda: Look(5e-4, 0.0))
+
+
+class Squares(Experiment):
+    """Three pieces of work; one of them may be interrupted."""
+
+    name = "squares"
+
+    def __init__(self, plan: Plan, interrupted_at: int = -1, wrong: int = 0) -> None:
+        self.plan, self.interrupted_at, self.wrong = plan, interrupted_at, wrong
+        self.measured: list[int] = []
+
+    def pieces(self) -> Iterator[Piece]:
+        return ((f"piece {i}", partial(self.measure, i)) for i in range(3))
+
+    def measure(self, i: int) -> float:
+        if i == self.interrupted_at:
+            raise KeyboardInterrupt
+        self.measured.append(i)
+        return float(i * i)
+
+    def findings(self, pieces: dict[str, Any]) -> Findings:
+        figure = new_figure(3.0, 2.0)
+        figure.add_subplot().plot(list(pieces.values()))
+        text, data = "![squares](squares_plot.png)", {"squares": list(pieces.values())}
+        return Findings(text=text, data=data, pictures={"squares_plot": figure}, wrong=self.wrong)
+
+
+def steps(plan: Plan, *ends: float | BaseException) -> OfLines:
+    """Two parts of one line each, the second of which takes as long as is said, in each round, or breaks."""
+    left = list(ends)
+
+    def first(_: Plan) -> Iterator[Line]:
+        yield Line("steps", "first", 1e-3, "ms", Goal(1.0), solved=(9, 10))
+
+    def second(_: Plan) -> Iterator[Line]:
+        end = left.pop(0)
+        if isinstance(end, BaseException):
+            raise end
+        yield Line("steps", "second", end, "ms")
+
+    return OfLines("steps", plan, {"first": first, "second": second})
+
+
+def test_results_are_written_and_say_where_they_come_from(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert conduct(Squares(Plan(7)), Output(tmp_path, record=tmp_path)) == 0
+    written, text = json.loads((tmp_path / "squares.json").read_text()), (tmp_path / "squares.md").read_text()
+    assert (written["squares"], written["seed"]) == ([0.0, 1.0, 4.0], 7)
+    assert {"processor", "python", "numba", "sinuous"} <= set(written["machine"])
+    assert "- processor: " in text
+    assert (tmp_path / "squares.txt").read_text() == f"# squares\n\n{text}"
+    assert (tmp_path / "squares_plot.png").read_bytes().startswith(b"\x89PNG")
+    assert capsys.readouterr().out == text
+
+
+def test_an_interrupted_run_goes_on_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    output = Output(tmp_path, json=True)
+    first, second, third = Squares(Plan(), interrupted_at=1), Squares(Plan()), Squares(Plan())
+    assert conduct(first, output) == INTERRUPTED
+    assert "interrupted after 1 of 3 pieces" in capsys.readouterr().err
+    assert conduct(second, output) == 0
+    assert (first.measured, second.measured) == ([0], [1, 2])
+    assert json.loads(capsys.readouterr().out)["squares"] == [0.0, 1.0, 4.0]
+    assert conduct(third, dataclasses.replace(output, anew=True)) == 0
+    assert third.measured == [0, 1, 2]
+
+
+@pytest.mark.usefixtures("steady")
+@pytest.mark.parametrize("end", [KeyboardInterrupt(), ZeroDivisionError()], ids=["interrupted", "broken"])
+def test_lines_that_were_measured_are_given_whatever_ends_a_run(tmp_path: Path, end: BaseException) -> None:
+    if isinstance(end, KeyboardInterrupt):
+        assert conduct(steps(Plan(), end), Output(tmp_path)) == INTERRUPTED
+    else:
+        with pytest.raises(ZeroDivisionError):
+            conduct(steps(Plan(), end), Output(tmp_path))
+    written = json.loads((tmp_path / "steps.json").read_text())
+    assert written["interrupted"]
+    assert [line["what"] for line in written["lines"]] == ["first"]
+
+
+@pytest.mark.usefixtures("steady")
+def test_rounds_may_be_added_and_the_middle_one_counts(tmp_path: Path) -> None:
+    conduct(steps(Plan(), 2e-3), Output(tmp_path))
+    assert conduct(steps(Plan(rounds=3), 5e-3, 3e-3), Output(tmp_path)) == 0
+    first, second = json.loads((tmp_path / "steps.json").read_text())["lines"]
+    assert (second["rounds"], second["reached"]) == ([2e-3, 5e-3, 3e-3], 3e-3)
+    assert (first["spread"], second["spread"]) == (0.0, pytest.approx(1.0))
+
+
+def test_a_busy_machine_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = iter([Look(5e-4, 0.0), Look(5e-4, 0.3), Look(5e-4, 0.05), Look(5e-4, 0.0)])
+    monkeypatch.setattr(reference, "look", lambda: next(looks))
+    assert conduct(steps(Plan(), 2e-3), Output(tmp_path)) == 0
+    assert "BUSY: other processes had up to 30 % of the processor" in (tmp_path / "steps.md").read_text()
+
+
+@pytest.mark.usefixtures("steady")
+def test_a_baseline_is_kept_and_compared_with(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What seems worse is measured again before it counts."""
+    baseline = tmp_path / "baseline.json"
+    assert conduct(steps(Plan(), 2e-3), Output(tmp_path / "a", save_baseline=baseline)) == 0
+    assert conduct(steps(Plan()), Output(tmp_path / "a", against=baseline)) == 0
+    assert "2 figures compared: 0 worse, 0 better" in capsys.readouterr().out
+    slower = Output(tmp_path / "b", against=baseline, json=True)
+    assert conduct(steps(Plan(), 2e-2, 2.2e-2, 2.1e-2), slower) == 1
+    (change,) = json.loads(capsys.readouterr().out)["against"]["changes"]
+    assert (change["what"], change["before"], change["now"], change["worse"]) == ("second", "2 ms", "21 ms", True)
+    assert conduct(steps(Plan(), 2e-2, 2.1e-3), Output(tmp_path / "d", against=baseline)) == 0
+    assert "second, round 1: measured again, for something seems worse" in capsys.readouterr().err
+    with pytest.raises(InputError, match="--against"):
+        conduct(steps(Plan(1)), Output(tmp_path / "c", against=baseline))
+    assert not (tmp_path / "c").exists()
+
+
+@pytest.mark.parametrize("content", [None, "", "{}", '{"figures": [{}]}', "[]"])
+def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str | None) -> None:
+    if content is not None:
+        (tmp_path / "some.json").write_text(content)
+    with pytest.raises(InputError, match=r"--against.*a file that --save-baseline wrote"):
+        load(tmp_path / "some.json", "--against")
+
+
+@pytest.mark.parametrize("plan", [Plan(1), Plan(0, quick=True)])
+def test_another_seed_or_size_is_another_experiment(tmp_path: Path, plan: Plan) -> None:
+    conduct(Squares(Plan()), Output(tmp_path, json=True))
+    with pytest.raises(InputError, match=r"(seed was 0, is 1|quick was False, is True)"):
+        conduct(Squares(plan), Output(tmp_path, json=True))
+
+
+def test_a_wrong_claim_is_an_exit_code(tmp_path: Path) -> None:
+    assert conduct(Squares(Plan(), wrong=2), Output(tmp_path, json=True)) == 1
+    assert "WRONG: 2 claims" in (tmp_path / "squares.md").read_text()
+
+
+def test_missing_packages_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    harness.require()
+    monkeypatch.setattr(harness, "NEEDED", {"no_such_module_here": "no-such-package"})
+    with pytest.raises(InputError, match="no-such-package"):
+        harness.require()
+
+
+@pytest.mark.parametrize("torn", ['{"piece": "b", "mea', '{"piece": "b", "measured": 2}', "\n", "3\n", "\0\0\0"])
+def test_a_torn_end_of_a_journal_costs_that_line_only(tmp_path: Path, torn: str) -> None:
+    Journal.open(tmp_path, {"seed": 3}, anew=False).add("a", {"clearance": math.inf})
+    with (tmp_path / journal.NAME).open("a") as stream:
+        stream.write(torn)
+    again = Journal.open(tmp_path, {"seed": 3}, anew=False)
+    assert again.pieces == {"a": {"clearance": None}}
+    again.add("c", 3)
+    assert Journal.open(tmp_path, {"seed": 3}, anew=False).pieces == {"a": {"clearance": None}, "c": 3}
+
+
+@pytest.mark.parametrize("content", ["", "something else\n", '{"settings"', "[]\n", '{"settings": 3}\n'])
+def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, content: str) -> None:
+    (tmp_path / journal.NAME).write_text(content)
+    with pytest.raises(InputError, match="cannot be read"):
+        Journal.open(tmp_path, {}, anew=False)
+    assert (tmp_path / journal.NAME).read_text() == content
+
+
+@pytest.mark.parametrize(
+    ("package", "file"), [(sinuous, "kernels/compile.py"), (benchmarks, "harness/journal.py")], ids=["library", "bench"]
+)
+def test_the_code_version_sees_every_source(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: ModuleType, file: str
+) -> None:
+    copy = tmp_path / "package"
+    shutil.copytree(Path(str(package.__file__)).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    here = code_version()
+    monkeypatch.setattr(package, "__file__", str(copy / "__init__.py"))
+    assert code_version() == here
+    with (copy / file).open("a") as stream:
+        stream.write("\n")
+    assert code_version() != here
+
+
+TIME = Line("cold", "solve", 9e-6, "us", Goal(15e-6), solved=(2000, 2000), reference=5e-4)
+RATE = Line("clouds", "updates", 30.0, "/s", Goal(10.0, at_most=False), reference=5e-4)
+RATIO = Line("rivals", "faster than others", 80.0, "x", Goal(50.0, at_most=False), reference=5e-4)
+SHARE = Line("reachable", "solved", 100.0, "%", Goal(100.0, False, True), solved=(10_000, 10_000), reference=5e-4)
+FALSE = Line("honesty", "false claims", 0.0, "", Goal(0, correctness=True), reference=5e-4)
+LEAK = Line("endurance", "growth", 10.0, "KiB", Goal(1024.0, correctness=True), reference=5e-4)
+EXTRA = Line("fields", "a mesh adds", 0.0, "us", Goal(20e-6), slack=2e-6, reference=5e-4)
+PLACES = Line("clutter", "spheres", 100.0, "%", Goal(99.0, at_most=False), solved=(60, 60), reference=5e-4)
+ALL = [TIME, RATE, RATIO, SHARE, FALSE, LEAK, EXTRA, PLACES]
+
+
+def against(before: list[Line], now: list[Line]) -> Comparison:
+    return compare([Figure.of(line) for line in before], now)
+
+
+def changed(line: Line, reached: float, **others: object) -> Line:
+    return dataclasses.replace(line, reached=reached, **others)  # type: ignore[arg-type]
+
+
+@with_each(
+    "now",
+    [
+        changed(TIME, 12e-6),
+        changed(TIME, 9e-6, solved=(1998, 2000)),
+        changed(TIME, math.inf),
+        changed(RATE, 20.0),
+        changed(RATIO, 60.0),
+        changed(SHARE, 99.99, solved=(9999, 10_000)),
+        changed(FALSE, 1.0),
+        changed(LEAK, 1025.0),
+        changed(EXTRA, 3e-6),
+        changed(PLACES, 96.7, solved=(58, 60)),
+    ],
+)
+def test_what_is_worse_is_caught(now: Line) -> None:
+    found = against(ALL, [now if line.what == now.what else line for line in ALL])
+    assert found.worse
+    (change,) = found.changes
+    assert change.what == now.what
+
+
+@with_each(
+    "now",
+    [
+        *ALL,
+        changed(TIME, 11e-6),
+        changed(TIME, 9e-6, solved=(1999, 2000)),
+        changed(RATE, 25.0),
+        changed(RATIO, 65.0),
+        changed(LEAK, 900.0),
+        changed(EXTRA, 1.9e-6),
+        changed(PLACES, 98.3, solved=(59, 60)),
+    ],
+)
+def test_noise_passes(now: Line) -> None:
+    assert not against([line for line in ALL if line.what == now.what], [now]).changes
+
+
+@given(st.floats(0.1, 10.0))
+def test_a_slower_machine_is_no_slower_library(factor: float) -> None:
+    other = 5e-4 * factor
+    slow = [changed(TIME, 9e-6 * factor, reference=other), changed(RATE, 30.0 / factor, reference=other)]
+    assert not against([TIME, RATE], slow).changes
+    worse = [changed(TIME, 13e-6 * factor, reference=other), changed(RATE, 20.0 / factor, reference=other)]
+    assert len([change for change in against([TIME, RATE], worse).changes if change.worse]) == 2
+
+
+def test_figures_that_spread_may_change_by_more_and_the_best_round_counts() -> None:
+    noisy = together([changed(TIME, value) for value in (8e-6, 9e-6, 11e-6)])
+    assert not against([noisy], [changed(TIME, 14e-6)]).changes
+    assert against([noisy], [changed(TIME, 16e-6)]).worse
+    assert not against([TIME], [together([changed(TIME, value) for value in (30e-6, 9e-6, 20e-6)])]).worse
+
+
+def test_what_is_not_measured_any_more_is_missed() -> None:
+    found = against([TIME, RATE], [TIME, RATIO])
+    assert (found.worse, found.missing, found.new) == (True, ["clouds: updates"], ["rivals: faster than others"])
+    assert not compare([Figure.of(line) for line in (TIME, RATE)], [TIME], whole=False).worse
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        Line("s", "w", 2.5, "ms", Goal(1.0, False, True), Times(3, 1.0, 2.0, 3.0, 4.0), (2, 3), "n", 0.5, 1e-6),
+        Line("s", "w", 1.0),
+    ],
+)
+def test_a_journal_gives_lines_back(line: Line) -> None:
+    assert Line.of(json.loads(json_line(dataclasses.asdict(line)))) == line
+
+
+def test_what_was_not_finite_holds_no_goal_when_it_comes_back() -> None:
+    broken = Line("s", "w", math.inf, "s", Goal(1.0), Times(0, *[math.nan] * 4))
+    assert Line.of(json.loads(json_line(dataclasses.asdict(broken)))).held is False
+
+
+def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> None:
+    times = [Line("s", "t", value, solved=(right, 10)) for value, right in ((3.0, 9), (1.0, 10), (2.0, 10))]
+    middle = together(times)
+    assert (middle.reached, middle.rounds, middle.solved, middle.spread) == (2.0, (3.0, 1.0, 2.0), (9, 10), 1.0)
+    shares = [Line("s", "t", value, "%", Goal(100, False, True)) for value in (100.0, 99.0, 100.0)]
+    assert together(shares).reached == 99.0
+
+
+def test_times_are_summarised_and_written_in_the_unit_that_suits_them() -> None:
+    times = Times.of(np.arange(1, 101))
+    assert times.p95 == pytest.approx(95.05)
+    assert (times.count, times.median, times.worst) == (100, 50.5, 100.0)
+    assert exponent((5, 10, 20), [3e-6 * n**1.3 for n in (5, 10, 20)]) == pytest.approx(1.3)
+    told = {3e-9: "3 ns", 12.34e-6: "12.3 us", 999.9e-6: "1.00 ms", 0.172: "172 ms", 2.5: "2.50 s", math.inf: "none"}
+    assert {seconds: span(seconds) for seconds in told} == told
+    assert table([["what", "n"], ["a", "10"]]).splitlines() == ["| what |   n |", "| ---- | --: |", "| a    |  10 |"]
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+class Sums(Abreast, OfLines):
+    """Numbers that are squared in any order, in processes."""
+
+    def parts(self) -> Iterator[tuple[str, Divided]]:
+        shares = [partial(square, i) for i in range(8)]
+        yield "squares", Divided(shares, lambda found: [Line("s", "sum", float(sum(found)), "", note=str(len(found)))])
+
+
+def test_an_interrupted_run_in_processes_loses_nothing_that_was_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert list(in_processes(square, range(7), chunk=2)) == [n * n for n in range(7)]
+    add = Journal.add
+
+    def interrupted(journal: Journal, piece: str, measured: Any) -> None:
+        if len(journal.pieces) == 3:
+            raise KeyboardInterrupt
+        add(journal, piece, measured)
+
+    monkeypatch.setattr(Journal, "add", interrupted)
+    assert conduct(Sums("sums", Plan()), Output(tmp_path)) == INTERRUPTED
+    assert json.loads((tmp_path / "sums.json").read_text())["lines"][0]["note"] == "3"
+    monkeypatch.setattr(Journal, "add", add)
+    assert conduct(Sums("sums", Plan()), Output(tmp_path)) == 0
+    (line,) = json.loads((tmp_path / "sums.json").read_text())["lines"]
+    assert (line["reached"], line["note"]) == (140.0, "8")

@@ -1,0 +1,286 @@
+"""Wild problems: what is hidden is a solution, an honest answer is not accused, and every kind of lie is seen once."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.judges.bodies import thicker
+from benchmarks.judges.clearances import Clearances
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.judge import target_errors, within_limits
+from benchmarks.judges.self_collision import look
+from benchmarks.wild import audit, calls, doors, experiment, motions, odd, trials, worlds
+from benchmarks.wild.calls import Called
+from benchmarks.wild.motions import Judged
+from benchmarks.wild.trials import (
+    CLEARANCE,
+    DEMAND,
+    EXCEPTION,
+    LIMITS,
+    OVERLAP,
+    SELF_CLEARANCE,
+    SELF_OVERLAP,
+    TARGET,
+    Trial,
+    examine,
+    refuted,
+    solutions_of,
+)
+from benchmarks.wild.worlds import World
+from sinuous.answer.solution import Solution
+from sinuous.base.errors import InputError
+from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, TARGET_BLOCKED
+from sinuous.problem.target import Tolerance
+from sinuous.solver.solver import Solver
+from sinuous.statics.rest import bodies_at
+from tests.benchmarks.tampering import moved
+
+ROBOT = sn.Robot.uniform(3, (0.9, 1.1), 6.0, radius=0.1)
+STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
+BESIDE = [sn.Sphere((0.5, 0.0, 1.5), 0.3)]
+
+
+def world(obstacles: list[Any], tolerance: float = 1e-6) -> World:
+    targets = [[sn.Target((0.0, 0.0, 3.0), direction=(0.0, 0.0, 1.0))]]
+    return World(ROBOT, sn.Scene(obstacles), Tolerance(tolerance, tolerance), targets, STRAIGHT)
+
+
+@pytest.fixture(scope="module")
+def solution() -> Solution:
+    (found,), _ = solutions_of(world(BESIDE))
+    assert isinstance(found, Solution)
+    assert found.solved
+    return found
+
+
+def changed(solution: Solution, **record: Any) -> Solution:
+    outcome = solution._outcome._replace(**record)
+    return Solution(solution.problem, outcome, solution.seconds, solution._resolver, solution._given)
+
+
+def kinds(asked: World, said: Solution) -> set[str]:
+    return set(refuted(asked, {0: said})[0])
+
+
+def test_answers_that_lie_are_accused_of_what_is_wrong(solution: Solution) -> None:
+    assert kinds(world(BESIDE), solution) == set()
+    assert kinds(world(BESIDE), moved(solution, (0, 2), 3e-6)) == {TARGET}
+    assert LIMITS in kinds(world(BESIDE, 1.0), moved(solution, (0, 2), 0.3))
+    assert kinds(world([sn.Sphere((0.5, 0.0, 1.5), 0.41)]), solution) >= {OVERLAP}
+    assert kinds(world([sn.Sphere((0.5, 0.0, 1.5), 0.39)]), solution) == {CLEARANCE}
+    assert kinds(world(BESIDE), changed(solution, clearance=0.11)) == {CLEARANCE}
+    knot = np.array([[0.0, 0.0, 1.0], [5.9, 0.0, 1.0], [0.0, 0.0, 1.0]])
+    assert kinds(world([], 10.0), changed(solution, q=knot)) >= {SELF_OVERLAP}
+    assert kinds(world([sn.Sphere((0.5, 0.0, 1.5), 0.41)]), changed(solution, code=2)) == set()  # not solved: no claim
+
+
+def test_what_is_demanded_and_not_kept_is_seen(solution: Solution) -> None:
+    """The ball is 0.1 from the body."""
+    for demand, false in ((0.0999, set()), (0.1001, {DEMAND})):
+        assert kinds(replace(world(BESIDE), robot=ROBOT.changed(clearance=demand)), solution) == false
+    unsure = replace(world(BESIDE), robot=ROBOT.changed(uncertainty=sn.Uncertainty(0.01)))
+    assert kinds(unsure, changed(solution, clearance=0.0899)) == set()
+    assert kinds(unsure, changed(solution, clearance=0.0901)) == {CLEARANCE}
+
+
+def test_a_self_clearance_that_is_overstated(solution: Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A straight body is `(pi - 2) radius` from itself: that far apart are places which count, at least."""
+    monkeypatch.setattr(Solution, "self_clearance", 0.11, raising=False)
+    assert SELF_CLEARANCE not in kinds(world([], 10.0), solution)
+    monkeypatch.setattr(Solution, "self_clearance", 2.6, raising=False)
+    hairpin = np.array([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+    assert SELF_CLEARANCE in kinds(world([], 10.0), changed(solution, q=hairpin))
+
+
+@pytest.mark.parametrize("code", [OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE])
+def test_what_is_called_impossible(solution: Solution, code: int) -> None:
+    said = changed(solution, code=code)
+    assert kinds(world(BESIDE), said) == {str(said.status)}
+
+
+def test_a_call_that_ends_in_an_exception_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: Any) -> Solution:
+        raise IndexError
+
+    monkeypatch.setattr(Solver, "solve", failing)
+    (trial,) = examine(world(BESIDE))
+    assert (trial.solved, trial.false) == (False, (EXCEPTION,))
+
+
+def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = [Trial("solved", 0.1), Trial("solved", 0.5), Trial("solved", 1.5), Trial("solved", 0.1, (OVERLAP,))]
+    monkeypatch.setattr(trials, "examine", lambda _: made)
+    part = trials.tallied(lambda number: world([]), range(7, 8))
+    assert (part["failed"], part["late"]) == (["7.2 solved, late", "7.3 solved"], ["7.1"])
+    within, quick, false = trials.lines_of("s", "w", 30, [part])
+    assert (within.solved, quick.solved, within.held) == ((2, 4), (1, 4), False)
+    assert (false.reached, false.held, false.note) == (1, False, "problems: 7.3 overlap")
+
+
+@cache
+def made() -> list[World]:
+    """Forty worlds; not while tests are collected, which every process does."""
+    return [worlds.make(3, number) for number in range(40)]
+
+
+MAKERS = [
+    *(partial(worlds.make, 3, number) for number in range(10)),
+    *(partial(worlds.thick_arm, n, 0, 0) for n in (3, 8)),
+    *(partial(make, 3, number) for make in audit.KINDS.values() for number in range(3)),
+]
+
+
+@pytest.mark.parametrize("make", MAKERS)
+def test_what_is_hidden_is_a_solution(make: Callable[[], World]) -> None:
+    made = make()
+    robot, q = made.robot, made.hidden
+    assert 1 <= len(made.targets) == len(q)
+    assert within_limits(robot, q).all()
+    body, shapes = bodies_at(robot, q) if made.loaded else (robot, q)
+    for targets in zip(*made.targets, strict=True):
+        position, angle = target_errors(body, targets, shapes)
+        assert (position <= 1e-9 * robot.mean_length + 1e-12 * np.abs(robot.base).max()).all()
+        assert (angle <= 1e-7).all()
+    if made.possible:
+        assert (look(body, shapes, 0.0).least > 0.0).all()
+        assert (Clearances(body, made.truth or made.scene).least(shapes, 0.0) > 0.0).all()
+
+
+def test_a_world_is_made_again_by_its_number_and_worlds_are_of_all_sorts() -> None:
+    first, again = worlds.make(3, 7), made()[7]
+    np.testing.assert_array_equal(first.hidden, again.hidden)
+    assert [o.kind for o in first.scene.obstacles] == [o.kind for o in again.scene.obstacles]
+    segments = [segment for each in made() for segment in each.robot.segments]
+    assert any(segment.length[0] == 0.0 and segment.max_bend == 0.0 for segment in segments)
+    assert any(np.isfinite(segment.max_curvature) for segment in segments)
+    assert any(segment.tendons for segment in segments)
+    kinds = {type(o).__name__ for each in made() for o in each.scene.obstacles}
+    assert kinds >= {"Sphere", "Box", "Capsule", "Cylinder", "HalfSpace"}
+
+
+def test_the_judge_knows_distances_to_huge_obstacles_to_the_last_digits_of_the_robot() -> None:
+    """A wall 1e10 away, and a ball of radius 1e10, that are 1e-7 away: in double precision the gap is lost."""
+    robot, straight = sn.Robot([sn.Segment(1.0, 1.0, radius=0.1)]), np.array([[[0.0, 0.0, 1.0]]])
+    for gap in (1e-7, -1e-7):
+        wall = sn.HalfSpace((0.0, 1e10, 1.1 + gap), (0.0, 0.0, -1.0))
+        assert Clearances(robot, sn.Scene([wall])).least(straight)[0] == pytest.approx(gap, abs=1e-15)
+    ball = sn.Sphere((0.0, 0.0, 1e10 + 1.1 + 2e-6), 1e10)
+    exact = ball.center[2] - 1e10 - 1.1
+    assert Clearances(robot, sn.Scene([ball])).least(straight)[0] == pytest.approx(exact, abs=1e-9)
+
+
+@pytest.mark.parametrize("make", [worlds.make, audit.loaded], ids=["free", "loaded"])
+def test_some_worlds_are_solved_and_hold(make: Callable[[int, int], World]) -> None:
+    assert not [trial.false for number in range(4) for trial in examine(make(0, number)) if trial.false]
+
+
+@pytest.mark.parametrize("kind", [k for k in motions.KINDS if "timed" not in k and "tracked" not in k])
+def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    judge = motions.KINDS[kind]
+    found = [judge(0, number) for number in range(4)]
+    assert all(each.false == "" for each in found)
+    assert any(each.proved for each in found)
+    for name in ("needed_body", "self_body"):
+        monkeypatch.setattr(f"benchmarks.judges.motions.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
+    assert any(judge(0, number).false for number in range(4))
+
+
+def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    number = next(number for number in range(20) if motions.timed(0, number) == Judged(True, ""))
+    at = sn.Trajectory.at
+    monkeypatch.setattr(sn.Trajectory, "at", lambda self, t: at(self, t) * [1.0, 1.0, 1.0 + 1e-6])
+    assert motions.timed(0, number).false in ("limits", "rates")
+
+
+@pytest.mark.parametrize("number", [68, 424])
+def test_ways_are_timed_where_the_pass_of_toppra_gives_up(number: int) -> None:
+    assert motions.timed(7, number).false == ""
+
+
+def test_the_loaded_body_is_judged() -> None:
+    rod = sn.Segment((0.8, 1.0), 2.0, radius=0.02, stiffness=sn.Stiffness(0.5), mass=0.01, arcs=3)
+    robot = sn.Robot([rod] * 2, base=sn.pose((0, 0, 0), direction=(1, 0, 0)), gravity=(0, 0, -9.81))
+    q = np.array([[[0.0, 0.0, 1.0]] * 2])
+    sunk = robot.shape(q[0]).tip[:3, 3]
+    assert sunk[2] < -0.1
+    held = World(robot, sn.Scene(), Tolerance(), [[sn.Target(sunk)]], q, loaded=True)
+    straight, low = sn.Scene([sn.Sphere((2.0, 0.0, 0.0), 0.05)]), sn.Scene([sn.Sphere(sunk, 0.05)])
+    assert motions._refuted(held, straight, q) == ""
+    assert motions._refuted(held, low, q) == "overlap"
+    assert motions._refuted(held, straight, 1.1 * q) == "limits"
+
+
+@cache
+def wall() -> doors.Wall:
+    """A wall with doors; not made when tests are collected, since that compiles."""
+    return doors.make(0, 1)
+
+
+def test_walls_have_only_their_doors() -> None:
+    rng = np.random.default_rng(0)
+    places = np.column_stack([rng.uniform(-150.0, 150.0, (4000, 2)), np.full(4000, wall().middle)])
+    inside = np.zeros(len(places), bool)
+    for low, high in wall().doors:
+        inside |= ((low < places[:, :2]) & (places[:, :2] < high)).all(axis=1)
+    np.testing.assert_array_equal(wall().scene.distance(places) > 0.0, inside)
+    assert inside.any()
+
+
+def test_a_solver_that_misses_a_door_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = Solver(doors.ROBOT, wall().scene, tolerance=doors.TOLERANCE, time=60.0).solve_all(wall().target, count=3)
+
+    def compare(answer: list[Solution]) -> doors.Passed:
+        monkeypatch.setattr(Solver, "solve_all", lambda *a, **k: answer)
+        return doors.compare(wall())
+
+    whole, lacking, doubled = compare(found), compare(found[:1]), compare(found * 2)
+    assert whole[:5] == (3, 3, 0, 0, 0)
+    assert (lacking.found, doubled.again, doubled.alike) == (1, 3, 3)
+    monkeypatch.setattr(Body, "overlaps", lambda self, q: np.ones(len(q), bool))
+    assert compare(found).false == 3
+
+
+@pytest.mark.parametrize(
+    ("error", "false"),
+    [
+        (None, ""),
+        (InputError("rates[2]", "", 1, "2"), ""),
+        (InputError("scene", "", 1, "2"), ""),
+        (InputError("initial", "", 1, "2"), "InputError"),
+        (IndexError("out of range"), "IndexError"),
+        (AssertionError("no"), "AssertionError"),
+    ],
+)
+def test_a_call_ends_in_an_answer_or_in_a_refusal(
+    error: Exception | None, false: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def make(*_: Any) -> None:
+        if error is not None:
+            raise error
+
+    monkeypatch.setattr(calls, "CALLS", {"call": (make, ("rates",))})
+    found = calls.called(0, 0)
+    assert (found.answered, found.false.split(" ")[0]) == (error is None, false)
+    _, line = calls.lines_of("calls", [[list(found), list(Called("call", True, ""))]])
+    assert line.reached == bool(false)
+
+
+@pytest.mark.parametrize("what", ["solve", "track", "check", "job"])
+def test_calls_can_be_made(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calls, "CALLS", {what: calls.CALLS[what]})
+    made = [calls.called(3, number) for number in range(6)]
+    assert any(call.answered for call in made)
+    assert not any(call.false for call in made)
+    for number in range(30):
+        rng = np.random.default_rng(number)
+        robot = odd.robot(rng)
+        assert not robot.violations(odd.shape(robot, rng))
+
+
+def test_a_piece_gives_plain_values() -> None:
+    assert experiment.made(lambda seed, number: Judged(True, str(number)), 0, range(2)) == [[True, "0"], [True, "1"]]

@@ -199,7 +199,7 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, content: str) -
 
 
 @pytest.mark.parametrize(
-    ("package", "file"), [(sinuous, "kernels/compile.py"), (benchmarks, "harness/journal.py")], ids=["library", "bench"]
+    ("package", "file"), [(sinuous, "kernels/tubes.py"), (benchmarks, "harness/journal.py")], ids=["library", "bench"]
 )
 def test_the_code_version_sees_every_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: ModuleType, file: str

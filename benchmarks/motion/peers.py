@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import Prover

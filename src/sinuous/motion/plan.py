@@ -16,7 +16,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import warn_of
 from sinuous.base.keywords import refuse_unknown
 from sinuous.base.reprs import call
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot

@@ -13,7 +13,7 @@ from sinuous.answer.worst import Worst
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Problem
 from sinuous.scene.snapshot import Snapshot

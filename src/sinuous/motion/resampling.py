@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
-from sinuous.kernels.between.sweep import SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
+from sinuous.kernels.certificate.query import CLEARANCES, UNTIL, VERDICT
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH
 from sinuous.model.robot import Robot
 from sinuous.motion.blending import levers_of, reach_of, steps_margins
 from sinuous.scene.snapshot import Snapshot
@@ -62,8 +62,8 @@ def splines_between(robot: Robot, times: Floats, q: Floats, velocities: Floats, 
     # Under load a body leaves the way by more than its drive does.
     kept = forward & (not robot.hangs) & (aside <= steps_margins(robot, q, lines)) & _within_limits(robot, control)
     answers = lines.answers.copy()
-    answers[:, SEEN] -= aside
-    answers[:, SEEN + SEEN_WIDTH] -= STRETCHED * aside
+    answers[:, CLEARANCES] -= aside
+    answers[:, CLEARANCES + CLEARANCES_WIDTH] -= STRETCHED * aside
     answers[~kept, VERDICT], answers[~kept, UNTIL] = UNDECIDED, 0.0
     return Steps(answers, robot.least_demanded)
 

@@ -12,7 +12,7 @@ from sinuous.answer.worst import Worst
 from sinuous.base.arguments import Shortest
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by
 from sinuous.motion.knots import Knot, TipLine, TrackedWaypoint
 from sinuous.motion.motion import Motion

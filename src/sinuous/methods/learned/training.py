@@ -2,6 +2,9 @@
 
 A perceptron that learned the drawn shapes themselves would learn the mean of all that meet a target, which misses it.
 So each target is solved by our own method, always from the same start: its answers change little where targets do.
+
+`MLPRegressor` of scikit-learn was tried in the place of `_learn`: its rate of learning does not fall for Adam, so that
+networks of the same size missed by 7 to 26 % more, after 2.3 times the CPU time; and it would be one more package.
 """
 
 import math

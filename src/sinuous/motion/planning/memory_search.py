@@ -10,8 +10,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.kernels.planning.walk import walk, walk_size
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.configurations import overlap_at
 from sinuous.motion.planning.local_planner import QueryEnds
 from sinuous.motion.planning.path_pacing import pace_path

@@ -130,7 +130,7 @@ class ProvedPath(NamedTuple):
     q : ndarray (T, n, 3)
         The knots.
     answers : ndarray (T - 1, 14)
-        What is proved of the edges; see `kernels.between.query`.
+        What is proved of the edges; see `kernels.certificate.query`.
     times : ndarray (T,) or None
         When the robot is at each knot, where obstacles move.
     """

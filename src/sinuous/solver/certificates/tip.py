@@ -3,7 +3,7 @@
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.tip import leave_line
+from sinuous.kernels.certificate.tip import leave_line
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.statics.layout import TWIST
 from sinuous.model.robot import Robot, robot_group

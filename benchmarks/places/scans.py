@@ -13,7 +13,7 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Capsule, Cylinder, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
-from sinuous.view.display.obstacles import arc, obstacle_surface
+from sinuous.view.display.surfaces import arc, obstacle_surface
 
 THICKNESS = 0.15
 """Radius of a point."""

@@ -3,7 +3,7 @@
 import time as clock
 import warnings
 from collections.abc import Hashable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from sinuous.answer.explanation import Explanation
 from sinuous.answer.remedies import Remedy
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
+from sinuous.base.arguments import MethodName
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.methods.registry import name_of
@@ -27,9 +28,9 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Mover, Snapshot
+from sinuous.solver.options import TIME
 from sinuous.statics.equilibrium import under_load
 from sinuous.view.page import edits
-from sinuous.view.page.solvers import PageQuestion, Settings
 
 ASKED = ("position", "direction", "rotation")
 """What a target may ask beside its position: nothing, a direction of the tangent, a whole rotation."""
@@ -54,6 +55,51 @@ def pace(duration: float) -> float:
     Times are taken for seconds, unless the whole takes longer than people wait.
     """
     return 1.0 if duration <= LONGEST else duration / SHORTENED
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the page solves.
+
+    Attributes
+    ----------
+    method : str
+    beside : str or None
+        A second method, whose answer stands beside that of the first.
+    seed : int
+    time : float
+        Budget in seconds, when nothing is dragged.
+    """
+
+    method: MethodName = "newton"
+    beside: MethodName | None = None
+    seed: int = 0
+    time: float = TIME
+
+
+@dataclass(frozen=True)
+class PageQuestion:
+    """What is asked of a method at one moment.
+
+    Attributes
+    ----------
+    job : Job
+    scene : Snapshot
+        Its obstacles as they are at that moment, standing still.
+    targets : tuple of Target
+        To be met at once.
+    settings : Settings
+    initial : ndarray (n, 3)
+    number : int
+        Of the state of the page that it is asked in; an answer to an older one is out of date.
+    """
+
+    job: Job
+    scene: Snapshot
+    targets: tuple[Target, ...]
+    settings: Settings
+    initial: Floats
+    number: int
 
 
 class Moment(NamedTuple):

@@ -14,12 +14,22 @@ from sinuous.base.checks import Floats
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.bounds import best_view, bounds_of, hiding, seen_places, towards
-from sinuous.view.display.captions import told_apart, words_of
 from sinuous.view.display.contents import Arm, Contents, MovingArm
+from sinuous.view.display.results import told_apart, words_of
 from sinuous.view.display.style import FORCE, ROUTE, TIP_PATH, tones
 from sinuous.view.page.model import pace
-from sinuous.view.page.nodes import BodyNode, Look, Obstacles, colours_of, show_axes, show_line, show_target
-from sinuous.view.page.server import aim, close_server, open_server
+from sinuous.view.page.nodes import (
+    BodyNode,
+    Look,
+    Obstacles,
+    aim,
+    close_server,
+    colours_of,
+    open_server,
+    show_axes,
+    show_line,
+    show_target,
+)
 
 GHOST = 0.4
 """Opacity of a ghost."""

@@ -17,10 +17,19 @@ from sinuous.scene.moving import Moving
 from sinuous.view.display.bounds import Bounds
 from sinuous.view.display.contents import Contents, Things, gather
 from sinuous.view.display.style import ARMS, INK, PATH, ROUTE, TARGET, TIP_PATH, UNSOLVED, Viewpoint
-from sinuous.view.pictures.files import MOVIES, check_picture
+from sinuous.view.pictures.figures import (
+    MOVIES,
+    axes_box,
+    check_picture,
+    fill,
+    new_axes,
+    new_figure,
+    room_of,
+    set_bounds,
+    sizes,
+)
 from sinuous.view.pictures.paint import add, paint_arms, paint_walls, places_of, walls_of
 from sinuous.view.pictures.plot import as_view, draw_dots, draw_forces, draw_head, draw_lines, draw_surfaces, tip_paths
-from sinuous.view.pictures.space import axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 
 AREA, DPI = 4.6, 110.0
 """Longer side of a moving picture, in inches, and pixels in one."""

@@ -11,12 +11,11 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
-from sinuous.view.display.body import BodySurface
 from sinuous.view.display.bounds import Bounds, towards
 from sinuous.view.display.contents import Arm
-from sinuous.view.display.obstacles import AROUND, Dotted, Surface, obstacle_surface
 from sinuous.view.display.style import METAL, OBSTACLE, THINNEST, Viewpoint
-from sinuous.view.pictures.space import screen
+from sinuous.view.display.surfaces import AROUND, BodySurface, Dotted, Surface, obstacle_surface
+from sinuous.view.pictures.figures import screen
 
 MOST_TRIANGLES = 12_000
 """Triangles of a mesh that are drawn; of more, vertices that fall together on a grid become one."""

@@ -13,9 +13,8 @@ from sinuous.base.documents import written
 from sinuous.base.errors import InputError
 from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.bounds import Bounds, best_view
-from sinuous.view.display.captions import caption
 from sinuous.view.display.contents import Contents, PlacedTarget, Things, gather
-from sinuous.view.display.obstacles import Dotted, dots
+from sinuous.view.display.results import caption
 from sinuous.view.display.style import (
     ARROW,
     DOTS,
@@ -29,9 +28,22 @@ from sinuous.view.display.style import (
     Viewpoint,
     arrows_of,
 )
-from sinuous.view.pictures.files import check_picture, need_matplotlib, stills
+from sinuous.view.display.surfaces import Dotted, dots
+from sinuous.view.pictures.figures import (
+    AREA,
+    HEAD,
+    axes_box,
+    check_picture,
+    fill,
+    need_matplotlib,
+    new_axes,
+    new_figure,
+    room_of,
+    set_bounds,
+    sizes,
+    stills,
+)
 from sinuous.view.pictures.paint import add, paint_arm, paint_arms, paint_walls, places_of, walls_of
-from sinuous.view.pictures.space import AREA, HEAD, axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D

@@ -1,11 +1,19 @@
 """Axes in space: figures for them, the box that they show, and how it fills the room that there is."""
 
+import base64
+import io
 import math
+import shutil
+from html import escape
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.documents import written
+from sinuous.base.errors import InputError
 from sinuous.view.display.bounds import Bounds, bounds_of, towards
 from sinuous.view.display.contents import Contents
 from sinuous.view.display.style import GRID, LINE, PALE, SMALL, TEXT, Viewpoint
@@ -135,3 +143,67 @@ def _tidy(axes: Any) -> None:
         axis.set_label_text(label, color=PALE, fontsize=TEXT)
         axis.set_tick_params(labelsize=SMALL, labelcolor=PALE, color=LINE, pad=1.0)
         axis.labelpad = 2.0
+
+
+MOVIES = ("gif", "mp4")
+"""Kinds of moving pictures."""
+
+
+def need_matplotlib(key: str, value: object = None) -> None:
+    """Refuse to draw where there is no Matplotlib.
+
+    Raises
+    ------
+    InputError
+        That names the extra to install.
+    """
+    checks.needed("matplotlib.backend_bases", "plot", key, value, "Matplotlib")
+
+
+def stills() -> tuple[str, ...]:
+    """Endings of still pictures."""
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+
+    return tuple(sorted(FigureCanvasBase.filetypes))
+
+
+def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) -> None:
+    """Refuse a picture that cannot be drawn, before anything is solved.
+
+    `kinds` are the endings that may be meant; by default all that there are.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib or ffmpeg is missing, or the kind of file is another.
+    """
+    need_matplotlib(key, str(file))
+    known = sorted({*stills(), *MOVIES}) if kinds is None else list(kinds)
+    kind = file.suffix.lower().lstrip(".")
+    if kind not in known:
+        raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))
+    if kind == "mp4" and shutil.which("ffmpeg") is None:
+        raise InputError(key, "needs the program ffmpeg", str(file), "ffmpeg installed, or a name that ends in .gif")
+
+
+TIGHT = {"bbox_inches": "tight", "pad_inches": 0.15}
+"""How a figure is saved without its empty border."""
+
+
+def image_in_page(figure: Any, said: str, **options: Any) -> str:
+    """Return the element of a page that holds a figure as a PNG, and a text for those who do not see it."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", **options)
+    return f'<img alt="{escape(said)}" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
+
+
+def save_figure(figure: Any, file: Path) -> None:
+    """Write a figure, without its empty border.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with written(file, "file"):
+        figure.savefig(file, **TIGHT)

@@ -13,9 +13,8 @@ import sinuous as sn
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
-from sinuous.view.pictures.animate import palette_of
 from sinuous.view.pictures.diagrams import tidy
-from sinuous.view.pictures.figures import new_figure
+from sinuous.view.pictures.figures import new_figure, palette_of
 from sinuous.view.pictures.plot import still
 from sinuous.view.pictures.reports import write_picture
 

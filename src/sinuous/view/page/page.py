@@ -95,7 +95,7 @@ class Scenery:
         """Make see-through what hides the body from somebody."""
         clients = self._server.get_clients().values()
         eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
-        body = Contents(arms=[*arms_of(self._model.robot, self._model.shown)])
+        body = Contents(arms=arms_of(self._model.robot, self._model.shown))
         self._hiding = hiding(self._model.there.obstacles, seen_places(body), np.array(eyes))
 
     def show(self, near: Near | None) -> None:
@@ -129,11 +129,11 @@ class Scenery:
         yield "body", Look(span, pieces), body, self._colours(body, pieces)
         others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
         if model.beside is not None and model.motion is None:
-            others["second"] = next(arms_of(robot, model.beside.q, model.beside.solved, 1))
+            others["second"] = arms_of(robot, model.beside.q, model.beside.solved, 1)[0]
         shapes = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
         if model.job.goal is not None:
             shapes["goal"] = model.job.goal
-        others |= {name: next(arms_of(robot, q, number=i)) for i, (name, q) in enumerate(shapes.items(), 1)}
+        others |= {name: arms_of(robot, q, number=i)[0] for i, (name, q) in enumerate(shapes.items(), 1)}
         for name, arm in others.items():
             yield name, Look(span, opacity=BESIDE if name == "second" else GHOST), arm, colours_of(arm)
 

@@ -39,38 +39,26 @@ class Fields:
         self._conditions: list[tuple[Any, Callable[[], bool]]] = []
         self._handles: list[Any] = []
 
-    def bind(self, handle: Any, get: Callable[[], Any], changed: Callable[[Any], object]) -> None:
-        """Show `get()` in a field from now on; call `changed` with what a person puts there.
+    def field(
+        self, handle: Any, get: Callable[[], Any], put: Callable[[Any], object], *, at_once: bool = False
+    ) -> None:
+        """Show `get()` in a field; `put` is called with what a person puts there, and changes the model.
 
-        `changed` runs on the loop of the server and must return at once.
+        With `at_once` it is called on the loop of the server, where it must return at once, not as an event.
         """
         bound = _Bound(handle, get)
-
-        def heard(value: Any) -> None:
-            bound.known = value
-            changed(value)
-
-        self._add(bound, heard)
-
-    def field(self, handle: Any, get: Callable[[], Any], put: Callable[[Any], object]) -> None:
-        """Show `get()` in a field; `put` changes the model by what a person puts there."""
-        bound = _Bound(handle, get)
+        self._bound.append(bound)
+        self._handles.append(handle)
 
         def change(value: Any) -> None:
             bound.known = value
             put(value)
 
-        self._add(bound, lambda value: self._session.do(handle.label, partial(change, value)))
-
-    def _add(self, bound: "_Bound", heard: Callable[[Any], object]) -> None:
-        """Keep a field; call `heard` with what a person puts there."""
-        self._bound.append(bound)
-        self._handles.append(bound.handle)
-
-        @bound.handle.on_update  # type: ignore[untyped-decorator]
+        @handle.on_update  # type: ignore[untyped-decorator]
         async def _(event: Any) -> None:
             if event.client is not None:
-                heard(bound.handle.value)
+                act = partial(change, handle.value)
+                act() if at_once else self._session.do(handle.label, act)
 
     def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
         """Add a field for a number. Return its handle."""

@@ -129,7 +129,8 @@ def motion_tab(session: Session, fields: Fields) -> None:
         return 0.0 if first == last else float(np.clip(100.0 * (model.time - first) / (last - first), 0.0, 100.0))
 
     fields.slider("moment, %", (0.0, 100.0), moment, lambda value: session.go_to(0.01 * value), 0.1)
-    fields.bind(fields.gui.add_checkbox("play", False), lambda: session.playing, session.play)
+    play = fields.gui.add_checkbox("play", False)
+    fields.field(play, lambda: session.playing, session.play, at_once=True)
     _rate_fields(session, fields)
 
 

@@ -1,7 +1,8 @@
-"""Charts of what was found of robots: of an assessment, a design and a calibration."""
+"""Charts of studies: of an assessment, a design, a calibration, and a map of the workspace."""
 
 import html
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -38,6 +39,15 @@ MOST_PATTERNS = 16
 """Patterns of a calibration that are named, the worst ones."""
 
 
+@contextmanager
+def _chart(file: str | Path, size: tuple[float, float]) -> Iterator[Any]:
+    """A figure of this size, in inches, that is written into a file in the end."""
+    check_picture("file", Path(file), stills())
+    figure = new_figure(figsize=size, dpi=110, layout="constrained")
+    yield figure
+    save_figure(figure, Path(file))
+
+
 def plot_assessment(found: "Assessment", file: str | Path) -> None:
     """Draw for every robot how much is done, how clear, and how long it takes.
 
@@ -52,25 +62,24 @@ def plot_assessment(found: "Assessment", file: str | Path) -> None:
     InputError
         When Matplotlib is missing or does not know the kind of file, or it cannot be written.
     """
-    check_picture("file", Path(file), stills())
-    totals = found.totals
-    names, places = [total.robot for total in totals], np.arange(len(totals))
-    figure = new_figure(figsize=(13.0, 1.6 + 0.32 * len(totals)), dpi=110, layout="constrained")
-    done, clear, time = figure.subplots(1, 3, sharey=True)
-    done.barh(places, [100.0 * total.done / total.tasks for total in totals], color=CURVES[0])
-    done.plot([100.0 * total.share for total in totals], places, "o", color=CURVES[1])
-    done.set(xlim=(0.0, 105.0))
-    done.set_yticks(places, names)
-    done.invert_yaxis()
-    clear.barh(places, [total.clearance or 0.0 for total in totals], color=CURVES[0])
-    time.barh(places, [1e3 * total.seconds for total in totals], color=CURVES[0])
-    for place, total in zip(places.tolist(), totals, strict=True):
-        if total.binds is not None:
-            time.annotate(f" {total.binds}", (0.0, place), va="center", color=UNSOLVED[0], fontsize=8)
-    tidy(done, "tasks done (dots: targets met)", x="%", y="")
-    tidy(clear, "least proved clearance", x="length unit", y="")
-    tidy(time, "longest time to compute, and what limits the robot", x="ms", y="")
-    save_figure(figure, Path(file))
+    totals, places = found.totals, np.arange(len(found.totals))
+    panels = (
+        ("tasks done (dots: targets met)", "%", [100.0 * total.done / total.tasks for total in totals]),
+        ("least proved clearance", "length unit", [total.clearance or 0.0 for total in totals]),
+        ("longest time to compute, and what limits the robot", "ms", [1e3 * total.seconds for total in totals]),
+    )
+    with _chart(file, (13.0, 1.6 + 0.32 * len(totals))) as figure:
+        every = figure.subplots(1, 3, sharey=True)
+        for axes, (title, unit, lengths) in zip(every, panels, strict=True):
+            axes.barh(places, lengths, color=CURVES[0])
+            tidy(axes, title, x=unit, y="")
+        every[0].plot([100.0 * total.share for total in totals], places, "o", color=CURVES[1])
+        every[0].set(xlim=(0.0, 105.0))
+        every[0].set_yticks(places, [total.robot for total in totals])
+        every[0].invert_yaxis()
+        for place, total in enumerate(totals):
+            if total.binds is not None:
+                every[2].annotate(f" {total.binds}", (0.0, place), va="center", color=UNSOLVED[0], fontsize=8)
 
 
 def plot_design(found: "Design", file: str | Path) -> None:
@@ -87,21 +96,19 @@ def plot_design(found: "Design", file: str | Path) -> None:
     InputError
         When no robot was found, Matplotlib is missing or does not know the kind of file, or it cannot be written.
     """
-    check_picture("file", Path(file), stills())
-    if not found.front:
-        raise InputError("found", "no robot does all tasks", str(found), "a design with a robot")
-    figure = new_figure(figsize=(7.0, 5.0), dpi=110, layout="constrained")
-    axes = figure.subplots()
-    first, *others = found.minimise
-    x = [each.objectives[first] for each in found.front]
-    y = [each.objectives[others[0]] if others else 0.0 for each in found.front]
-    axes.step(x, y, where="post", color=CURVES[1], linewidth=1.0)
-    axes.plot(x, y, "o", color=CURVES[0])
-    for each, place in list(zip(found.front, zip(x, y, strict=True), strict=True))[:MOST_LABELS]:
-        said = ", ".join(f"{value:.3g}" if isinstance(value, float) else str(value) for value in each.values.values())
-        axes.annotate(f" {said}", place, fontsize=8)
-    tidy(axes, ", ".join(found.front[0].values), x=first, y=others[0] if others else "")
-    save_figure(figure, Path(file))
+    with _chart(file, (7.0, 5.0)) as figure:
+        if not found.front:
+            raise InputError("found", "no robot does all tasks", str(found), "a design with a robot")
+        axes = figure.subplots()
+        first, *others = found.minimise
+        x = [each.objectives[first] for each in found.front]
+        y = [each.objectives[others[0]] if others else 0.0 for each in found.front]
+        axes.step(x, y, where="post", color=CURVES[1], linewidth=1.0)
+        axes.plot(x, y, "o", color=CURVES[0])
+        for each, *place in list(zip(found.front, x, y, strict=True))[:MOST_LABELS]:
+            values = (f"{value:.3g}" if isinstance(value, float) else str(value) for value in each.values.values())
+            axes.annotate(f" {', '.join(values)}", place, fontsize=8)
+        tidy(axes, ", ".join(found.front[0].values), x=first, y=others[0] if others else "")
 
 
 def plot_calibration(calibration: "Calibration", file: str | Path | None = None) -> "Figure":
@@ -164,7 +171,7 @@ def _draw_by(axes: Any, own: "Calibration") -> None:
 PLANES = ((2, "x", "y"), (1, "x", "z"), (0, "y", "z"))
 """Axis across each slice, and what lies along its picture."""
 
-COLOURS = ("#ffffff", "#f3f4f6", "#7d6b91", "#7d6b91", "#c8384a", "#e0a458", "#9aa3ad")
+HOLE_COLOURS = ("#ffffff", "#f3f4f6", "#7d6b91", "#7d6b91", "#c8384a", "#e0a458", "#9aa3ad")
 """Of the reasons of holes, in the order of `Verdict`."""
 
 MOST_DOTS = 40_000
@@ -244,7 +251,7 @@ def _rows(found: Reach) -> Iterator[_Row]:
     from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
     holes = np.where(found.share > 0.0, Verdict.SOLVED, found.reasons)
-    kinds = {"vmin": -0.5, "vmax": len(Verdict) - 0.5, "cmap": ListedColormap(COLOURS)}
+    kinds = {"vmin": -0.5, "vmax": len(Verdict) - 0.5, "cmap": ListedColormap(HOLE_COLOURS)}
     seen = ~np.isin(holes, (Verdict.SOLVED, Verdict.OUT_OF_REACH)) & behind
     yield _Row(holes, "holes, and why", kinds, seen, "holes of the far half")
 

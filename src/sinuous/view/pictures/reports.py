@@ -21,11 +21,10 @@ from sinuous.studies.workspace.reach import Reach
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import Contents, Things, gather
 from sinuous.view.display.results import rows_of, words_of
-from sinuous.view.pictures.animate import animate
 from sinuous.view.pictures.charts import map_of
 from sinuous.view.pictures.diagrams import Kind, diagram, diagrams_of
 from sinuous.view.pictures.figures import MOVIES, axes_box, check_picture, image_in_page, new_figure, room_of, sizes
-from sinuous.view.pictures.plot import draw_in, still
+from sinuous.view.pictures.plot import animate, draw_in, still
 
 AREA, DPI = 3.2, 90.0
 """Longer side of the picture, in inches, and its pixels in one."""

@@ -14,7 +14,8 @@ from sinuous.answer.remedies import Remedy
 from sinuous.base.errors import InputError
 from sinuous.model.segment import straight
 from sinuous.view.display.results import speeds_of
-from sinuous.view.page.model import History, PageModel, least_of
+from sinuous.view.page.edits import least_of
+from sinuous.view.page.model import History, PageModel
 from sinuous.view.page.saving import loaded, saved
 from sinuous.view.page.session import QUICK, Solvers
 

@@ -18,7 +18,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.methods.registry import name_of
 from sinuous.model.poses import least_rotation
-from sinuous.model.rates import KEYS, Kept, Rates, least, scaled
+from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment, straight
 from sinuous.motion.job import Job
@@ -321,7 +321,7 @@ class PageModel:
 
     def _change(self, **parts: Any) -> None:
         """Ask another question: parts of the job that differ."""
-        self.job = changed(self.job, **parts)
+        self.job = edits.changed(self.job, **parts)
         self._asked_anew()
 
     def _asked_anew(self) -> None:
@@ -509,7 +509,7 @@ class PageModel:
             path = [[moved(target) for target in targets] for targets in self.job.waypoints]
             parts |= {"path": path} if self.job.is_path else {"target": path[0]}
         parts |= {key: q[rows] for key in ("start", "goal") if (q := getattr(self.job, key)) is not None}
-        self.job = changed(self.job, **parts)
+        self.job = edits.changed(self.job, **parts)
         self.q, self._q_beside = self.q[rows], self._q_beside[rows]
         self._asked_anew()
 
@@ -520,10 +520,10 @@ class PageModel:
         A motion among obstacles that stand still goes the same way as fast as they allow.
         """
         own = self.job.rates
-        gains = Rates(*_with_least(own.acceleration or Rates(), acceleration), None)
-        rates = Rates(*_with_least(own, most), gains or None)
+        gains = Rates(*edits.with_least(own.acceleration or Rates(), acceleration), None)
+        rates = Rates(*edits.with_least(own, most), gains or None)
         rates.check(self.robot)
-        self.job = changed(self.job, rates=rates)
+        self.job = edits.changed(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
             self.show_motion(pace_motion(self.motion, rates))
 
@@ -652,29 +652,3 @@ class PageModel:
 
 def _names(scene: Snapshot) -> set[str]:
     return {scene.name(i) for i in range(len(scene))}
-
-
-def least_of(rates: Rates | None) -> Floats:
-    """The least speeds of bends, lengths and actuators (3,) that rates allow at most; 0 without a limit."""
-    return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS])
-
-
-def _with_least(rates: Rates, wanted: Floats) -> tuple[Kept, Kept, Kept]:
-    """Bounds of bends, lengths and actuators of which these (3,) are the least; 0: no limit."""
-    bend, length, actuator = wanted.tolist()
-    return _with(rates.bend, bend), _with(rates.length, length), _with(rates.actuator, actuator)
-
-
-def _with(own: Kept, most: float) -> Kept:
-    if own is None or isinstance(own, float) or not most:
-        return most or None
-    return own if most == least(own) else scaled(own, most / least(own))
-
-
-def changed(job: Job, **parts: Any) -> Job:
-    """Return a job with other parts: arguments of `Job`."""
-    kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
-    own: dict[str, Any] = {key: getattr(job, key) for key in kept}
-    if job.waypoints:
-        own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
-    return Job(parts.pop("robot", job.robot), **{**own, **parts})

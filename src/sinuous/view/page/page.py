@@ -17,22 +17,8 @@ from sinuous.view.display.bounds import best_view, bounds_of, hiding, seen_place
 from sinuous.view.display.contents import Arm, Contents, arms_of, forces_of
 from sinuous.view.display.results import clearances
 from sinuous.view.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
+from sinuous.view.page import nodes
 from sinuous.view.page.model import PageModel
-from sinuous.view.page.nodes import (
-    BodyNode,
-    LinesNode,
-    Look,
-    Obstacles,
-    aim,
-    close_server,
-    colours_of,
-    light,
-    open_server,
-    rotation_of,
-    show_axes,
-    show_line,
-    wxyz,
-)
 from sinuous.view.page.panel import Action, Panel
 from sinuous.view.page.session import Session
 from sinuous.view.page.status import Near, judge, nearest, notice, status_of
@@ -71,13 +57,13 @@ class Scenery:
         self._model = model = session.model
         contents = _contents(model)
         self.bounds = bounds_of(contents)
-        aim(server.initial_camera, self.bounds, towards(best_view(contents)))
-        self._axes = show_axes(server.scene, self.bounds)
-        self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
-        self._bodies: dict[str, BodyNode] = {}
+        nodes.aim(server.initial_camera, self.bounds, towards(best_view(contents)))
+        self._axes = nodes.show_axes(server.scene, self.bounds)
+        self._obstacles = nodes.Obstacles(server.scene, self.bounds, session.choose_obstacle)
+        self._bodies: dict[str, nodes.BodyNode] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
-        self._near = LinesNode(server.scene, "/near", NEAR, self.bounds.span)
-        self._forces = LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
+        self._near = nodes.LinesNode(server.scene, "/near", NEAR, self.bounds.span)
+        self._forces = nodes.LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
         self._hiding: frozenset[int] = frozenset()
         self.look()
         if model.job.is_path:
@@ -87,9 +73,9 @@ class Scenery:
         """Let a browser show all that is on the page, from the side that it looks from."""
         away = client.camera.position - client.camera.look_at
         bounds = bounds_of(_contents(self._model))
-        self._axes = show_axes(self._server.scene, bounds)
+        self._axes = nodes.show_axes(self._server.scene, bounds)
         with client.atomic():
-            aim(client.camera, bounds, away / np.linalg.norm(away))
+            nodes.aim(client.camera, bounds, away / np.linalg.norm(away))
 
     def look(self) -> None:
         """Make see-through what hides the body from somebody."""
@@ -118,15 +104,15 @@ class Scenery:
             if body is None or body.robot is not arm.robot or body.look != look:
                 if body is not None:
                     body.remove()
-                body = self._bodies[name] = BodyNode(self._server.scene, f"/{name}", arm.robot, look)
+                body = self._bodies[name] = nodes.BodyNode(self._server.scene, f"/{name}", arm.robot, look)
             body.show(arm.q, colours)
 
-    def _wanted_bodies(self) -> Iterator[tuple[str, Look, Arm, list[Rgb]]]:
+    def _wanted_bodies(self) -> Iterator[tuple[str, nodes.Look, Arm, list[Rgb]]]:
         """Yield the bodies on the page: a name, how it is drawn, the body, a colour for each of its pieces."""
         model, robot, span = self._model, self._model.robot, self.bounds.span
         body, *around = arms_of(robot, model.shown, self._good(), HAND if model.by_hand else 0)
         pieces = max(1, FINE * len(robot) // len(body.robot)) if self._session.colouring == "clearance" else 1
-        yield "body", Look(span, pieces), body, self._colours(body, pieces)
+        yield "body", nodes.Look(span, pieces), body, self._colours(body, pieces)
         others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
         if model.beside is not None and model.motion is None:
             others["second"] = arms_of(robot, model.beside.q, model.beside.solved, 1)[0]
@@ -135,7 +121,7 @@ class Scenery:
             shapes["goal"] = model.job.goal
         others |= {name: arms_of(robot, q, number=i)[0] for i, (name, q) in enumerate(shapes.items(), 1)}
         for name, arm in others.items():
-            yield name, Look(span, opacity=BESIDE if name == "second" else GHOST), arm, colours_of(arm)
+            yield name, nodes.Look(span, opacity=BESIDE if name == "second" else GHOST), arm, nodes.colours_of(arm)
 
     def _colours(self, body: Arm, pieces: int) -> list[Rgb]:
         """One colour a piece of the body."""
@@ -147,7 +133,7 @@ class Scenery:
             places = clearances(body.robot, model.there, body.q, pieces * STEPS)
             least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
             return by_clearance(least, FAR * model.robot.mean_length)
-        return [colour for colour in colours_of(body) for _ in range(pieces)]
+        return [colour for colour in nodes.colours_of(body) for _ in range(pieces)]
 
     def _good(self) -> bool:
         """Whether the shape meets what is asked; of a motion, whether it is proved clear there."""
@@ -198,7 +184,7 @@ class Scenery:
 
         @gizmo.on_update
         async def _(event: Any) -> None:
-            moved(np.array(gizmo.position), rotation_of(np.array(gizmo.wxyz)), event.phase == "end")
+            moved(np.array(gizmo.position), nodes.rotation_of(np.array(gizmo.wxyz)), event.phase == "end")
 
         return gizmo
 
@@ -206,7 +192,7 @@ class Scenery:
         places = [target.position for targets in self._model.job.waypoints for target in targets[:1]]
         known = [place for place in places if place is not None]
         if len(known) > 1:
-            show_line(self._server.scene, "/path", known, TIP_PATH, self.bounds.span)
+            nodes.show_line(self._server.scene, "/path", known, TIP_PATH, self.bounds.span)
 
 
 def _kind_of(target: Target) -> str:
@@ -221,7 +207,7 @@ def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
     if off > 1e-12 + 1e-9 * float(np.abs(frame[:3, 3]).max()):
         gizmo.position = frame[:3, 3]
     if float(np.abs(_axis(gizmo.wxyz) - frame[:3, 2]).max()) > 1e-6:
-        gizmo.wxyz = wxyz(frame[:3, :3])
+        gizmo.wxyz = nodes.wxyz(frame[:3, :3])
 
 
 def _axis(quaternion: Floats) -> Floats:
@@ -265,7 +251,7 @@ class Page(Session):
         memory: Memory | None = None,
     ) -> None:
         super().__init__(job, answer, memory)
-        self.server = open_server(host, port)
+        self.server = nodes.open_server(host, port)
         self.server.on_client_connect(self._watch)
         self._build()
         self.do("begin", lambda: None)
@@ -278,7 +264,7 @@ class Page(Session):
     def stop(self) -> None:
         """Close the page."""
         super().stop()
-        close_server(self.server)
+        nodes.close_server(self.server)
 
     def _actions(self) -> tuple[Action, ...]:
         return (
@@ -291,7 +277,7 @@ class Page(Session):
         self._answer_quickly()  # so that the camera looks at where the robot first gets to
         self.server.gui.reset()
         self.server.scene.reset()
-        light(self.server)
+        nodes.light(self.server)
         self.scenery = Scenery(self.server, self)
         parts = [part for part in PARTS if part[0] != "Target" or self.model.targets]
         self._panel = Panel(self.server.gui, self, self._actions(), parts)

@@ -19,8 +19,8 @@ from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance
 from sinuous.view.display.results import Curves, actuators_of, bends_of, lengths_of, speeds_of, told_apart
 from sinuous.view.display.style import Colouring, largest_bends
-from sinuous.view.page.edits import KINDS, sizes_of
-from sinuous.view.page.model import ASKED, MOST_SECONDS, least_of
+from sinuous.view.page.edits import KINDS, least_of, sizes_of
+from sinuous.view.page.model import ASKED, MOST_SECONDS
 from sinuous.view.page.panel import Fields, Part, step_of
 from sinuous.view.page.saving import saved, table
 from sinuous.view.page.session import Session, Sliders

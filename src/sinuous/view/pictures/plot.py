@@ -19,23 +19,8 @@ from sinuous.view.display.contents import Contents, PlacedTarget, Things, gather
 from sinuous.view.display.results import caption
 from sinuous.view.display.style import Viewpoint, arrows_of
 from sinuous.view.display.surfaces import Dotted, dots
-from sinuous.view.pictures.figures import (
-    AREA,
-    HEAD,
-    MOVIES,
-    Pixels,
-    axes_box,
-    check_picture,
-    fill,
-    need_matplotlib,
-    new_axes,
-    new_figure,
-    room_of,
-    set_bounds,
-    sizes,
-    stills,
-    write_movie,
-)
+from sinuous.view.pictures import figures
+from sinuous.view.pictures.figures import Pixels
 from sinuous.view.pictures.paint import add, paint_arm, paint_arms, paint_walls, places_of, walls_of
 
 if TYPE_CHECKING:
@@ -90,15 +75,15 @@ def plot(
     InputError
         When Matplotlib is missing, a thing cannot be drawn, or the file cannot be written.
     """
-    need_matplotlib("plot")
+    figures.need_matplotlib("plot")
     if path is not None:
-        check_picture("path", Path(path), stills())
+        figures.check_picture("path", Path(path), figures.stills())
     seen, contents = as_view(view), gather(things)
-    box = axes_box(contents)
+    box = figures.axes_box(contents)
     if ax is None:
         from matplotlib import pyplot  # noqa: PLC0415
 
-        ax = draw_in(pyplot.figure(**sizes(box, seen)), contents, box, seen)
+        ax = draw_in(pyplot.figure(**figures.sizes(box, seen)), contents, box, seen)
     else:
         if not hasattr(ax, "get_proj"):
             raise InputError("ax", "", ax, 'axes in space, made with projection="3d"')
@@ -107,7 +92,7 @@ def plot(
             box = box.joined(low, high)
         draw_contents(ax, contents, box, seen)
         ax.set_title(caption(contents.answers) if contents.answers else "", fontsize=style.TITLE, color=style.INK)
-        fill(ax, box)
+        figures.fill(ax, box)
     if path is not None:
         with written(path, "path"):
             ax.figure.savefig(path)
@@ -119,14 +104,14 @@ def as_view(view: Sequence[Number]) -> Viewpoint:
     return Viewpoint(*checks.array("view", view, (2,), "elevation and azimuth in degrees").tolist())
 
 
-def still(contents: Contents, area: float = AREA, dpi: float = 150.0, head: float = HEAD) -> Any:
+def still(contents: Contents, area: float = figures.AREA, dpi: float = 150.0, head: float = figures.HEAD) -> Any:
     """Return a figure of all that there is, from the side where a robot shows most.
 
     `area` is its longer side and `head` the height of its title, in inches.
     """
-    box, view = axes_box(contents), best_view(contents)
-    figure = new_figure(**sizes(box, view, area) | {"dpi": dpi})
-    draw_in(figure, contents, box, view, room_of(figure, head), head > 0.0)
+    box, view = figures.axes_box(contents), best_view(contents)
+    figure = figures.new_figure(**figures.sizes(box, view, area) | {"dpi": dpi})
+    draw_in(figure, contents, box, view, figures.room_of(figure, head), head > 0.0)
     return figure
 
 
@@ -134,17 +119,17 @@ def draw_in(
     figure: Any, contents: Contents, box: Bounds, view: Viewpoint, room: Floats | None = None, titled: bool = True
 ) -> Any:
     """Draw everything into the room of a figure, corners (2, 2) in pixels, by default all of it; return the axes."""
-    axes, own = new_axes(figure), room_of(figure) if room is None else room
+    axes, own = figures.new_axes(figure), figures.room_of(figure) if room is None else room
     draw_contents(axes, contents, box, view)
     if titled:
         draw_head(figure, contents, own)
-    fill(axes, box, own)
+    figures.fill(axes, box, own)
     return axes
 
 
 def draw_contents(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -> None:
     """Draw everything at its place in the box, motions and obstacles that move at their end."""
-    set_bounds(axes, box, view)
+    figures.set_bounds(axes, box, view)
     draw_surfaces(axes, contents, box, view)
     draw_lines(axes, contents, box)
 
@@ -152,7 +137,7 @@ def draw_contents(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -
 def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
     """Write what the answers say above the room (pixels) of the picture, in letters small enough to fit."""
     if contents.answers:
-        x, y = 0.5 * (room[0, 0] + room[1, 0]), room[1, 1] + 0.3 * HEAD * figure.dpi
+        x, y = 0.5 * (room[0, 0] + room[1, 0]), room[1, 1] + 0.3 * figures.HEAD * figure.dpi
         place = x / figure.bbox.width, y / figure.bbox.height
         head = figure.text(
             *place, caption(contents.answers), fontsize=style.TITLE, color=style.INK, ha="center", va="bottom"
@@ -246,13 +231,13 @@ def animate(
         When something that is needed is missing, a thing cannot be drawn, or the file cannot be written.
     """
     file = Path(path)
-    check_picture("path", file, MOVIES)
+    figures.check_picture("path", file, figures.MOVIES)
     seen = as_view(view)
     rate = checks.integer("fps", fps, 1, 100)
     count = max(2, round(checks.number("seconds", seconds, above=0.0) * rate))
     contents = gather(things)
     with written(file, "path"):
-        write_movie(file, frames(contents, seen, count), rate)
+        figures.write_movie(file, frames(contents, seen, count), rate)
 
 
 def frames(contents: Contents, view: Viewpoint, count: int, *, area: float = FILM_AREA) -> Iterator[Pixels]:
@@ -262,10 +247,10 @@ def frames(contents: Contents, view: Viewpoint, count: int, *, area: float = FIL
 
 def _moving(contents: Contents, view: Viewpoint, count: int, area: float) -> Iterator[Pixels]:
     """The view stays; obstacles are see-through wherever they hide a robot on its way."""
-    box = axes_box(contents)
-    figure = new_figure(**sizes(box, view, area) | {"dpi": FILM_DPI})
+    box = figures.axes_box(contents)
+    figure = figures.new_figure(**figures.sizes(box, view, area) | {"dpi": FILM_DPI})
     axes = _prepared(figure, contents, box, view)
-    fill(axes, box, room_of(figure))
+    figures.fill(axes, box, figures.room_of(figure))
     bodies = places_of(contents.arms_at(*np.linspace(0.0, 1.0, LOOKS).tolist()), box)
     still = [obstacle for obstacle in contents.obstacles if not isinstance(obstacle, Moving)]
     walls = paint_walls(walls_of(still, box), *bodies, view)
@@ -289,25 +274,25 @@ def _moving(contents: Contents, view: Viewpoint, count: int, area: float) -> Ite
 
 def _turning(contents: Contents, view: Viewpoint, count: int, area: float) -> Iterator[Pixels]:
     """The viewer goes once around, as far away as is needed from the worst side."""
-    box = axes_box(contents)
+    box = figures.axes_box(contents)
     half = 0.5 * np.array([*np.full(2, np.hypot(*(box.high - box.low)[:2])), (box.high - box.low)[2]])
     around = Bounds(box.middle - half, box.middle + half)
-    figure = new_figure(**sizes(around, Viewpoint(view.elevation, 0.0), area) | {"dpi": FILM_DPI})
+    figure = figures.new_figure(**figures.sizes(around, Viewpoint(view.elevation, 0.0), area) | {"dpi": FILM_DPI})
     for turn in np.linspace(0.0, 360.0, count, endpoint=False).tolist():
         figure.clear()
         seen = Viewpoint(view.elevation, view.azimuth + turn)
         axes = _prepared(figure, contents, box, seen)
         axes.set_axis_off()
-        fill(axes, box, room_of(figure))
+        figures.fill(axes, box, figures.room_of(figure))
         draw_surfaces(axes, contents, box, seen)
         draw_lines(axes, contents, box)
         yield _pixels(figure)
 
 
 def _prepared(figure: Any, contents: Contents, box: Bounds, view: Viewpoint) -> Any:
-    axes = new_axes(figure)
-    set_bounds(axes, box, view)
-    draw_head(figure, contents, room_of(figure))
+    axes = figures.new_axes(figure)
+    figures.set_bounds(axes, box, view)
+    draw_head(figure, contents, figures.room_of(figure))
     return axes
 
 

@@ -82,7 +82,7 @@ import sys, time
 from sinuous.cli import journal
 from sinuous.cli.app import main
 from {module} import {kind}
-journal.EVERY = 0.05
+journal.WRITE_SECONDS = 0.05
 step = {kind}.{name}
 def slow(self, *arguments, **options):
     time.sleep({seconds})
@@ -155,7 +155,7 @@ def test_wherever_it_ends(command: list[str], tmp_path: Path, monkeypatch: pytes
         code, expected = whole(command, tmp_path)
     out = tmp_path / "out.jsonl"
     every = 0.0 if "plan" in command else 1.0  # also with chunks of one entry
-    monkeypatch.setattr(journal, "EVERY", every)
+    monkeypatch.setattr(journal, "WRITE_SECONDS", every)
     for ended in sorted({0, 1, steps.count // 2, steps.count - 1}):
         taken, got = 0, 130
         for most in (ended, 2, 10**9):
@@ -224,7 +224,7 @@ def interrupted(command: list[str], out: Path, most: int, *options: str) -> None
 def test_after_a_loss_of_power_what_is_broken_is_done_again(
     command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(journal, "EVERY", 0.0)
+    monkeypatch.setattr(journal, "WRITE_SECONDS", 0.0)
     out = tmp_path / "out.jsonl"
     interrupted(command, out, 5)
     chunk = tmp_path / "out.jsonl.parts" / "chunk-0000002.npz"
@@ -301,6 +301,6 @@ def test_what_cannot_be_read_is_refused_in_a_line(
 def test_nothing_is_left_where_nothing_was_interrupted(
     command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(journal, "EVERY", 0.0)
+    monkeypatch.setattr(journal, "WRITE_SECONDS", 0.0)
     assert main([*command[:2], "--out", str(tmp_path / "out.jsonl")]) == 0
     assert not list(tmp_path.glob("*.parts"))

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
+from benchmarks.places.meshed import CORNERS, FACES
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
@@ -24,25 +25,6 @@ from sinuous.statics.equilibrium import Equilibrium
 
 EXACT = 1e-12
 """Tolerances of answers and of their differences: mean lengths of the robot, rad."""
-
-CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-FACES = np.array(
-    [
-        [0, 1, 3],
-        [0, 3, 2],
-        [4, 6, 7],
-        [4, 7, 5],
-        [0, 4, 5],
-        [0, 5, 1],
-        [2, 3, 7],
-        [2, 7, 6],
-        [0, 2, 6],
-        [0, 6, 4],
-        [1, 5, 7],
-        [1, 7, 3],
-    ]
-)
-"""A cube of edge 1."""
 
 
 def solver_for(robot: Robot, scene: list[Obstacle]) -> Solver:
@@ -150,60 +132,39 @@ def at_actuators(rng: Generator) -> Solution:
     return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
 
 
-def _sphere(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return Sphere(p + (away + size) * normal, size)
+def _frame(z: Floats, rng: Generator) -> Floats:
+    x = unit(rng, z)
+    return np.column_stack([x, np.cross(z, x), z])
 
 
-def _hollow(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return Sphere(p + (away - 20.0 * size) * normal, 20.0 * size, inside=True)
-
-
-def _box(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return Box(p + (away + size) * normal, (2.0 * size, 2.0 * size, 2.0 * size), _frame(normal, rng))
+Place = Callable[[Floats, Floats, float, float, Generator], Obstacle]
+"""From a point, a normal, how far away, a size and random numbers to an obstacle that begins there."""
 
 
 def _edge(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
     turned = _frame(normal, rng) @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
     edges = (np.array([0.0, y, z]) @ turned.T for y in (size, -size) for z in (size, -size))
     least = min(edges, key=lambda edge: edge @ normal)
-    return Box(p + away * normal - least, (2.0 * size, 2.0 * size, 2.0 * size), turned)
+    return Box(p + away * normal - least, np.full(3, 2.0 * size), turned)
 
 
-def _cylinder(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    axis = unit(rng, normal)
-    return Cylinder(
-        p + (away + size) * normal - 3.0 * size * axis, p + (away + size) * normal + 3.0 * size * axis, size
-    )
+def _along(kind: type[Cylinder] | type[Capsule], half: float) -> Place:
+    def make(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+        middle, axis = p + (away + size) * normal, unit(rng, normal)
+        return kind(middle - half * size * axis, middle + half * size * axis, size)
+
+    return make
 
 
-def _capsule(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    axis = unit(rng, normal)
-    return Capsule(p + (away + size) * normal - size * axis, p + (away + size) * normal + size * axis, size)
-
-
-def _plane(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return HalfSpace(p + away * normal, -normal)
-
-
-def _mesh(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    frame = _frame(normal, rng)
-    return Mesh(p + (away + size) * normal + 2.0 * size * CORNERS @ frame.T, FACES)
-
-
-def _frame(z: Floats, rng: Generator) -> Floats:
-    x = unit(rng, z)
-    return np.column_stack([x, np.cross(z, x), z])
-
-
-OBSTACLES: dict[str, Callable[[Floats, Floats, float, float, Generator], Obstacle]] = {
-    "sphere": _sphere,
-    "inside": _hollow,
-    "box": _box,
+OBSTACLES: dict[str, Place] = {
+    "sphere": lambda p, n, away, size, _: Sphere(p + (away + size) * n, size),
+    "inside": lambda p, n, away, size, _: Sphere(p + (away - 20.0 * size) * n, 20.0 * size, inside=True),
+    "box": lambda p, n, away, size, rng: Box(p + (away + size) * n, np.full(3, 2.0 * size), _frame(n, rng)),
     "edge": _edge,
-    "cylinder": _cylinder,
-    "capsule": _capsule,
-    "half_space": _plane,
-    "mesh": _mesh,
+    "cylinder": _along(Cylinder, 3.0),
+    "capsule": _along(Capsule, 1.0),
+    "half_space": lambda p, n, away, _, rng: HalfSpace(p + away * n, -n),
+    "mesh": lambda p, n, away, size, rng: Mesh(p + (away + size) * n + 2.0 * size * CORNERS @ _frame(n, rng).T, FACES),
 }
 
 

@@ -7,7 +7,7 @@ from numpy.random import Generator
 
 from benchmarks.judges.kinematics import body_points
 from benchmarks.places.parts.surfaces import Surface, loft
-from benchmarks.problems.sets import in_ball
+from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.model.poses import least_rotation

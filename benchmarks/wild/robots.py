@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from benchmarks.judges.kinematics import bend_caps
 from benchmarks.judges.self_collision import surely_clear
-from benchmarks.problems.sets import in_ball
+from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
 from sinuous.model.actuators import Chambers, Tendons
 from sinuous.model.poses import pose

@@ -19,7 +19,7 @@ import benchmarks
 import sinuous
 from benchmarks.harness import conduct as harness
 from benchmarks.harness import journal, reference
-from benchmarks.harness.baseline import Comparison, Figure, compare, load
+from benchmarks.harness.baseline import Comparison, _kept, _line, compare, load
 from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
 from benchmarks.harness.experiment import Divided, Experiment, Findings, OfLines, Piece
 from benchmarks.harness.journal import Journal, code_version
@@ -157,7 +157,7 @@ def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str | None) -> 
     if content is not None:
         (tmp_path / "some.json").write_text(content)
     with pytest.raises(InputError, match=r"--against.*a file that --save-baseline wrote"):
-        load(tmp_path / "some.json", "--against")
+        load(tmp_path / "some.json", "--against", {})
 
 
 @pytest.mark.parametrize("plan", [Plan(1), Plan(0, quick=True)])
@@ -226,7 +226,7 @@ ALL = [TIME, RATE, RATIO, SHARE, FALSE, LEAK, EXTRA, PLACES]
 
 
 def against(before: list[Line], now: list[Line]) -> Comparison:
-    return compare([Figure.of(line) for line in before], now)
+    return compare([_line(json.loads(json_line(_kept(line)))) for line in before], now)
 
 
 def changed(line: Line, reached: float, **others: object) -> Line:
@@ -291,7 +291,7 @@ def test_figures_that_spread_may_change_by_more_and_the_best_round_counts() -> N
 def test_what_is_not_measured_any_more_is_missed() -> None:
     found = against([TIME, RATE], [TIME, RATIO])
     assert (found.worse, found.missing, found.new) == (True, ["clouds: updates"], ["rivals: faster than others"])
-    assert not compare([Figure.of(line) for line in (TIME, RATE)], [TIME], whole=False).worse
+    assert not compare([TIME, RATE], [TIME], whole=False).worse
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
-from benchmarks.places.meshed import CORNERS, FACES
+from benchmarks.places.scans import CORNERS, FACES
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError

@@ -8,12 +8,11 @@ from scipy.spatial import cKDTree
 
 from benchmarks.judges.kinematics import body_points
 from benchmarks.judges.motions import samples
+from benchmarks.places.cells import WALL as WALLS
+from benchmarks.places.cells import Cell, cell_around, common_wall, in_frame
 from benchmarks.places.parts.shapes import curve_of
 from benchmarks.places.parts.surfaces import WALL, open_tube, solid
-from benchmarks.places.traps.cells import WALL as WALLS
-from benchmarks.places.traps.cells import Cell, cell_around, in_frame
-from benchmarks.places.traps.doors import common_wall
-from benchmarks.places.traps.pipes import RINGS
+from benchmarks.places.tubes import RINGS
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import ConvexHull, cKDTree
 
-from benchmarks.places.parts.marching import around
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape, keeps_from_itself
-from benchmarks.places.parts.surfaces import Surface, solid
+from benchmarks.places.parts.surfaces import Surface, around, solid
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure

@@ -20,10 +20,10 @@ from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
 from sinuous.scene.scene import Scene
-from sinuous.studies.design.fields import Space
-from sinuous.studies.design.find import SOLVE_TIME, STARTS, design
-from sinuous.studies.design.judge import Judge
-from sinuous.studies.design.objectives import read_objectives
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.find import SOLVE_TIME, STARTS, design
+from sinuous.studies.designing.judge import Judge
+from sinuous.studies.designing.objectives import read_objectives
 from sinuous.studies.tasks.assess import assess
 from sinuous.studies.tasks.tasks import read_tasks
 

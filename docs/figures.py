@@ -80,7 +80,9 @@ def path_through_spheres() -> None:
     write_picture(IMAGES / "path_through_spheres.png", motion)
     shrink(IMAGES / "path_through_spheres.png", 0.67)
     view = best_view(gather([motion]))
-    sn.animate(motion, path=IMAGES / "path_through_spheres.gif", view=view, seconds=6, fps=15)
+    sn.view.animate(
+        motion, path=IMAGES / "path_through_spheres.gif", view=view, seconds=6, fps=15
+    )
 
 
 def first_steps() -> None:
@@ -100,7 +102,7 @@ def tendons() -> None:
     motion = sn.track(arm, positions=ring, start=sn.solve(arm, sn.Target(ring[0])))
     shape("tendons", motion)
     figure = new_figure(figsize=(6.4, 3.4), layout="constrained")
-    sn.diagram(motion, "actuators", ax=figure.add_subplot())
+    sn.view.diagram(motion, "actuators", ax=figure.add_subplot())
     save(figure, "tendons_actuators")
 
 
@@ -128,8 +130,8 @@ def clearance() -> None:
     )
     figure = new_figure(figsize=(10.4, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    sn.diagram(room, "clearance", ax=left)
-    sn.diagram(motion, "clearance map", ax=right)
+    sn.view.diagram(room, "clearance", ax=left)
+    sn.view.diagram(motion, "clearance map", ax=right)
     save(figure, "clearance")
 
 
@@ -140,7 +142,7 @@ def convergence() -> None:
     figure = new_figure(figsize=(10.4, 3.6), layout="constrained")
     for axes, method in zip(figure.subplots(1, 2), ("dls", "fabrikc"), strict=True):
         tight = sn.Tolerance(1e-6)
-        sn.diagram(
+        sn.view.diagram(
             sn.solve(arm, target, method=method, tolerance=tight), "convergence", ax=axes
         )
     save(figure, "convergence")

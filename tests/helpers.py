@@ -188,8 +188,8 @@ def refused(key: str, call: Callable[[], Any], *words: str) -> InputError:
     assert error.key == key, text
     assert "\n" not in text
     assert len(text) < 400
-    assert text.startswith(f"{key}: expected ")
-    assert ", got " in text
+    assert text.startswith(f"{key}: ")
+    assert ("expected " in text and ", got " in text) or "did you mean " in text
     for word in words:
         assert word in text
     return error

@@ -82,12 +82,15 @@ def test_every_public_name_is_in_the_reference() -> None:
         "".join(page.read_text(encoding="utf-8") for page in (DOCS / "reference").glob("*.md")),
         re.MULTILINE,
     )
-    assert sorted(name for name in listed if "." not in name) == sorted(n for n in sn.__all__ if n != "__version__")
+    public = {name for name in sn.__all__ if name != "__version__"}
+    for room in (sn.answer, sn.files, sn.methods, sn.studies, sn.view):
+        public |= {f"{room.__name__}.{name}" for name in room.__all__}
+    assert public <= set(listed)
     for name in listed:
         home, _, last = name.rpartition(".")
         assert isinstance(getattr(import_module(home or "sinuous"), last), object)
     methods = {options.rpartition(".")[2] for options in METHODS.values()}
-    assert {name.removeprefix("sinuous.methods.") for name in listed if ".methods." in name} == methods
+    assert methods == set(sn.methods.__all__) - {"Network", "train"}
 
 
 def test_pictures_are_made_by_one_command() -> None:
@@ -112,10 +115,7 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
     names: dict[str, Any] = {}
     exec(compile("import sinuous as sn\n" + "\n".join(blocks("format.md", "python")), "format.md", "exec"), names)
     assert names["again"].to_dict() == names["solution"].to_dict()
-    assert names["checked"].ok.shape == (2,)
-    assert len(names["reached"]) > 900
-    assert set(names["moved"].start) == {"given"}
-    np.testing.assert_allclose(names["q_measured"], names["q"], atol=1e-12)
+    assert sn.load("motion.json").equals(names["motion"])
     problem, motors, driven, moving = blocks("format.md", "yaml")
     Path("gate.csv").write_text("t,x,y,z\n0,0,90,0\n1,0,60,0\n", encoding="utf-8")
     Path("problem.yaml").write_text(moving + "robot: {segments: {length: 50}}\ntarget: {position: [0, 0, 50]}")

@@ -1,18 +1,58 @@
 """What `import sinuous` offers, and what it costs."""
 
+import ast
+import importlib
 import subprocess
 import sys
+from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 import sinuous as sn
+from tests.cases import with_each
+from tests.public import ENTRANCES
+
+MOVED = [(name, home) for home, names in sn._MOVED.items() for name in names.split()]  # type: ignore[attr-defined]
 
 
-def test_every_name_is_there() -> None:
-    for name in sn.__all__:
+@with_each("entrance", ENTRANCES)
+def test_every_name_is_there(entrance: ModuleType) -> None:
+    for name in set(entrance.__all__) - {"__version__"}:
+        assert getattr(entrance, name).__module__.startswith("sinuous.")  # and no import of the module itself
+        assert name in dir(entrance)
+
+
+@with_each("entrance", ENTRANCES)
+def test_type_checkers_see_the_same_names(entrance: ModuleType) -> None:
+    stub = ast.parse(Path(str(entrance.__file__)).with_suffix(".pyi").read_text(encoding="utf-8"))
+    imported = {(node.module, node.names[0].name) for node in stub.body if isinstance(node, ast.ImportFrom)}
+    names = {name for home, name in imported if home != "sinuous"}
+    assert names == set(entrance.__all__) - {"__version__"}
+    for home, name in imported:
+        assert getattr(importlib.import_module(str(home)), name) is getattr(entrance, name)
+
+
+@with_each(("name", "home"), MOVED)
+def test_a_name_that_has_moved_says_where_it_is(name: str, home: str) -> None:
+    with pytest.warns(DeprecationWarning, match=rf"^sinuous\.{name} is {home}\.{name} now$") as caught:
         value = getattr(sn, name)
-        assert name == "__version__" or value.__module__.startswith("sinuous.")  # and no import of the module itself
-        assert name in dir(sn)
+    assert value is getattr(importlib.import_module(home), name)
+    assert caught[0].filename == __file__
+
+
+def test_a_module_that_has_moved_says_where_it_is() -> None:
+    with pytest.warns(DeprecationWarning, match=r"sinuous\.robot(\.rates)? is sinuous\.model") as caught:
+        from sinuous.robot.rates import Changes  # type: ignore[import-not-found]
+    from sinuous.model.rates import Changes as New
+
+    assert Changes is New
+    assert caught[-1].filename == __file__
+    with pytest.warns(DeprecationWarning, match=r"sinuous\.errors is sinuous\.base\.errors now"):
+        import sinuous.errors  # type: ignore[import-not-found]
+    assert sinuous.errors.InputError is sn.InputError
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module("sinuous.teleport")
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:

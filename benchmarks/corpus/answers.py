@@ -37,8 +37,8 @@ ATTRIBUTES = {
 PLACES = ("robot", "scene", "problem", "motor")
 """What answers name of their questions, beside what was found."""
 
-CLOCKED = ("seconds", "prepare_seconds")
-"""What no two runs have in common."""
+CLOCKED = ("seconds", "prepare_seconds", "version")
+"""What no two runs, or versions, have in common."""
 
 WORDS = ("sentence", "misses", "untried", "notes", "note", "words", "deciding")
 """Keys of what is said in words, and may be said in others."""

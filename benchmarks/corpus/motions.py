@@ -155,17 +155,11 @@ def _led(curve: Any, load: dict[str, Any], gap: float | None) -> Any:
 
 
 def steps() -> Iterator[Problem]:
-    """Control loops of some ticks with a twist, a target, or measurements, while a ball comes near; also under load."""
+    """Control loops of some ticks with a twist, a target, or measurements, while a ball comes near."""
     for number in range(80):
         world = audit.units(5, number)
         yield Problem(
             f"{number}", partial(_ticks, world.robot, world.scene, world.hidden[0], world.targets[-1], number)
-        )
-    for number in range(20):
-        hanging = audit.loaded(1, number)
-        yield Problem(
-            f"under load {number}",
-            partial(_ticks, hanging.robot, hanging.scene, hanging.hidden[0], hanging.targets[-1], number),
         )
     for number in range(120):
         rng = np.random.default_rng([73, number])
@@ -180,7 +174,7 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
     live = sn.Scene([sn.Sphere(far, 0.1 * unit, name="ball"), *scene.obstacles]) if ball else scene
     rates = sn.Rates(*(rng.uniform(0.1, 3.0, 2) * (1.0, unit))) if number % 2 else None
     solver, kind = sn.Solver(robot, live, time=TIME, max_starts=4), number % 3
-    found: list[sn.Step] = []
+    found: list[sn.answer.Step] = []
     for _ in range(6):
         if ball:
             body = robot.backbone(found[-1].q if found else q)

@@ -27,8 +27,8 @@ def calibrations() -> Iterator[Problem]:
         rows = rows_of(robot, f"{name}_train")
         given = rows.actuators[::40], rows.measured[::40]
         for fit in (["offsets"], ["lengths", "angles"], ["stretch", "offsets", "circles"]):
-            yield Problem(f"{name}: {', '.join(fit)}", partial(sn.calibrate, robot, *given, fit=fit))
-        yield Problem(f"{name}: by choice", partial(sn.calibrate, robot, *(each[::3] for each in given)))
+            yield Problem(f"{name}: {', '.join(fit)}", partial(sn.studies.calibrate, robot, *given, fit=fit))
+        yield Problem(f"{name}: by choice", partial(sn.studies.calibrate, robot, *(each[::3] for each in given)))
     for number in range(16):
         rng = np.random.default_rng([81, number])
         drive: Any = sn.Tendons(3, radius=4.0) if number % 2 else sn.Chambers(3, radius=4.0)
@@ -40,11 +40,11 @@ def calibrations() -> Iterator[Problem]:
     for i in range(4):
         tendons = sn.Tendons(3, radius=4.0, displacement=(-8.0, 8.0))
         arm = sn.Robot.uniform(2 + i % 2, 60.0, max_bend=1.6, radius=5.0, tendons=tendons)
-        yield Problem(f"suggested {i}", partial(sn.suggest, arm, 5 + i, seed=i))
+        yield Problem(f"suggested {i}", partial(sn.studies.suggest, arm, 5 + i, seed=i))
 
 
 def _calibrated(robot: sn.Robot, shapes: Any, off: Any) -> Any:
-    found = sn.calibrate(robot, robot.to_actuators(shapes), robot.tip(shapes)[:, :3, 3] + off)
+    found = sn.studies.calibrate(robot, robot.to_actuators(shapes), robot.tip(shapes)[:, :3, 3] + off)
     some = robot.to_actuators(shapes[:5]), robot.tip(shapes[:5])[:, :3, 3]
     return found, found.bound(), found.predict(some[0]), found.for_motion(*some).to_dict()
 
@@ -53,7 +53,9 @@ def designs() -> Iterator[Problem]:
     """Robots for tasks: of every objective, and two at once."""
     for number in range(6):
         asked = problem(number, np.random.default_rng([82, number]))
-        ask = partial(sn.design, asked.template, asked.tasks[:3], asked.scene, vary=asked.vary, robots=10, budget=600.0)
+        ask = partial(
+            sn.studies.design, asked.template, asked.tasks[:3], asked.scene, vary=asked.vary, robots=10, budget=600.0
+        )
         yield Problem(asked.name, partial(ask, minimise=asked.minimise, workers=1, **BUDGET))
         if number < 2:
             yield Problem(f"{asked.name}, and bend", partial(ask, minimise=("clearance", "bend"), workers=1, **BUDGET))
@@ -65,20 +67,27 @@ def assessments() -> Iterator[Problem]:
         asked = problem(number, np.random.default_rng([83, number]))
         if len(asked.tasks) < TASKS:
             continue
-        robots = sn.sweep(asked.template, {"segments.length": [90.0, 110.0], "radius": [3.0, 4.0]})
+        robots = sn.studies.sweep(asked.template, {"segments.length": [90.0, 110.0], "radius": [3.0, 4.0]})
         tasks = {
             "one": asked.tasks[0],
-            "path": sn.Follow(asked.tasks[1:4]),
-            "all": sn.Cover(asked.tasks[4:TASKS], share=0.5),
+            "path": sn.studies.Follow(asked.tasks[1:4]),
+            "all": sn.studies.Cover(asked.tasks[4:TASKS], share=0.5),
         }
-        yield Problem(asked.name, partial(sn.assess, robots, tasks, asked.scene, **BUDGET))
+        yield Problem(asked.name, partial(sn.studies.assess, robots, tasks, asked.scene, **BUDGET))
     for number in range(30):
         rng = np.random.default_rng([84, number])
         robot = odd.robot(rng)
         scene, target = odd.scene(robot, rng), odd.target(robot, rng)
         yield Problem(
             f"odd {number}",
-            partial(sn.assess, robot, {"one": target, "path": sn.Follow([target])}, scene, time=20.0, max_starts=2),
+            partial(
+                sn.studies.assess,
+                robot,
+                {"one": target, "path": sn.studies.Follow([target])},
+                scene,
+                time=20.0,
+                max_starts=2,
+            ),
         )
 
 
@@ -91,7 +100,7 @@ def maps() -> Iterator[Problem]:
 
 
 def _map(robot: sn.Robot, scene: sn.Scene, spacing: float) -> Any:
-    found = sn.reach(robot, scene, spacing=spacing, directions=6, time=20.0, max_starts=2, workers=2)
+    found = sn.studies.reach(robot, scene, spacing=spacing, directions=6, time=20.0, max_starts=2, workers=2)
     return found, found.share, found.volume(), found.blame()
 
 
@@ -100,7 +109,9 @@ def batches() -> Iterator[Problem]:
     for number in range(10):
         world = worlds.make(7, number)
         positions = world.robot.tip(world.hidden)[:, :3, 3]
-        ask = partial(sn.solve_batch, world.robot, {"positions": positions}, world.scene, chunk=8, workers=2, **BUDGET)
+        ask = partial(
+            sn.studies.solve_batch, world.robot, {"positions": positions}, world.scene, chunk=8, workers=2, **BUDGET
+        )
         yield Problem(f"{number}", ask)
         yield Problem(f"{number} warm", partial(ask, warm=True))
         for kind in ("npz", "csv"):
@@ -126,7 +137,7 @@ def memories() -> Iterator[Problem]:
 
 
 def _remembered(world: worlds.World) -> Any:
-    found = sn.explore(world.robot, world.scene, rounds=2, workers=1, time=600.0, max_starts=4)
+    found = sn.studies.explore(world.robot, world.scene, rounds=2, workers=1, time=600.0, max_starts=4)
     with TemporaryDirectory() as folder:
         found.memory.save(Path(folder) / "arm.memory")
         memory = sn.Memory.load(Path(folder) / "arm.memory")
@@ -144,7 +155,7 @@ def learned() -> Iterator[Problem]:
 
 
 def _learned(robot: sn.Robot, seed: int) -> Any:
-    network = sn.train(robot, samples=300, width=16, rounds=3, seed=seed)
+    network = sn.methods.train(robot, samples=300, width=16, rounds=3, seed=seed)
     rng = np.random.default_rng([85, seed])
     targets = [sn.Target(place) for place in rng.uniform((-60, -60, 100), (60, 60, 160), (20, 3))]
     method = sn.methods.Learned(network=network)

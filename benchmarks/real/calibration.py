@@ -45,7 +45,7 @@ def off(robot: sn.Robot, rows: Measured) -> Floats:
     return result
 
 
-def within_of_some(found: sn.Calibration, rows: Measured, errors: Floats) -> float:
+def within_of_some(found: sn.studies.Calibration, rows: Measured, errors: Floats) -> float:
     """Percent of rows (N,) of a motion within the bound of some of it, the mean of all ways to spread these."""
     step, shares = max(2, len(errors) // OF_IT), []
     for first in range(step):
@@ -61,9 +61,9 @@ def fitted(name: str, plan: Plan) -> Iterator[Line]:
     robot = robot_of(name)
     length, rows = robot.mean_length, rows_of(robot, f"{name}_train")
     groups = rows.groups or ()
-    sn.calibrate(robot, rows.actuators[:60], rows.measured[:60])  # kernels are loaded
+    sn.studies.calibrate(robot, rows.actuators[:60], rows.measured[:60])  # kernels are loaded
     began = perf_counter()
-    own = sn.calibrate(robot, rows.actuators, rows.measured, groups=groups)
+    own = sn.studies.calibrate(robot, rows.actuators, rows.measured, groups=groups)
     where = f"{name}, {len(groups)} rows, {own.drawn.mean_length:g} mm"
     yield Line(where, "a fit that chooses its parameters", perf_counter() - began, "s", Goal(5.0), noise=1.0)
     yield Line(where, "mean error of the tip, fitted rows", 100.0 * off(own.robot, rows).mean() / length, "%")
@@ -72,7 +72,7 @@ def fitted(name: str, plan: Plan) -> Iterator[Line]:
     for family in FAMILIES[: plan.count(len(FAMILIES), 1)]:
         other = np.array([family not in label for label in groups])
         labels = [label for label, kept in zip(groups, other, strict=True) if kept]
-        part = sn.calibrate(robot, rows.actuators[other], rows.measured[other], groups=labels)
+        part = sn.studies.calibrate(robot, rows.actuators[other], rows.measured[other], groups=labels)
         held = Measured(rows.actuators[~other], rows.measured[~other], None)
         errors.append(off(part.robot, held))
         bounds.append(errors[-1] <= part.bound())

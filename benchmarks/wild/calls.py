@@ -231,7 +231,9 @@ def _follow(robot: Robot, scene: Scene, rng: Generator) -> None:
 
 def _reach(robot: Robot, scene: Scene, rng: Generator) -> None:
     unit = odd.size(robot)
-    found = sn.reach(robot, scene, spacing=0.9 * unit, directions=int(rng.choice([1, 6])), time=0.002, workers=1)
+    found = sn.studies.reach(
+        robot, scene, spacing=0.9 * unit, directions=int(rng.choice([1, 6])), time=0.002, workers=1
+    )
     str(found), repr(found)
 
 
@@ -276,15 +278,15 @@ def _shape_under_load(robot: Robot, scene: Scene, rng: Generator) -> None:
 
 
 def _assess(robot: Robot, scene: Scene, rng: Generator) -> None:
-    tasks = {"one": odd.target(robot, rng), "path": sn.Follow([odd.target(robot, rng) for _ in range(2)])}
-    found = sn.assess([robot, robot], tasks, scene, time=0.01)
+    tasks = {"one": odd.target(robot, rng), "path": sn.studies.Follow([odd.target(robot, rng) for _ in range(2)])}
+    found = sn.studies.assess([robot, robot], tasks, scene, time=0.01)
     str(found), repr(found)
 
 
 def _calibrate(robot: Robot, scene: Scene, rng: Generator) -> None:
     shapes = np.stack([odd.shape(robot, rng) for _ in range(int(rng.choice([1, 5, 30])))])
     measured = robot.tip(shapes)[:, :3, 3] + 1e-3 * odd.size(robot) * rng.normal(size=(len(shapes), 3))
-    found = sn.calibrate(robot, robot.to_actuators(shapes), measured)
+    found = sn.studies.calibrate(robot, robot.to_actuators(shapes), measured)
     str(found), repr(found), str(found.explain())
     del scene
 
@@ -294,7 +296,7 @@ def _design(robot: Robot, scene: Scene, rng: Generator) -> None:
     vary = {"base.position[2]": (-0.1 * size, 0.1 * size)}
     if rng.random() < 0.5:
         vary = {"segments[0].radius": (0.0, 0.01 * size)}
-    found = sn.design(
+    found = sn.studies.design(
         robot, [odd.target(robot, rng)], scene, vary=vary, minimise="length", robots=4, budget=0.1, time=0.01
     )
     str(found), repr(found)
@@ -303,7 +305,7 @@ def _design(robot: Robot, scene: Scene, rng: Generator) -> None:
 def _remember(robot: Robot, scene: Scene, rng: Generator) -> None:
     """Explore for a moment, keep it in a file, and solve and plan with it."""
     options = {**_options(robot, rng), "time": 0.02}
-    found = sn.explore(robot, scene, rounds=1, workers=1, **options)
+    found = sn.studies.explore(robot, scene, rounds=1, workers=1, **options)
     str(found), repr(found)
     with tempfile.TemporaryDirectory() as folder:
         found.memory.save(Path(folder) / "arm.memory")
@@ -316,7 +318,7 @@ def _batch(robot: Robot, scene: Scene, rng: Generator) -> None:
     places = robot.base[:3, 3] + odd.size(robot) * rng.normal(size=(5, 3))
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / f"out.{rng.choice(['npz', 'csv'])}"
-        found = sn.solve_batch(robot, {"positions": places}, scene, out, workers=1, **_options(robot, rng))
+        found = sn.studies.solve_batch(robot, {"positions": places}, scene, out, workers=1, **_options(robot, rng))
         str(found), repr(found)
         assert out.exists(), "nothing was written"
 

@@ -1,34 +1,85 @@
 """Inverse kinematics and motion of continuum robots among obstacles.
 
-Names are imported when they are first used, so that `import sinuous` costs next to nothing. Those that users type, and
-their modules, are listed in the stub beside this file, which type checkers read, too. The options of methods are in
-`sinuous.methods`; classes that are only returned are in their modules, like `sinuous.model.rates.Changes`.
+What everybody needs is here; the rest is in `sinuous.studies` (what asks the solver many times), `sinuous.methods`,
+`sinuous.view` (pictures), `sinuous.files` and `sinuous.answer`.
 """
 
-import pathlib
-import re
+import sys
 from importlib import import_module
 from typing import Any
 
+from sinuous.base.entrance import MovedModules, entrance
 from sinuous.base.notebook import NotebookMixin
 
 __version__ = "0.2.0"
 
-_STUB = pathlib.Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-_HOME = {name: home for home, name in re.findall(r"^from (sinuous\.\S+) import (\w+)", _STUB, re.MULTILINE)}
+_HOMES = {
+    "sinuous.answer.solution": "Solution",
+    "sinuous.answer.solutions": "Solutions",
+    "sinuous.answer.status": "Status",
+    "sinuous.answer.verification": "check",
+    "sinuous.base.errors": "InputError NotSolvedError SuspiciousInput",
+    "sinuous.model.actuators": "Actuators Chambers Stage Tendons",
+    "sinuous.model.loads": "Force Payload",
+    "sinuous.model.poses": "pose",
+    "sinuous.model.rates": "Rates",
+    "sinuous.model.robot": "Robot Uncertainty",
+    "sinuous.model.segment": "Segment Stiffness arc_parameters from_arc_parameters",
+    "sinuous.motion.job": "Job load",
+    "sinuous.motion.leader": "follow_the_leader on_stage",
+    "sinuous.motion.motion": "Motion",
+    "sinuous.motion.plan": "Planner plan",
+    "sinuous.motion.track": "track",
+    "sinuous.motion.trajectory": "Trajectory",
+    "sinuous.problem.curve": "Curve",
+    "sinuous.problem.path": "Path",
+    "sinuous.problem.problem": "Preferences Problem",
+    "sinuous.problem.target": "Target Tolerance",
+    "sinuous.scene.grids": "Field Grid",
+    "sinuous.scene.meshes.mesh": "Mesh",
+    "sinuous.scene.moving": "Moving",
+    "sinuous.scene.obstacles": "Box Capsule Cylinder HalfSpace Sphere",
+    "sinuous.scene.point_cloud": "PointCloud",
+    "sinuous.scene.scene": "Scene",
+    "sinuous.solver.memory": "Memory",
+    "sinuous.solver.solver": "Solver solve solve_all",
+    "sinuous.statics.equilibrium": "Equilibrium",
+    "sinuous.view.page.show": "show",
+    "sinuous.view.pictures.plot": "plot",
+}
 
-__all__ = [*_HOME, "__version__"]  # noqa: PLE0604
+_MOVED = {
+    "sinuous.answer": "Explanation Step Verification",
+    "sinuous.methods": "Network train",
+    "sinuous.studies": "Assessment Calibration Cover Design Exploration Follow Move Reach UnfinishedError "
+    "assess calibrate design explore reach solve_batch suggest sweep",
+    "sinuous.view": "animate diagram plot_assessment plot_calibration plot_design plot_reach",
+}
 
+_MOVED_MODULES = {
+    "sinuous.arguments": "sinuous.base.arguments",
+    "sinuous.assessing": "sinuous.studies.tasks",
+    "sinuous.batch": "sinuous.studies.batch",
+    "sinuous.calibration": "sinuous.studies.calibration",
+    "sinuous.derivatives": "sinuous.answer.derivatives",
+    "sinuous.designing": "sinuous.studies.designing",
+    "sinuous.display": "sinuous.view.display",
+    "sinuous.errors": "sinuous.base.errors",
+    "sinuous.exploring": "sinuous.studies.exploring",
+    "sinuous.export": "sinuous.files",
+    "sinuous.export.chain": "sinuous.files.joint_chain",
+    "sinuous.pictures": "sinuous.view.pictures",
+    "sinuous.poses": "sinuous.model.poses",
+    "sinuous.robot": "sinuous.model",
+    "sinuous.solution": "sinuous.answer",
+    "sinuous.solving": "sinuous.solver",
+    "sinuous.workspace": "sinuous.studies.workspace",
+}
 
-def __getattr__(name: str) -> Any:
-    if name in ("files", "methods"):
-        return import_module(f"sinuous.{name}")
-    if name not in _HOME:
-        raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
-    value = getattr(import_module(_HOME[name]), name)
-    import_module("sinuous.base.signatures").make_readable(value)
-    globals()[name] = value
-    return value
+__getattr__, __dir__, __all__ = entrance(__name__, _HOMES, "answer files methods studies view", _MOVED)
+__all__ += ["__version__"]
+
+sys.meta_path.insert(0, MovedModules(_MOVED_MODULES))
 
 
 def _html(noun: Any) -> str:
@@ -36,7 +87,3 @@ def _html(noun: Any) -> str:
 
 
 NotebookMixin._html_renderer = _html
-
-
-def __dir__() -> list[str]:
-    return sorted([*__all__, "files", "methods"])

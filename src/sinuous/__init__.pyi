@@ -1,20 +1,17 @@
-"""What `import sinuous` offers: `__init__.py` reads here which module has a name, and type checkers which type."""
+"""The names of `__init__.py` for type checkers."""
 
+from sinuous import answer as answer
 from sinuous import files as files
 from sinuous import methods as methods
-from sinuous.answer.explanation import Explanation as Explanation
+from sinuous import studies as studies
+from sinuous import view as view
 from sinuous.answer.solution import Solution as Solution
 from sinuous.answer.solutions import Solutions as Solutions
 from sinuous.answer.status import Status as Status
-from sinuous.answer.step import Step as Step
-from sinuous.answer.verification import Verification as Verification
 from sinuous.answer.verification import check as check
 from sinuous.base.errors import InputError as InputError
 from sinuous.base.errors import NotSolvedError as NotSolvedError
 from sinuous.base.errors import SuspiciousInput as SuspiciousInput
-from sinuous.base.errors import UnfinishedError as UnfinishedError
-from sinuous.methods.learned.network import Network as Network
-from sinuous.methods.learned.training import train as train
 from sinuous.model.actuators import Actuators as Actuators
 from sinuous.model.actuators import Chambers as Chambers
 from sinuous.model.actuators import Stage as Stage
@@ -60,30 +57,8 @@ from sinuous.solver.solver import Solver as Solver
 from sinuous.solver.solver import solve as solve
 from sinuous.solver.solver import solve_all as solve_all
 from sinuous.statics.equilibrium import Equilibrium as Equilibrium
-from sinuous.studies.batch.solve import solve_batch as solve_batch
-from sinuous.studies.calibration.calibrate import calibrate as calibrate
-from sinuous.studies.calibration.calibrate import suggest as suggest
-from sinuous.studies.calibration.calibration import Calibration as Calibration
-from sinuous.studies.design.design import Design as Design
-from sinuous.studies.design.find import design as design
-from sinuous.studies.exploring.explore import Exploration as Exploration
-from sinuous.studies.exploring.explore import explore as explore
-from sinuous.studies.tasks.assess import Assessment as Assessment
-from sinuous.studies.tasks.assess import assess as assess
-from sinuous.studies.tasks.sweep import sweep as sweep
-from sinuous.studies.tasks.tasks import Cover as Cover
-from sinuous.studies.tasks.tasks import Follow as Follow
-from sinuous.studies.tasks.tasks import Move as Move
-from sinuous.studies.workspace.find import reach as reach
-from sinuous.studies.workspace.reach import Reach as Reach
 from sinuous.view.page.show import show as show
-from sinuous.view.pictures.animate import animate as animate
-from sinuous.view.pictures.charts import plot_assessment as plot_assessment
-from sinuous.view.pictures.charts import plot_calibration as plot_calibration
-from sinuous.view.pictures.charts import plot_design as plot_design
-from sinuous.view.pictures.diagrams import diagram as diagram
 from sinuous.view.pictures.plot import plot as plot
-from sinuous.view.pictures.workspace import plot_reach as plot_reach
 
 __version__: str
 __all__: list[str]

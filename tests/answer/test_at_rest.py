@@ -5,8 +5,8 @@ import pytest
 import scipy.optimize
 
 from sinuous import Problem, Robot, Target, pose
-from sinuous.answer.at_rest import at_rest
 from sinuous.answer.constraints import limits_of
+from sinuous.answer.descent_within_limits import descend_within_limits
 from sinuous.answer.least_distance import nonnegative_least_squares
 from sinuous.answer.residual import residual_of
 from tests.cases import with_each
@@ -25,7 +25,7 @@ def test_it_is_no_farther_and_within_the_limits(seed: int, unit: float) -> None:
     place = random_pose(rng)
     problem = Problem(robot, Target(5.0 * unit * place[:3, 3], direction=place[:3, 2]))
     before = shape(rng, 4) * [0.5, 0.5, unit]
-    after = at_rest(problem, before)
+    after = descend_within_limits(problem, before)
     assert all(limit.slack >= -1e-9 * unit for limit in limits_of(robot, after))
     assert np.linalg.norm(residual_of(problem, after).value) <= np.linalg.norm(residual_of(problem, before).value)
 
@@ -38,7 +38,7 @@ def test_the_last_digits_are_no_trouble(seed: int, off: float, segments: int) ->
     robot, q = Robot.uniform(segments, (0.5, 1.0), 2.5), shape(rng, segments)
     tip = robot.tip(q + off * rng.normal(size=q.shape))
     problem = Problem(robot, Target(tip[:3, 3], rotation=tip[:3, :3]))
-    misses = np.linalg.norm(residual_of(problem, at_rest(problem, q)).value)
+    misses = np.linalg.norm(residual_of(problem, descend_within_limits(problem, q)).value)
     assert misses <= np.linalg.norm(residual_of(problem, q).value)
 
 

@@ -34,7 +34,7 @@ def test_a_right_answer_is_accepted() -> None:
 
 def test_obstacles_that_move_are_refused() -> None:
     ball = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.3), [0, 1], [(2, 0, 1), (0.5, 0, 1)])
-    with pytest.raises(sn.InputError, match=r"scene: expected the scene at one time"):
+    with pytest.raises(sn.InputError, match=r"scene: sphere\[0\] moves; expected the scene at one time"):
         sn.check(ROBOT, Q, [ball])
 
 

@@ -21,8 +21,9 @@ from sinuous.problem.problem import ProblemArguments
 from sinuous.problem.target import TargetArguments
 from sinuous.solver.options import SolveArguments, SolveOptions
 from tests.cases import with_each
+from tests.public import public_names
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 CODE = ROOT / "tests" / "user_code"
 
 CACHE = ROOT / ".mypy_cache" / "user_code"
@@ -63,8 +64,7 @@ RETURN_ANYTHING = {"load", "check"}
 
 def callables() -> Iterator[tuple[str, Any]]:
     """Functions that users call: constructors and methods of public classes, and public functions."""
-    for name in sn.__all__:
-        noun = getattr(sn, name)
+    for name, noun in public_names():
         if inspect.isclass(noun):
             yield name, noun.__init__
             for key, member in vars(noun).items():

@@ -166,7 +166,9 @@ def test_a_segment_may_be_named_wherever_one_is_asked_for() -> None:
     assert carrying.payload[0].segment == 2
     job = sn.Job(NAMED, path=[ELBOW])
     assert job.waypoints[0][0].segment == 2
-    assert [r.segments[2].max_bend for r in sn.sweep(NAMED, {"segments[wrist].max_bend": [1, 1.5]}).values()] == [
+    assert [
+        r.segments[2].max_bend for r in sn.studies.sweep(NAMED, {"segments[wrist].max_bend": [1, 1.5]}).values()
+    ] == [
         1,
         1.5,
     ]
@@ -174,19 +176,21 @@ def test_a_segment_may_be_named_wherever_one_is_asked_for() -> None:
 
 def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:
     solver, wrong = sn.Solver(NAMED), ELBOW.changed(segment="elbw")
-    words = "expected elbow (or one of shoulder, wrist), got 'elbw' (no segment has this name)"
+    words = "no segment is called 'elbw'; did you mean 'elbow'?"
     refused("target.segment", lambda: solver.solve(wrong), words)
     refused("targets[1].segment", lambda: solver.solve_many([ELBOW, wrong]), words)
     refused("segment", lambda: NAMED.jacobian(Q, "elbw"), words)
     refused("clearance", lambda: sn.solve(NAMED, ELBOW, clearance={"elbw": 1}), words)
     refused("clearance.wrist", lambda: sn.solve(NAMED, ELBOW, clearance={"wrist": -1}), "at least 0")
     refused("payload.segment", lambda: NAMED.changed(payload=sn.Payload(1, segment="elbw")), words)
-    refused("fields['segments[elbw].radius']", lambda: sn.sweep(NAMED, {"segments[elbw].radius": [1]}), "or one of")
+    refused(
+        "fields['segments[elbw].radius']", lambda: sn.studies.sweep(NAMED, {"segments[elbw].radius": [1]}), "or one of"
+    )
 
 
 def test_numbers_that_are_no_position_are_refused_as_a_whole() -> None:
     refused("target", lambda: sn.solve(NAMED, (1, 2)), "a position of 3 numbers, a pose (4, 4), a Target")
-    refused("target", lambda: sn.solve(NAMED, (1, 2, 3, 4)), "(not 3 numbers)")
+    refused("target", lambda: sn.solve(NAMED, (1, 2, 3, 4)), "not 3 numbers; ")
     place: Any = (0, 0, 150)
     refused("targets", lambda: sn.track(NAMED, place), "a list of targets")
     wrong: Any = "room.yaml"

@@ -17,7 +17,7 @@ from sinuous.answer.step import Active
 from sinuous.answer.worst import Worst
 from sinuous.base.reprs import LONGEST, text
 from sinuous.files.joint_chain import JointChain
-from sinuous.studies.design.design import Design
+from sinuous.studies.designing.design import Design
 from sinuous.studies.workspace.reach import Verdict
 from tests.cases import with_each
 from tests.helpers import refused
@@ -47,11 +47,11 @@ def objects() -> list[Any]:
         sn.Chambers(angles=np.arange(9.0), radius=0.123456789, names=[f"{LONG} {i}" for i in range(9)]),
         sn.Tendons(3, 0.1, displacement=(-0.1, 0.2)),
         sn.Uncertainty(0.2),
-        sn.calibrate(DRAWN, SETTINGS, DRAWN.tip(DRAWN.from_actuators(SETTINGS))[:, :3, 3], fit=["base"]),
+        sn.studies.calibrate(DRAWN, SETTINGS, DRAWN.tip(DRAWN.from_actuators(SETTINGS))[:, :3, 3], fit=["base"]),
         sn.Stage(40.0, 1 / 3, LONG, LONG),
         sn.Memory(ROBOT),
-        sn.Exploration(sn.Memory(ROBOT), 0.1, False, 1.0),
-        sn.Cover([sn.Target((0, 0, 1))] * 9, 0.5),
+        sn.studies.Exploration(sn.Memory(ROBOT), 0.1, False, 1.0),
+        sn.studies.Cover([sn.Target((0, 0, 1))] * 9, 0.5),
         Design(("length",), (), None, (), (), 12345, 3, 4, 1.5),
         sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),
         *(SCENE, SCENE.snapshot()),
@@ -85,12 +85,12 @@ def objects() -> list[Any]:
         ),
         *(
             sn.Rates(1.0) * 0.1,
-            sn.Follow([TARGET]),
-            sn.Move(TARGET),
-            sn.assess(ROBOT, [TARGET]),
-            sn.solve_batch(ROBOT, np.eye(3)),
+            sn.studies.Follow([TARGET]),
+            sn.studies.Move(TARGET),
+            sn.studies.assess(ROBOT, [TARGET]),
+            sn.studies.solve_batch(ROBOT, np.eye(3)),
         ),
-        *(sn.reach(ROBOT, spacing=24, directions=6), Verdict.SOLVED, sn.UnfinishedError("no room")),
+        *(sn.studies.reach(ROBOT, spacing=24, directions=6), Verdict.SOLVED, sn.studies.UnfinishedError("no room")),
         *(sn.Force((0, 0, -0.3)), sn.Payload(0.1), soft := sn.Stiffness(1.0)),
         sn.Robot.uniform(2, 1.0, stiffness=soft).shape([[0.1, 0.0, 1.0]] * 2, sn.Force((0, 0.1, 0))),
         Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
@@ -109,7 +109,7 @@ def objects() -> list[Any]:
             methods.MonteCarlo(),
             methods.Slinki(),
             methods.Learned(),
-            sn.Network(ROBOT, [[np.zeros((k, 3 * len(ROBOT)))] for k in (4, 7, 13)]),
+            sn.methods.Network(ROBOT, [[np.zeros((k, 3 * len(ROBOT)))] for k in (4, 7, 13)]),
         ),
         *(WRONG, sn.NotSolvedError("stalled: no", solution), sn.SuspiciousInput("odd")),
     ]

@@ -32,27 +32,3 @@ def test_it_fits_a_payload_and_bounds_a_motion(tmp_path: Path, capsys: pytest.Ca
     assert written["uncertainty"]["bound"] == pytest.approx(1.0, rel=1e-6)
     assert main([*asked[:-2], "--frame", "camera"]) == 2
     assert "--frame: expected base or device" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("file", "measured", "told"),
-    [
-        ("none.yaml", "rows.csv", "none.yaml: file: expected the name of a file that can be read"),
-        ("arm.yaml", "none.csv", "none.csv: file: expected the name of a file that can be read"),
-        ("itself.yaml", "rows.csv", "itself.yaml: "),
-    ],
-)
-def test_files_that_are_no_robot_or_not_there_are_refused_by_name(
-    file: str,
-    measured: str,
-    told: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    sn.Robot.uniform(1, 0.1, max_bend=1.0, tendons=sn.Tendons(3, 0.005)).save("arm.yaml")
-    Path("itself.yaml").write_text("robot: itself.yaml\n", encoding="utf-8")
-    assert main(["calibrate", file, measured]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(told)

@@ -156,7 +156,7 @@ def test_wherever_it_ends(command: list[str], tmp_path: Path, monkeypatch: pytes
     out = tmp_path / "out.jsonl"
     every = 0.0 if "plan" in command else 1.0  # also with chunks of one entry
     monkeypatch.setattr(journal, "EVERY", every)
-    for ended in sorted({0, 1, 2, *range(5, steps.count, 12), steps.count - 1}):
+    for ended in sorted({0, 1, steps.count // 2, steps.count - 1}):
         taken, got = 0, 130
         for most in (ended, 2, 10**9):
             with monkeypatch.context() as patch:
@@ -174,7 +174,7 @@ def test_wherever_it_ends(command: list[str], tmp_path: Path, monkeypatch: pytes
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a process alone")
 @pytest.mark.parametrize(
     ("command", "seconds", "end"),
-    [("track", 0.05, signal.SIGKILL), ("plan", 0.3, signal.SIGINT)],
+    [("track", 0.05, signal.SIGINT), ("plan", 0.3, signal.SIGKILL)],
     indirect=["command"],
 )
 def test_a_real_end(
@@ -277,7 +277,7 @@ def test_another_problem_is_refused(
     job.save(tmp_path / "0.yaml")
     capsys.readouterr()
     assert main([*command, "--out", str(out)]) == 2
-    assert f"0.yaml: {key}: expected " in capsys.readouterr().err
+    assert f"0.yaml: {key}: it has changed since this command began; expected " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["plan"], indirect=True)

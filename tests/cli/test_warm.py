@@ -62,7 +62,7 @@ def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkey
     assert capsys.readouterr().err == "sinuous: interrupted after 1 of 2; what is compiled stays so\n"
 
 
-def test_methods_are_chosen_by_name(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_methods_are_chosen_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str, ...]] = []
 
     def steps(methods: Iterable[str]) -> list[WarmStep]:
@@ -72,8 +72,6 @@ def test_methods_are_chosen_by_name(capsys: pytest.CaptureFixture[str], monkeypa
     monkeypatch.setattr(warm, "steps", steps)
     assert main(["warm", "--method", "dls", "--method", "newton"]) == 0
     assert asked == [("dls", "newton")]
-    assert main(["warm", "--method", "magic"]) == 2
-    assert capsys.readouterr().err.startswith("--method: expected one of newton, ")
 
 
 def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,8 +101,6 @@ def test_the_store_is_shown_and_emptied(
     assert main(["warm", "--clear"]) == 0
     assert capsys.readouterr().out == f"2 compiled kernels removed from {tmp_path}\n"
     assert [file.name for file in tmp_path.iterdir()] == ["lock"]
-    assert main(["warm", "--clear", "--where"]) == 2
-    assert "--where: expected one of --where, --clear, got" in capsys.readouterr().err
 
 
 def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,4 +116,3 @@ def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], m
     assert said[:2] == ["   2.50 s  b", "   1.00 s  a"]
     assert said[2].startswith("   3.50 s of CPU for 2 entries")
     assert said[3].startswith("   1.00 s of CPU")
-    assert main(["warm", "--profile", "--method", "magic"]) == 2

@@ -63,7 +63,7 @@ def test_a_column_in_front_has_times() -> None:
         ("x,y,z\n" + "1,2,3\n" * 1000 + "1,2,x\n", "line 1002.z", "expected a finite number, got 'x'"),
         ('x,y,z\n"1,2,3\n', "line", "unexpected end"),
         ("t,x,y\n1,2,3\n", "line 1", "perhaps with t in front"),
-        ("t,x,y,z\n0,1,2,3\n1,1,2,3\n1,4,5,6\n", "line 4.t", "expected more than 1, got 1.0 (times must increase)"),
+        ("t,x,y,z\n0,1,2,3\n1,1,2,3\n1,4,5,6\n", "line 4.t", "times must increase; expected more than 1, got 1.0"),
         ("t,x,y,z\nsoon,1,2,3\n", "line 2.t", "expected a finite number, got 'soon'"),
         ("t,x,y,z\n0,1,2\n", "line 2", "wrong number of cells"),
     ],

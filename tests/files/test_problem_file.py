@@ -19,6 +19,8 @@ from tests.scene.shapes import cube, together
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
 TARGET = "target: {position: [0, 0, 3]}\n"
+PATH = "path: [{position: [0, 0, 3]}, {position: [0, 0.1, 3]}]\n"
+TIMED = "t,x,y,z\n0,0,0,3\n2.5,0,0.1,3\n"
 
 EVERYTHING = """
 robot:
@@ -137,10 +139,9 @@ def test_a_mesh_in_another_unit_is_refused(tmp_path: Path, scale: float) -> None
     scene = f"scene: [{{mesh: {{file: sheet.obj, scale: {scale}}}}}]"
     with pytest.raises(InputError) as caught:
         read_problem(_write(tmp_path, ROBOT + TARGET + scene))
-    assert "problem.yaml: scene[0].mesh.scale: expected a mesh in the unit of the robot, which is 3 long" in str(
-        caught.value
-    )
-    assert f", got {scale} (makes " in str(caught.value)
+    said = str(caught.value)
+    assert "problem.yaml: scene[0].mesh.scale: makes " in said
+    assert said.endswith(f"; expected a mesh in the unit of the robot, which is 3 long, got {scale}")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
@@ -172,6 +173,16 @@ def test_a_path_may_be_a_list_or_a_table_beside_the_problem(tmp_path: Path) -> N
     assert len(table.waypoints) == 2
     np.testing.assert_array_equal(table.waypoints[1][0].position, [0, 0.1, 2.9])
     np.testing.assert_array_equal(table.waypoints[1][0].direction, [0, 0, 1])
+
+
+def test_times_stand_in_the_file_or_in_the_table_of_the_path(tmp_path: Path) -> None:
+    _write(tmp_path, TIMED, "timed.csv")
+    listed = read_problem(_write(tmp_path, ROBOT + PATH + "times: [0, 2.5]"))
+    table = read_problem(_write(tmp_path, ROBOT + "path: timed.csv"))
+    assert listed.times is not None
+    assert listed.times.tolist() == [0.0, 2.5]
+    assert listed.equals(table)
+    assert read_problem(_write(tmp_path, ROBOT + PATH)).times is None
 
 
 @pytest.mark.parametrize("orientation", ["", "direction", "rotation"])
@@ -207,161 +218,92 @@ def test_a_start_may_be_numbers_a_result_or_a_file_with_one(tmp_path: Path) -> N
         np.testing.assert_array_equal(problem.start, q)
 
 
-BAD = {
-    "robot: {segments: {count: 1000000000, length: 1}}": "robot.segments.count: "
-    "expected a whole number from 1 to 10000, got 1000000000",
-    "robot: {segments: [{count: 9000, length: 1}, {count: 9000, length: 1}]}": "robot.segments: "
-    "expected at most 10000 segments in all, got 18000",
-    "robot: {segments: {count: 2.0, length: 1}}": "robot.segments.count: "
-    "expected a whole number from 1 to 10000, got 2.0",
-    "robot: {segments: {count: 0, length: 1}}": "robot.segments.count: expected a whole number from 1 to 10000, got 0",
-    "robot: {segments: {lenght: 1}}": "robot.segments.lenght: expected length ... (unknown key)",
-    "robot: {segments: {count: 2}}": "robot.segments.length: expected a value, got {'count': 2} (missing)",
-    "robot: {segments: {length: [2, 1]}}": "robot.segments.length: "
-    "expected [low, high] with low <= high ... (lower limit above the upper one)",
-    "robot: {segments: {length: 0}}": "robot.segments: "
-    "expected at least one segment that can be longer than 0 ... (Segment(length=0, max_bend=3.14159, radius=0),)",
-    "robot: {segments: {length: -1}}": "robot.segments.length: expected a number of at least 0, got -1",
-    "robot: {segments: {length: one}}": "robot.segments.length: expected a number or [low, high], got 'one'",
-    "robot: {segments: {length: true}}": "robot.segments.length: expected a number or [low, high], got True",
+WRONG = {
+    "robot: {segments: {count: 1000000000, length: 1}}": "robot.segments.count: expected a whole number from 1 to",
+    "robot: {segments: [{count: 9000, length: 1}, {count: 9000, length: 1}]}": "robot.segments: expected at most",
+    "robot: {segments: {lenght: 1}}": "robot.segments.lenght: unknown key; did you mean 'length'?",
+    "robot: {segments: {count: 2}}": "robot.segments.length: missing; expected a value, got {'count': 2}",
+    "robot: {segments: {length: [2, 1]}}": "robot.segments.length: lower limit above the upper one; expected [low,",
+    "robot: {segments: {length: 0}}": "robot.segments: expected at least one segment that can be longer than 0",
     "robot: {segments: {length: 1, max_bend: .nan}}": "robot.segments.max_bend: expected a finite number, got nan",
-    "robot: {segments: {length: 1, radius: -1}}": "robot.segments.radius: expected a number of at least 0, got -1",
-    "robot: {segments: {length: 1, tendons: {count: 3}}}": "robot.segments.tendons.radius: "
-    "expected a number greater than 0, got None",
-    "robot: {segments: {length: 1, tendons: {count: 3, angles: [0], radius: 1}}}": "robot.segments.tendons.count: "
-    "expected either count (and angle) or angles ... (they say where the lines are)",
     "robot: {segments: []}": "robot.segments: expected a list of segments, got []",
-    "robot: {segments: [{length: 1}, 3]}": "robot.segments[1]: expected a mapping with count, length, max_bend ... 3",
-    "robot: {segments: {length: 1}, radius: thick}": "robot.radius: expected a number of at least 0, got 'thick'",
-    "robot: {segments: {length: 1}, base: {direction: [0, 0, 0]}}": "robot.base.direction: "
-    "expected a vector that is not zero, got [0, 0, 0]",
-    "robot: {segments: {length: 1}, base: {direction: [0, 0, 1], rotation: [1, 0, 0, 0]}}": "robot.base.rotation: "
-    "expected one of direction, rotation, xyzw, matrix ... (cannot be combined with another orientation)",
-    "robot: {segments: {length: 1}, tool: {rotation: [[1, 0, 0], [0, 2, 0], [0, 0, 1]]}}": "robot.tool.rotation: "
-    "expected a rotation: orthonormal rows and determinant 1 ... [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]",
-    "robot: {segments: {length: 1}, base: {matrix: [[1]]}}": "robot.base.matrix: "
-    "expected 4 rows of 4 finite numbers, as sn.pose(position, direction=) gives them, got [[1]] (shape (1, 1))",
-    "robot: {segments: {count: 2, length: 1, name: a}}": "robot.segments[1].name: "
-    "expected a name of its own, got 'a' (is that of segments[0].name already)",
-    "robot: {segments: {length: 1}, actuators: {matrix: [[1, 2]]}}": "robot.actuators.matrix: "
-    "expected shape (1, 3), for 1 segments, got (1, 2)",
-    "robot: {segments: {length: 1}, actuators: {matrix: [[0, 0, 0]]}}": "robot.actuators.matrix[0]: "
-    "expected a row that is not zero ... ",
-    "robot: {segments: {length: [1, 2]}, actuators: {matrix: [[1, 0, 2]], limits: [0, 3]}}": "robot.actuators"
-    ".limits[0]: expected limits that contain [2, 4], got (0.0, 3.0) (excludes straight robots)",
-    "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: "
-    "expected a mapping with matrix, names, limits, gain, offset, unit, got [[1, 0, 0]]",
-    "robot: {segments: {length: 1}, actuators: {rows: 1}}": "robot.actuators.rows: expected one of matrix ... ",
-    "robot: {segments: {length: 1, tendons: {count: 2, radius: 1, names: [a]}}}": "robot.segments.tendons.names: "
-    "expected a list of 2 names, got ['a']",
-    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, actuators, name, "
-    "clearance, self_clearance, uncertainty, stiffness, mass, arcs, gravity, payload, got 3",
-    ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
-    ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",
-    ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected sphere ... (unknown key)",
-    ROBOT + "scene: [{sphere: {}, box: {}}]": "scene[0]: "
-    "expected one of sphere, box, capsule, cylinder, half_space, mesh ... {'box': {}, 'sphere': {}}",
-    ROBOT + "scene: [{sphere: {center: [0, 0, 0]}}]": "scene[0].sphere.radius: "
-    "expected a value, got {'center': [0, 0, 0]} (missing)",
-    ROBOT
-    + "scene: [{sphere: {center: [0, 0], radius: 1}}]": "scene[0].sphere.center: expected 3 finite numbers, got [0, 0]",
-    ROBOT + "scene: [{sphere: {center: [0, 0, true], radius: 1}}]": "scene[0].sphere.center: "
-    "expected 3 finite numbers, got [0, 0, True]",
-    ROBOT + "scene: [{sphere: {center: [0, 0, 0], radius: 0}}]": "scene[0].sphere.radius: "
-    "expected a number greater than 0, got 0",
-    ROBOT + "scene: [{sphere: {center: [0, 0, 0], radius: 1, inside: 1}}]": "scene[0].sphere.inside: "
-    "expected true or false, got 1",
-    ROBOT + "scene: [{half_space: {point: [0, 0, 0], normal: [0, 0, 1], inside: true}}]": "scene[0].half_space.inside: "
-    "expected one of point, normal, name, got True (unknown key)",
-    ROBOT + "scene: [{mesh: {file: a.stl}}]": "scene[0].mesh.scale: expected a value, got {'file': 'a.stl'} (missing)",
-    ROBOT + "scene: [{mesh: {file: a.stl, scale: 1}}]": "scene[0].mesh.file: "
-    "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
-    ROBOT + "scene: [{mesh: {file: a.step, scale: 1}}]": "scene[0].mesh.file: "
-    "expected a name that ends in .stl, .ply, .obj, .glb ... ",
-    ROBOT + "scene: [{mesh: {file: [a.stl], scale: 1}}]": "scene[0].mesh.file: expected a text, got ['a.stl']",
-    ROBOT + "scene: [{mesh: {file: a.stl, scale: 0}}]": "scene[0].mesh.scale: expected a number greater than 0, got 0",
-    ROBOT + "scene: [{mesh: {fiel: a.stl, scale: 1}}]": "scene[0].mesh.fiel: expected file ... (unknown key)",
-    ROBOT
-    + "scene: [{points: {file: a.ply}}]": "scene[0].points.radius: expected a value, got {'file': 'a.ply'} (missing)",
-    ROBOT + "scene: [{points: {file: a.pcd, radius: 1}}]": "scene[0].points.file: "
-    "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
-    ROBOT + "scene: [{points: {file: a.pcd, radius: -1}}]": "scene[0].points.file: "
-    "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
-    ROBOT + "scene: [{grid: {file: a.npz}}]": "scene[0].grid.file: "
-    "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
-    ROBOT + "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: "
-    "expected one of file, name, exact, truncated, got 1 (unknown key)",
-    ROBOT: "target: expected one of target, targets, path, goal, got ['robot'] (missing)",
-    ROBOT + TARGET + "path: tips.csv": "target: "
-    "expected one of target, targets, path, goal, got {'position': [0, 0, 3]} (cannot be combined with path)",
-    ROBOT
-    + "target: {}": "target.position: expected position, direction or rotation ... (nothing is asked of the target)",
-    ROBOT + "target: [0, 0, 1]": "target: "
-    "expected a mapping with position, direction, rotation, segment, xyzw, got [0, 0, 1]",
-    ROBOT + "target: {position: [0, 0, a]}": "target.position: expected 3 finite numbers, got [0, 0, 'a']",
-    ROBOT + "target: {position: [0, 0, 1], segment: 3}": "target.segment: expected a whole number from 1 to 2, got 3",
-    ROBOT + "target: {direction: [1, 0, 0], rotation: [1, 0, 0, 0]}": "target.direction: "
-    "expected one of direction, rotation, got [1, 0, 0] (cannot be combined with rotation)",
-    ROBOT + "targets: []": "targets: expected a list of targets, got []",
-    ROBOT + "targets: [{position: [0, 0, 1]}, {direction: [0, 0, 0]}]": "targets[1].direction: "
-    "expected a vector that is not zero, got [0, 0, 0]",
-    ROBOT + "path: []": "path: expected a list of targets or the name of a CSV file, got []",
-    ROBOT
-    + "path: [{position: [0, 0, 1]}, [{position: [0]}]]": "path[1][0].position: expected 3 finite numbers, got [0]",
-    ROBOT + "path: missing.csv": "path: "
-    "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
-    ROBOT + TARGET + "tolerance: {position: 0}": "tolerance.position: expected a number greater than 0, got 0",
-    ROBOT
-    + TARGET
-    + "tolerance: {angel: 1}": "tolerance.angel: expected angle (or one of position), got 1 (unknown key)",
-    ROBOT + TARGET + "start: [[0, 0, 1]]": "start: expected 2 rows of 3 finite numbers, got [[0, 0, 1]] (shape (1, 3))",
-    ROBOT
-    + TARGET
-    + "start: {status: solved}": "start.q: expected a result of an earlier solve, got {'status': 'solved'} (missing)",
-    ROBOT + "goal: [[0, 0, 1]]": "goal: expected 2 rows of 3 finite numbers, got [[0, 0, 1]] (shape (1, 3))",
-    ROBOT + TARGET + "start: missing.json": "start: "
-    "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
-    ROBOT
-    + TARGET
-    + "prefer: {bend: 1}": "prefer.bend: expected bends (or one of start, clearance), got 1 (unknown key)",
-    ROBOT + TARGET + "rates: {bend: 0}": "rates.bend: expected a number greater than 0, got 0",
-    ROBOT + TARGET + "rates: {length: [1, 2, 3]}": "rates.length: expected one number, or 2, got [1.0, 2.0, 3.0]",
-    ROBOT + TARGET + "rates: {speed: 1}": "rates.speed: "
-    "expected one of bend, length, actuator, acceleration, got 1 (unknown key)",
-    ROBOT
-    + TARGET
-    + "rates: {acceleration: {bend: -1}}": "rates.acceleration.bend: expected a number greater than 0, got -1",
-    ROBOT + TARGET + "tagret: 1": "tagret: expected target ... (unknown key)",
-    ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': "
-    "expected one of robot, scene, target, targets, path, goal, tolerance ... (unknown key)",
-    "": "file: expected a mapping with robot, scene, target, targets, path, goal, tolerance ... None",
-    "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal, ... 'just a text'",
+    "robot: {segments: [{length: 1}, 3]}": "robot.segments[1]: expected a mapping with count, length, max_bend",
+    "robot: {segments: {length: 1, tendons: {count: 3}}}": "robot.segments.tendons.radius: expected a number greater",
+    "robot: {segments: {length: 1}, base: {direction: [0, 0, 0]}}": "robot.base.direction: expected a vector that is",
+    "robot: {segments: {count: 2, length: 1, name: a}}": "robot.segments[1].name: is that of segments[0].name",
+    "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: expected a mapping with matrix, names",
+    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, actuators, name, ",
+    "scene: {}": "scene: expected a list of obstacles, got {}",
+    "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space",
+    "scene: [{spere: {}}]": "scene[0].spere: unknown key; did you mean 'sphere'?",
+    "scene: [{sphere: {}, box: {}}]": "scene[0]: expected one of sphere, box, capsule, cylinder, half_space, mesh",
+    "scene: [{sphere: {center: [0, 0, 0]}}]": "scene[0].sphere.radius: missing; expected a value, got {'center': [0,",
+    "scene: [{sphere: {center: [0, 0], radius: 1}}]": "scene[0].sphere.center: expected 3 finite numbers, got [0, 0]",
+    "scene: [{half_space: {normal: [0, 0, 1], inside: true}}]": "scene[0].half_space.inside: unknown key; expected",
+    "scene: [{mesh: {file: a.stl, scale: 1}}]": "scene[0].mesh.file: cannot be read: No such file or directory;",
+    "scene: [{mesh: {file: [a.stl], scale: 1}}]": "scene[0].mesh.file: expected a text, got ['a.stl']",
+    "scene: [{points: {file: a.ply}}]": "scene[0].points.radius: missing; expected a value, got {'file': 'a.ply'}",
+    "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: unknown key; expected one of file, name, exact, ",
+    "target: {position: [0, 0, 1]}\npath: tips.csv": "target: cannot be combined with path; expected one of target, ",
+    "target: {}": "target.position: nothing is asked of the target; expected position, direction or rotation",
+    "target: [0, 0, 1]": "target: expected a mapping with position, direction, rotation, segment, xyzw, got [0, 0, 1]",
+    "target: {position: [0, 0, 1], segment: 3}": "target.segment: expected a whole number from 1 to 2, got 3",
+    "targets: []": "targets: expected a list of targets, got []",
+    "targets: [{position: [0, 0, 1]}, {direction: [0, 0, 0]}]": "targets[1].direction: expected a vector that is not",
+    "path: []": "path: expected a list of targets or the name of a CSV file, got []",
+    "path: [{position: [0, 0, 1]}, [{position: [0]}]]": "path[1][0].position: expected 3 finite numbers, got [0]",
+    "path: missing.csv": "path: cannot be read: No such file or directory; expected the name of a file that can be",
+    PATH + "times: [1, 1]": "times[1]: times must increase; expected more than 1, got 1.0",
+    PATH + "times: [1]": "times: expected 2 finite numbers",
+    TARGET + "times: [1]": "times: cannot be combined with target; expected those of a path",
+    "path: timed.csv\ntimes: [0, 1]": "times: stand in the file of the path, too; expected one of both",
+    "tolerance: {angel: 1}": "tolerance.angel: unknown key; did you mean 'angle'?",
+    "start: [[0, 0, 1]]": "start: shape (1, 3); expected 2 rows of 3 finite numbers, got [[0, 0, 1]]",
+    "start: {status: solved}": "start.q: missing; expected a result of an earlier solve, got {'status': 'solved'}",
+    "start: missing.json": "start: cannot be read: No such file or directory; expected the name of a file",
+    "goal: [[0, 0, 1]]": "goal: shape (1, 3); expected 2 rows of 3 finite numbers, got [[0, 0, 1]]",
+    "prefer: {bend: 1}": "prefer.bend: unknown key; did you mean 'bends'?",
+    "rates: {length: [1, 2, 3]}": "rates.length: expected one number, or 2, got [1.0, 2.0, 3.0]",
+    "rates: {acceleration: {speed: 1}}": "rates.acceleration.speed: unknown key; expected one of bend, length,",
+    "tagret: 1": "tagret: unknown key; did you mean 'target'?",
+    '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': unknown key; expected one of robot, scene, target, targets, path, goal, ",
+}
+"""What stands in a file beside a robot and a target, where it has none of its own, and how the refusal begins."""
+
+WHOLE = {
+    ROBOT: "target: missing; expected one of target, targets, path, goal, got ['robot']",
+    "": "file: expected a mapping with robot, scene, target, targets, path, goal, tolerance",
+    "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal, ",
 }
 
 
-@pytest.mark.parametrize(("text", "refusal"), BAD.items(), ids=range(len(BAD)))
+def completed(text: str) -> str:
+    """Add a robot and a target where a file has none."""
+    lines = [*([] if text.startswith("robot") else [ROBOT]), text]
+    asks = any(text.startswith(key) for key in ("target", "path", "goal"))
+    return "\n".join([*lines, *([] if asks else [TARGET])])
+
+
+@pytest.mark.parametrize(
+    ("text", "refusal"), [*((completed(text), said) for text, said in WRONG.items()), *WHOLE.items()], ids=str
+)
 def test_bad_input_is_one_line_that_says_where_and_why(tmp_path: Path, text: str, refusal: str) -> None:
-    asks = any(key in text for key in ("target", "path", "goal"))
-    if text.startswith("robot") and not asks and text != ROBOT:
-        text += "\n" + TARGET
+    _write(tmp_path, TIMED, "timed.csv")
     file = _write(tmp_path, text)
     began = time.process_time()
     with pytest.raises(InputError) as caught:
         read_problem(file)
     assert time.process_time() - began < 0.5
     message = str(caught.value)
-    front, _, back = refusal.partition(" ... ")
-    assert message.startswith(f"{file}: {front}")
-    assert message.endswith(back)
-    assert ": expected " in message
+    assert message.startswith(f"{file}: {refusal}")
     assert len(message.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
     ("content", "refusal"),
     [
-        (b"\xff\xfe", "(not UTF-8 at byte 0)"),
-        (None, "(cannot be read: No such file or directory)"),
+        (b"\xff\xfe", "not UTF-8 at byte 0; expected "),
+        (None, "cannot be read: No such file or directory; expected "),
     ],
 )
 def test_unreadable_files(tmp_path: Path, content: bytes | None, refusal: str) -> None:
@@ -370,12 +312,11 @@ def test_unreadable_files(tmp_path: Path, content: bytes | None, refusal: str) -
         file.write_bytes(content)
     with pytest.raises(InputError, match="problem") as caught:
         read_problem(file)
-    assert str(caught.value).startswith(f"{file}: file: expected ")
-    assert str(caught.value).endswith(refusal)
+    assert str(caught.value).startswith(f"{file}: file: {refusal}")
 
 
 def test_a_folder_is_no_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"file: expected .* \(cannot be read"):
+    with pytest.raises(InputError, match=r"file: cannot be read: .*; expected "):
         read_problem(tmp_path)
 
 

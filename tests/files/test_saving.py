@@ -60,7 +60,8 @@ def again(problem: ProblemFile) -> ProblemFile:
 def test_problems_of_all_kinds(
     robot: sn.Robot, scene: list[Any], asked: list[sn.Target], is_path: bool, data: st.DataObject
 ) -> None:
-    question: Any = {"path": [asked, *asked]} if is_path else {"target": asked}
+    times = data.draw(st.sampled_from([None, np.arange(len(asked) + 1) / 3]))
+    question: Any = {"path": [asked, *asked], "times": times} if is_path else {"target": asked}
     problem = ProblemFile(
         robot,
         scene=scene,

@@ -23,7 +23,7 @@ PAPER = (
 
 def quick(method: MethodName, robot: sn.Robot) -> MethodName | Learned:
     """A method by its name; of `learned` with a network that has learned little: training takes seconds."""
-    return Learned(sn.train(robot, samples=300, width=8, rounds=1)) if method == "learned" else method
+    return Learned(sn.methods.train(robot, samples=300, width=8, rounds=1)) if method == "learned" else method
 
 
 def shapes(robot: sn.Robot, count: int, max_bend: float, seed: int) -> Floats:

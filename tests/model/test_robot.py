@@ -268,7 +268,7 @@ def test_bad_configurations_are_refused_everywhere(q: Any) -> None:
 def test_bad_choices_of_segment_and_samples_are_refused() -> None:
     robot, q = posed_robot(0), configurations(0, 4, 1)[0]
     refused_each("segment", (0, 5, 1.0, True), lambda value: robot.jacobian(q, value), "1 to 4")
-    refused("segment", lambda: robot.jacobian(q, "1"), "s1", "no segment has this name")
+    refused("segment", lambda: robot.jacobian(q, "1"), "s1", "no segment is called")
     refused_each("samples", (0, 10**9, 1.5, None), lambda value: robot.backbone(q, value))
 
 

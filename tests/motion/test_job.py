@@ -126,7 +126,9 @@ def test_a_track_comes_back_from_the_command_line(job_file: Path, capsys: pytest
     assert len(track.solutions) == 3
     assert isinstance(single, sn.Motion)
     assert all(verification.ok for verification in track.verify())
-    with pytest.raises(sn.InputError, match=r"out\.jsonl: file: expected a result of this problem, got \['.*others\)$"):
+    with pytest.raises(
+        sn.InputError, match=r"out\.jsonl: file: there are others; expected a result of this problem, got \['"
+    ):
         sn.Job(ROBOT, TARGET).result(out)
 
 
@@ -169,12 +171,12 @@ def test_results_that_do_not_fit_are_refused(tmp_path: Path) -> None:
 BAD = {
     "3": "file: expected a problem, a robot, a list of obstacles, or a motion, got 3",
     "": "file: expected a problem, a robot, a list of obstacles, or a motion, got None",
-    "a: 1": "a: expected one of robot, scene",
-    "segments: {length: 1, lenght: 2}": "segments.lenght: expected length",
-    "[{spere: {}}]": "[0].spere: expected sphere",
-    "robot: job.yaml\ntarget: {position: [0, 0, 1]}": "robot: expected one of segments, ",
+    "a: 1": "a: unknown key; expected one of robot, scene",
+    "segments: {length: 1, lenght: 2}": "segments.lenght: unknown key; did you mean 'length'?",
+    "[{spere: {}}]": "[0].spere: unknown key; did you mean 'sphere'?",
+    "robot: job.yaml\ntarget: {position: [0, 0, 1]}": "unknown key; expected one of segments, ",
     "robot: name.yaml\ntarget: {position: [0, 0, 1]}": "expected what stands under robot, not the name of another",
-    "robot: missing.yaml": "robot: expected the name of a file that can be read",
+    "robot: missing.yaml": "robot: cannot be read: No such file",
     "robot: {segments: {length: 1}}\nscene: name.yaml": "expected what stands under scene, not the name of another",
     "robot: {segments: {length: 1}}\nscene: job.yaml": "expected a list of obstacles",
     "robot: {segments: {length: 1}}\nscene: empty.yaml": "file: expected what stands under scene",

@@ -7,7 +7,7 @@ import sinuous as sn
 from sinuous.base.arguments import Shortest
 from sinuous.base.checks import Floats
 from sinuous.motion.knots import Knot
-from sinuous.motion.shortest import _solved, metric_of, shorten
+from sinuous.motion.shortening import _solved, metric_of, shorten
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05, tendons=sn.Tendons(3, 0.04))

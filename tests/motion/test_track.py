@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.motion.track import HALF, Room
+from sinuous.motion.track import HALF, ClearanceWish
 from sinuous.problem.problem import Preferences
 from tests.cases import with_each
 from tests.helpers import refused
@@ -208,7 +208,7 @@ def test_waypoints_are_reached_at_their_times() -> None:
 
 
 def test_times_that_do_not_increase_are_refused() -> None:
-    with pytest.raises(sn.InputError, match=r"times\[1\]: expected more than 1, got 1.0 \(times must increase\)"):
+    with pytest.raises(sn.InputError, match=r"times\[1\]: times must increase; expected more than 1, got 1.0"):
         sn.track(ROBOT, CIRCLE[:2], times=[1.0, 1.0])
 
 
@@ -217,7 +217,7 @@ WALL = sn.Sphere((1.2, 0.0, 2.5), 0.9)
 
 
 def test_half_of_the_room_is_enough() -> None:
-    asked, room = Preferences(clearance=0.1), Room(clearance=0.1)
+    asked, room = Preferences(clearance=0.1), ClearanceWish(clearance=0.1)
     assert asked.satisfied(0.1)
     assert not asked.satisfied(0.099)
     assert room.satisfied(0.1 * HALF)

@@ -52,7 +52,10 @@ def test_a_bezier_curve_is_that_of_de_casteljau() -> None:
     ("points", "message"),
     [
         ([[0, 0, 0]], "curve: expected at least two points"),
-        ([[0, 0, 0], [0, 0, 0], [1, 0, 0]], r"curve\[1\]: expected points that differ, got \[0.0, 0.0, 0.0\]"),
+        (
+            [[0, 0, 0], [0, 0, 0], [1, 0, 0]],
+            r"curve\[1\]: equal to the point before; expected points that differ, got \[0.0, 0.0, 0.0\]",
+        ),
     ],
 )
 def test_what_is_no_curve_is_refused(points: list[list[float]], message: str) -> None:

@@ -83,14 +83,20 @@ def test_a_path_is_a_sequence_of_targets() -> None:
     [
         (lambda: sn.Path(positions=POINTS[:1]), "path: expected at least two points, got 1"),
         (lambda: sn.Path.spline(POINTS[:1]), "path: expected at least two points, got 1"),
-        (lambda: sn.Path([0, 1, 1], positions=POINTS[:3]), r"times\[2\]: expected more than 1, got 1.0 \(times must"),
-        (lambda: sn.Path.spline(POINTS[[0, 1, 1]]), r"positions\[2\]: expected another point"),
+        (
+            lambda: sn.Path([0, 1, 1], positions=POINTS[:3]),
+            r"times\[2\]: times must increase; expected more than 1, got 1.0",
+        ),
+        (lambda: sn.Path.spline(POINTS[[0, 1, 1]]), r"positions\[2\]: equal to the one before; expected another point"),
         (
             lambda: sn.Path.spline(POINTS[:2], directions=[(0, 0, 1), (0, 0, -1)]),
-            r"directions\[1\]: expected less than half a turn",
+            r"directions\[1\]: opposite to the one before; expected less",
         ),
         (lambda: sn.Path.of(lambda t: (1, 2), TIMES), r"function: expected arrays \(3,\), \(6,\) or \(4, 4\)"),
-        (lambda: sn.Path.of(lambda t: (1, 2, 3), [1, 0]), r"times\[1\]: expected more than 1, got 0.0"),
+        (
+            lambda: sn.Path.of(lambda t: (1, 2, 3), [1, 0]),
+            r"times\[1\]: times must increase; expected more than 1, got 0.0",
+        ),
     ],
 )
 def test_what_is_no_path_is_refused(make: Any, message: str) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.poses import pose
-from sinuous.solver.base import base_blocked, sway
+from sinuous.solver.blocked_base import base_blocked, bound_sway
 
 UNEVEN = [sn.Segment(0.02, 1.5, radius=0.01), sn.Segment(0.5, 0.0, radius=0.01), sn.Segment(0.3, 2.0, radius=0.01)]
 
@@ -35,7 +35,7 @@ def test_no_configuration_leaves_the_mount_farther_aside_than_the_bound(seed: in
         (begin, min(curvature, bend / least if least else np.inf), min(bend, curvature * most, np.pi))
         for begin, curvature, bend, least, most in zip(begins, curvatures, bends, low, high, strict=True)
     ]
-    bound, far = sway(mount, ramps), 0.0
+    bound, far = bound_sway(mount, ramps), 0.0
     robot = sn.Robot([sn.Segment((a, b), c) for a, b, c in zip(low, high, bends, strict=True)])
     for _ in range(150):
         lengths = np.where(draw.random(n) < 0.6, low, draw.uniform(low, high))
@@ -58,8 +58,8 @@ def test_no_configuration_leaves_the_mount_farther_aside_than_the_bound(seed: in
 def test_an_evenly_bent_mount_is_bounded_as_closely_as_by_its_arc() -> None:
     arc = sn.Robot([sn.Segment(1.0, 0.4)]).forward(np.array([[0.4, 0.0, 1.0]]))[0, :3, 3]
     aside = float(np.linalg.norm(arc - (0.0, 0.0, 1.0)))
-    assert aside <= sway(1.0, [(0.0, 0.4, 0.4)]) <= 1.02 * aside
-    assert sway(1.0, [(0.0, 0.0, 0.0)]) == 0.0
+    assert aside <= bound_sway(1.0, [(0.0, 0.4, 0.4)]) <= 1.02 * aside
+    assert bound_sway(1.0, [(0.0, 0.0, 0.0)]) == 0.0
 
 
 def test_a_base_within_an_obstacle_stays_blocked() -> None:

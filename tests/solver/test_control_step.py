@@ -280,17 +280,20 @@ def test_it_is_frozen_and_travels() -> None:
 @with_each(
     ("given", "words"),
     [
-        ({"dt": 0.01}, "twist: expected one of twist, target, got None (missing)"),
-        ({"twist": (0,) * 6}, "dt: expected a number greater than 0, got None (missing)"),
+        ({"dt": 0.01}, "twist: missing; expected one of twist, target, got None"),
+        ({"twist": (0,) * 6}, "dt: missing; expected a number greater than 0, got None"),
         ({"twist": (0,) * 6, "dt": 0.0}, "dt: expected a number greater than 0"),
         ({"twist": (0,) * 4, "dt": 0.01}, "twist: expected 6 finite numbers (omega, v), or 3 (v)"),
         ({"twist": (0, 0, float("nan")), "dt": 0.01}, "twist: expected 6 finite numbers"),
-        ({"twist": (0,) * 3, "target": sn.Target((0, 0, 1)), "dt": 0.01}, "(cannot be combined with target)"),
+        ({"twist": (0,) * 3, "target": sn.Target((0, 0, 1)), "dt": 0.01}, "cannot be combined with target; "),
         ({"twist": (0,) * 3, "dt": 0.01, "rates": 1.0}, "rates: expected Rates"),
         ({"twist": (0,) * 3, "dt": 0.01, "clearance": -1.0}, "clearance: expected a number of at least 0"),
         ({"twist": (0,) * 3, "dt": 0.01, "rates": sn.Rates(bend=(1, 2))}, "bend: expected one number, or 5"),
-        ({"twist": (0,) * 3, "dt": 0.01, "rates": sn.Rates(acceleration=sn.Rates(1))}, "velocity: expected that of"),
-        ({"twist": (0,) * 3, "dt": 0.01, "q": [[0, 0, 1]]}, "q: expected 5 rows of 3"),
+        (
+            {"twist": (0,) * 3, "dt": 0.01, "rates": sn.Rates(acceleration=sn.Rates(1))},
+            "velocity: missing; expected that of",
+        ),
+        ({"twist": (0,) * 3, "dt": 0.01, "q": [[0, 0, 1]]}, "q: shape (1, 3); expected 5 rows of 3"),
     ],
 )
 def test_bad_input_is_refused_in_a_line(given: dict[str, Any], words: str) -> None:
@@ -320,7 +323,7 @@ def test_what_is_reached_within_changes_never_jumps(seed: int) -> None:
 
 
 def test_changes_need_a_place_to_begin() -> None:
-    with pytest.raises(sn.InputError, match="initial: expected where the changes begin"):
+    with pytest.raises(sn.InputError, match="initial: missing; expected where the changes begin"):
         free_solver().solve(sn.Target((0, 0, 240)), within=sn.Rates(bend=1) * 0.1)
     with pytest.raises(sn.InputError, match="within: expected Changes"):
         free_solver().solve(sn.Target((0, 0, 240)), [[0, 0, 55]] * N, within=0.1)  # type: ignore[arg-type]

@@ -157,9 +157,9 @@ def test_every_way_of_solving_keeps_it() -> None:
         between = np.concatenate([(1.0 - s) * motion.q[:-1] + s * motion.q[1:] for s in (0.0, 0.3, 0.7)])
         assert min(sampled(ROBOT, scene, q) for q in between) >= motion.clearance - 1e-9
         assert motion.to_dict()["demanded_clearance"] == 4.0
-    reached = sn.reach(ROBOT, scene, 60.0, 1, clearance=4.0, workers=1)
+    reached = sn.studies.reach(ROBOT, scene, 60.0, 1, clearance=4.0, workers=1)
     assert reached.share.max() > 0.0
-    done = sn.assess(ROBOT, [TARGET], scene, clearance=4.0, time=0.1)
+    done = sn.studies.assess(ROBOT, [TARGET], scene, clearance=4.0, time=0.1)
     assert done.rows[0].done.status != "solved"  # 60 is nearer to the wall than that
 
 

@@ -4,12 +4,12 @@ import numpy as np
 
 from sinuous.kernels.tables import RANDOM, ROUTE, SOLVED, Outcome
 from sinuous.scene.scene import Scene
-from sinuous.solver.route_classes.curves import ClassCurves
-from sinuous.solver.several import CANDIDATES, CLASS_PATIENCE, Classes, Distinct
+from sinuous.solver.distinct_solutions import CANDIDATES, CLASS_PATIENCE, DistinctSearch, RouteClasses
+from sinuous.solver.route_classes.curves import RouteCurves
 from tests.helpers import Floats
 from tests.solver.route_classes.places import ROBOT, pillar
 
-CURVES = ClassCurves(ROBOT, Scene(pillar()).snapshot())
+CURVES = RouteCurves(ROBOT, Scene(pillar()).snapshot())
 
 
 def beside(side: float, bend: float = 0.0) -> Floats:
@@ -23,12 +23,12 @@ def outcome(q: Floats, source: int = RANDOM) -> Outcome:
     return Outcome(q, SOLVED, 5, 1, source, 0.0, 0.0, 1.0, 1.0, False, 0.0, 0.1)
 
 
-def search(count: int = 2, seconds: float = 60.0, most: int = 10_000) -> Distinct:
+def search(count: int = 2, seconds: float = 60.0, most: int = 10_000) -> DistinctSearch:
     def dislike(found: list[Floats]) -> Floats:
         return np.array([float((q[:, :2] ** 2).sum()) for q in found])
 
-    classes = Classes(CURVES, count, dislike)
-    return Distinct(CANDIDATES * count, 1e-3, lambda q: ROBOT.backbone(q, 8), most, seconds, classes=classes)
+    classes = RouteClasses(CURVES, count, dislike)
+    return DistinctSearch(CANDIDATES * count, 1e-3, lambda q: ROBOT.backbone(q, 8), most, seconds, classes=classes)
 
 
 def test_solutions_are_put_into_classes_and_the_best_are_kept() -> None:

@@ -54,8 +54,8 @@ def test_routes_are_those_of_the_loaded_body() -> None:
 def test_a_batch_and_a_map_are_of_the_loaded_body() -> None:
     robot = arm()
     tip = robot.shape(Q).tip
-    batch = sn.solve_batch(robot, tip[None, :3, 3], time=SECONDS, max_starts=20)
+    batch = sn.studies.solve_batch(robot, tip[None, :3, 3], time=SECONDS, max_starts=20)
     assert batch.solved == 1
     low, high = tip[:3, 3] - 0.001, tip[:3, 3] + 0.001
-    reached = sn.reach(robot, spacing=0.002, low=low, high=high, directions=tip[None, :3, 2], time=SECONDS)
+    reached = sn.studies.reach(robot, spacing=0.002, low=low, high=high, directions=tip[None, :3, 2], time=SECONDS)
     assert reached.share.max() == 1.0

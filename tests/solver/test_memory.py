@@ -167,14 +167,14 @@ def test_a_damaged_file_is_refused_in_a_line(tmp_path: Path, size: int) -> None:
     whole = file.read_bytes()
     file.write_bytes(whole[:size] if size >= 0 else whole[:-2000] + bytes(1000) + whole[-1000:])
     with pytest.raises(
-        sn.InputError, match=r"^memory: expected a file that Memory.save wrote, got .*arm\.npz' \(damaged"
+        sn.InputError, match=r"^memory: damaged.*; expected a file that Memory.save wrote, got .*arm\.npz'"
     ):
         Memory.load(file)
 
 
 def test_what_is_no_memory_of_this_robot_is_refused(tmp_path: Path) -> None:
     other = Memory(sn.Robot.uniform(3, (0.5, 1.5)))
-    with pytest.raises(sn.InputError, match=r"memory: .*\(of another robot\)"):
+    with pytest.raises(sn.InputError, match=r"memory: of another robot; "):
         sn.Solver(ROBOT, memory=other)
     with pytest.raises(sn.InputError, match="memory"):
         sn.Solver(ROBOT, memory="arm.npz")  # type: ignore[arg-type]
@@ -182,5 +182,5 @@ def test_what_is_no_memory_of_this_robot_is_refused(tmp_path: Path) -> None:
         Memory.load(tmp_path / "none.npz")
     with pytest.raises(sn.InputError, match="megabytes"):
         Memory(ROBOT, megabytes=0)
-    with pytest.raises(sn.InputError, match="q: expected"):
+    with pytest.raises(sn.InputError, match=r"q: shape \(3, 3\); expected"):
         Memory(ROBOT).add(np.zeros((3, 3)))

@@ -25,9 +25,9 @@ from sinuous.kernels.tables import (
     UNPROVED,
     Outcome,
 )
+from sinuous.solver.distinct_solutions import PATIENCE, DistinctSearch
 from sinuous.solver.options import UNBOUNDED
 from sinuous.solver.search import ENOUGH, FirstSolved
-from sinuous.solver.several import PATIENCE, Distinct
 from sinuous.solver.starts import StartBatch
 
 NONE = np.empty((0, 2, 3))
@@ -247,8 +247,8 @@ def at(place: float, **changed: Any) -> Outcome:
     return outcome(**({"q": np.full((2, 3), place), "code": SOLVED, "starts": 1, "seconds": 0.1} | changed))
 
 
-def distinct(count: int = 3, most: int = 100) -> Distinct:
-    return Distinct(count, 0.5, np.copy, most, 9.0)
+def distinct(count: int = 3, most: int = 100) -> DistinctSearch:
+    return DistinctSearch(count, 0.5, np.copy, most, 9.0)
 
 
 def test_solutions_that_are_close_are_one() -> None:
@@ -328,7 +328,7 @@ def test_a_search_that_was_cut_short_says_so() -> None:
 
 
 def test_distinct_solutions_are_not_sought_for_ever() -> None:
-    search = Distinct(9, 0.1, lambda q: q, UNBOUNDED, 60.0)
+    search = DistinctSearch(9, 0.1, lambda q: q, UNBOUNDED, 60.0)
     search.take(outcome(code=FAILED, starts=5 * PATIENCE))
     assert search.open
     search.take(outcome(code=SOLVED))

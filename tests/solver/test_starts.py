@@ -10,7 +10,7 @@ from sinuous.kernels.tables import RANDOM, SOURCES
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from tests.helpers import Floats
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))
@@ -20,8 +20,8 @@ def initial(count: int) -> Floats:
     return np.arange(6.0 * count).reshape(count, 2, 3)
 
 
-def question(count: int = 0) -> Question:
-    return Question(PROBLEM, initial(count), lambda: 1.0)
+def question(count: int = 0) -> IKQuery:
+    return IKQuery(PROBLEM, initial(count), lambda: 1.0)
 
 
 @given(st.integers(0, 9), st.integers(0, 20), st.integers(0, 30), st.lists(st.integers(1, 9), min_size=1))
@@ -52,9 +52,9 @@ NOTHING = initial(0)
 
 @given(st.integers(0, 20), st.integers(0, 200), st.lists(st.integers(0, 60)))
 def test_scattered_starts_come_in_order_and_once(first: int, count: int, asked: list[int]) -> None:
-    source = Scattered(first, first + count)
+    source = RandomRestarts(first, first + count)
     batches = [*(source.take(question(1), each) for each in asked), source.take(question(1), count)]
     assert [i for batch in batches for i in range(*batch.own)] == list(range(first, first + count))
     assert all(batch.source == SOURCES[RANDOM] and len(batch.initial) == 0 for batch in batches)
-    source.go_back(first)
+    source.continue_from(first)
     assert source.take(question(), count).own == (first, first + count)

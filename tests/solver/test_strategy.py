@@ -17,12 +17,12 @@ from sinuous.kernels.tables import GIVEN, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver import strategy as own
-from sinuous.solver.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempts, read_without
+from sinuous.solver.attempts import ATTEMPTS, EFFORT_OF_A_CHAIN, Attempt, AttemptQueue, read_without
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.growth import FIRST_WIDTH
 from sinuous.solver.routing.searches import Searches, SearchPlan
-from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import Strategy, attempts_of, plans_of
 from tests.cases import with_each
 from tests.helpers import Floats
@@ -37,21 +37,21 @@ WIDEST = 8 * FIRST_WIDTH
 Make = Callable[[], Iterator[StartBatch]]
 
 
-def question(scene: Scene = SCENE, seconds: float = 60.0, several: bool = False, given: int = 0) -> Question:
-    return Question(Problem(ROBOT, TARGET, scene), np.zeros((given, 5, 3)), lambda: seconds, several)
+def question(scene: Scene = SCENE, seconds: float = 60.0, several: bool = False, given: int = 0) -> IKQuery:
+    return IKQuery(Problem(ROBOT, TARGET, scene), np.zeros((given, 5, 3)), lambda: seconds, several)
 
 
-def alone(without: tuple[str, ...] = (), last: int = 100, seconds: float = 60.0) -> Attempts:
+def alone(without: tuple[str, ...] = (), last: int = 100, seconds: float = 60.0) -> AttemptQueue:
     """A queue that knows of no routes."""
-    return Attempts(question(Scene(), seconds), Scattered(3, last), without=without)
+    return AttemptQueue(question(Scene(), seconds), RandomRestarts(3, last), without=without)
 
 
-def searching(scene: Scene = SCENE, several: bool = False, without: tuple[str, ...] = ()) -> Attempts:
+def searching(scene: Scene = SCENE, several: bool = False, without: tuple[str, ...] = ()) -> AttemptQueue:
     searches = Searches(ROBOT, scene, Tolerance().for_robot(ROBOT))
-    return attempts_of(question(scene, several=several), Scattered(3, 1000), searches, without=without)
+    return attempts_of(question(scene, several=several), RandomRestarts(3, 1000), searches, without=without)
 
 
-def made(strategy: Attempts, monkeypatch: pytest.MonkeyPatch) -> list[Attempt]:
+def made(strategy: AttemptQueue, monkeypatch: pytest.MonkeyPatch) -> list[Attempt]:
     """All attempts that are made, in order."""
     attempts: list[Attempt] = []
     following = strategy._next
@@ -142,7 +142,7 @@ def test_searches_through_other_passages_end_when_the_time_does(
 
     monkeypatch.setattr(Passages, "routes", counted)
     searches = Searches(ROBOT, SCENE, Tolerance().for_robot(ROBOT))
-    list(attempts_of(question(seconds=seconds), Scattered(3, 1000), searches).batches())
+    list(attempts_of(question(seconds=seconds), RandomRestarts(3, 1000), searches).batches())
     assert len(searched) == most
 
 
@@ -163,11 +163,11 @@ def test_nothing_is_made_before_it_is_asked_for_or_after_the_deadline() -> None:
 def test_scattered_starts_are_in_proportion_to_what_others_cost(asked: list[tuple[int, float, int]]) -> None:
     without = set(ATTEMPTS) - {"grown", "scattered"}
     searches = Searches(ROBOT, SCENE, Tolerance().for_robot(ROBOT))
-    strategy = attempts_of(question(), Scattered(3, 5000), searches, without=without)
+    strategy = attempts_of(question(), RandomRestarts(3, 5000), searches, without=without)
     for price, more, size in asked:
         strategy.add("grown", price, partial(chains, size, more))
     batches = list(strategy.batches())
-    costs = sum(price + more + COST_OF_A_CHAIN * size for price, more, size in asked)
+    costs = sum(price + more + EFFORT_OF_A_CHAIN * size for price, more, size in asked)
     assert strategy.ledger["grown"] == pytest.approx(costs)
     scattered = strategy.ledger["scattered"]
     share = own.SHARE_AMONG_BALLS * costs

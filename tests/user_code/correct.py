@@ -88,5 +88,5 @@ sn.Job(robot, target, [*obstacles], tolerance=sn.Tolerance(0.1), start=q).save("
 again = sn.Solution.from_dict(solution.to_dict(), solution.problem)
 axes = sn.plot(robot, np.array(q), scene, [target, solution], view=(20, 30))
 sn.plot(track, batch, ax=axes)
-sn.animate(track, path="track.gif", seconds=2)
-sn.diagram(track, "clearance")
+sn.view.animate(track, path="track.gif", seconds=2)
+sn.view.diagram(track, "clearance")

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.at_rest import at_rest
 from sinuous.answer.constraints import Limit, limits_of, normal, rates_of
 from sinuous.answer.contacts import Contact, all_contacts
+from sinuous.answer.descent_within_limits import descend_within_limits
 from sinuous.answer.least_distance import nonnegative_least_squares
 from sinuous.answer.residual import residual_of
 from sinuous.base.arguments import Constraint
@@ -128,7 +128,7 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     """
     contacts = all_contacts(problem, q)
     if not contacts:
-        q = at_rest(problem, q)
+        q = descend_within_limits(problem, q)
     found = _balanced(problem, q, contacts, list(limits_of(problem.robot, q)))
     if any_limit and all(each.key is None for each in found):
         return (*found, *nearest_limits(problem, q, 1))

@@ -7,7 +7,7 @@ from sinuous.answer.binding import Binding, in_words, nearest_limits
 from sinuous.answer.reasons import Reason
 from sinuous.answer.remedies import Remedy, find_remedies
 from sinuous.answer.residual import residual_of
-from sinuous.answer.resolver import LoadedResult
+from sinuous.answer.solve_again import UnknownOptions
 from sinuous.answer.status import Status
 from sinuous.answer.trials import Case, Trials
 from sinuous.base.errors import InputError
@@ -112,7 +112,7 @@ def explain(case: Case, sentence: str, end: float) -> Explanation:
     own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
     if case.status is Status.SOLVED:
         return Explanation(*own, nearest_limits(case.problem, case.q), (), "", True, count)
-    if isinstance(case.resolver, LoadedResult):
+    if isinstance(case.resolver, UnknownOptions):
         return Explanation(*own, (), (), LOADED, True, count)
     trials = Trials(case, end)
     remedies = find_remedies(trials, case)

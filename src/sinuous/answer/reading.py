@@ -3,8 +3,8 @@
 import math
 from typing import Any
 
-from sinuous.answer.resolver import LoadedResult
 from sinuous.answer.route_class import RouteClass
+from sinuous.answer.solve_again import UnknownOptions
 from sinuous.answer.status import CODES, Status
 from sinuous.base import checks
 from sinuous.base.errors import InputError
@@ -16,7 +16,7 @@ _STATUSES = tuple(status for status in Status if status is not Status.START_BLOC
 """What a solve may end with; motions alone can be blocked at their start."""
 
 
-def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, LoadedResult, RouteClass | None]:
+def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, UnknownOptions, RouteClass | None]:
     """Read the result of a problem, as `Solution.to_dict` writes it; keys that are not needed are not looked at.
 
     Raises
@@ -43,7 +43,7 @@ def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, LoadedResult,
         result.number("seconds"),
         _cell(result) if status == Status.NO_ROUTE else math.nan,
     )
-    resolver = LoadedResult(result.text("method"), result.integer("seed", 2**31 - 1))
+    resolver = UnknownOptions(result.text("method"), result.integer("seed", 2**31 - 1))
     return outcome, resolver, _route_class(values)
 
 

@@ -13,8 +13,8 @@ from sinuous.answer.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.answer.explanation import Explanation, explain
 from sinuous.answer.reading import as_demanded, read_result
 from sinuous.answer.reasons import Reason, base_in, closed_in, target_in, unreachable
-from sinuous.answer.resolver import ReSolver
 from sinuous.answer.route_class import RouteClass
+from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.status import Status, status_of
 from sinuous.answer.trials import Case
 from sinuous.answer.verification import Verification, verify
@@ -124,7 +124,7 @@ class Solution(NotebookMixin):
         problem: Problem,
         outcome: Outcome,
         seconds: float,
-        resolver: ReSolver,
+        resolver: SolveAgain,
         given: Floats,
         route_class: RouteClass | None = None,
         within: Changes | None = None,

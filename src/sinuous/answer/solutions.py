@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.answer.resolver import ReSolver
 from sinuous.answer.solution import Solution
+from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.status import statuses_of
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats, closed
@@ -63,13 +63,13 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
 
     __slots__ = ("_answers", "_beyond", "_problems", "_resolver")
 
-    _resolver: ReSolver
+    _resolver: SolveAgain
     _answers: Floats
     _beyond: Mapping[int, Beyond]
     _problems: ManyProblems
 
     def __init__(
-        self, problems: ManyProblems, answers: Floats, resolver: ReSolver, beyond: Mapping[int, Beyond] | None = None
+        self, problems: ManyProblems, answers: Floats, resolver: SolveAgain, beyond: Mapping[int, Beyond] | None = None
     ) -> None:
         self._set(_problems=problems, _answers=closed(answers), _resolver=resolver, _beyond=dict(beyond or {}))
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
-from sinuous.answer.observed import Observed
+from sinuous.answer.observer import Observed
 from sinuous.base.arguments import StepConstraint, StepStatus
 from sinuous.base.checks import Floats, closed
 from sinuous.base.reprs import ShortRepr, call

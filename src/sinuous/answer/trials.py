@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous.answer.binding import Binding
 from sinuous.answer.reasons import Reason
-from sinuous.answer.resolver import FoundSolution, ReSolver
+from sinuous.answer.solve_again import FoundSolution, SolveAgain
 from sinuous.answer.status import Status
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
@@ -85,7 +85,7 @@ class Case(NamedTuple):
     given: Floats | None
     binding: tuple[Binding, ...]
     reason: Reason | None
-    resolver: ReSolver
+    resolver: SolveAgain
     starts: int
     within: Changes | None = None
 

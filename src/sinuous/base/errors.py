@@ -11,6 +11,9 @@ if TYPE_CHECKING:  # numpy takes long to import, and `sinuous --help` does witho
     import numpy as np
     from numpy.typing import NDArray
 
+GUESS = "did you mean "
+"""How a refusal begins to say what is meant, in the place of what was expected."""
+
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
 _SHORT.maxlist = _SHORT.maxtuple = 6
@@ -25,10 +28,10 @@ def shown(value: object) -> str:
 
 
 class InputError(ValueError):
-    """Input that cannot be meant, in one line: `KEY: expected EXPECTED, got VALUE`.
+    """Input that cannot be meant, in one line: `KEY: PROBLEM; expected EXPECTED, got VALUE`.
 
-    In front stands the file that holds the key, when it came from one; at the end, in parentheses, what is wrong, where
-    that is not plain from the rest.
+    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it;
+    of a name that is not known, the one that is meant may be what was expected: `did you mean 'length'?`.
 
     Attributes
     ----------
@@ -46,8 +49,9 @@ class InputError(ValueError):
 
     def __init__(self, key: str, problem: str, value: object, expected: str, file: str | None = None) -> None:
         place = key if file is None else f"{file}: {key}"
-        wrong = f" ({problem})" if problem else ""
-        super().__init__(f"{place}: expected {expected}, got {shown(value)}{wrong}")
+        wrong = f"{problem}; " if problem else ""
+        right = expected if expected.startswith(GUESS) else f"expected {expected}, got {shown(value)}"
+        super().__init__(f"{place}: {wrong}{right}")
         self.key = key
         self.problem = problem
         self.value: Any = value

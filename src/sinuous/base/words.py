@@ -6,6 +6,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from sinuous.base.errors import GUESS
+
 Value = TypeVar("Value", bound=Hashable)
 
 
@@ -64,15 +66,12 @@ LIKE = 0.6
 
 
 def suggested(name: Any, known: Iterable[str]) -> str:
-    """What a name that is not known should be: `length (or one of radius, name)`, the most similar one first."""
+    """What a name that is not known should be: `did you mean 'length'?`; or one of all, where none is alike."""
     import difflib  # noqa: PLC0415
 
     names = tuple(known)
     nearest = difflib.get_close_matches(str(name), names, 1, LIKE)
-    if not nearest:
-        return "one of " + ", ".join(names)
-    others = [each for each in names if each != nearest[0]]
-    return nearest[0] + (f" (or one of {', '.join(others)})" if others else "")
+    return f"{GUESS}{nearest[0]!r}?" if nearest else "one of " + ", ".join(names)
 
 
 def segments(numbers: Sequence[int], count: int | None = None) -> str:

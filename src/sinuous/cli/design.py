@@ -9,8 +9,8 @@ from sinuous.cli.app import Design
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
 from sinuous.cli.reading import interruptible, say, say_notes
 from sinuous.files.documents import parse
-from sinuous.studies.design.find import design
-from sinuous.studies.design.reading import read_design
+from sinuous.studies.designing.find import design
+from sinuous.studies.designing.reading import read_design
 
 
 def design_file(asked: Design) -> int:

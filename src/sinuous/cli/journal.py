@@ -34,8 +34,8 @@ class Journal:
 
     Parameters
     ----------
-    results : Path or None
-        A file of the answers. Without one nothing is kept.
+    results : Path
+        A file of the answers.
     record : mapping of str to str
         All that the answers depend on.
 
@@ -45,12 +45,11 @@ class Journal:
         When what is kept there is of something else, or cannot be read.
     """
 
-    def __init__(self, results: Path | None, record: Mapping[str, str]) -> None:
-        self._checkpoint = None if results is None else Checkpoint(results, record, "this command")
+    def __init__(self, results: Path, record: Mapping[str, str]) -> None:
+        self._checkpoint = Checkpoint(results, record, "this command")
         self._found: dict[int, list[dict[str, Any]]] = {}
-        self._problem, first = -1, 0
-        if self._checkpoint is not None and self._checkpoint.begun:
-            first = self._read(self._checkpoint)
+        self._problem = -1
+        first = self._read() if self._checkpoint.begun else 0
         self._new = first, list[tuple[int, MakeEntry]]()  # number of the next chunk, and what is to be in it
         self._written = clock.perf_counter()
 
@@ -61,11 +60,6 @@ class Journal:
         """Write what is not written yet, whatever ends the command."""
         self.write()
 
-    @property
-    def keeps(self) -> bool:
-        """Whether anything is kept."""
-        return self._checkpoint is not None
-
     def begin(self) -> list[dict[str, Any]]:
         """Begin with the next problem; return its entries that an earlier command found, in order."""
         self._problem += 1
@@ -73,8 +67,6 @@ class Journal:
 
     def add(self, make: MakeEntry) -> None:
         """Keep what was found of this problem; from time to time, all is written."""
-        if self._checkpoint is None:
-            return
         self._new[1].append((self._problem, make))
         if clock.perf_counter() - self._written > EVERY:
             self.write()
@@ -82,10 +74,10 @@ class Journal:
     def write(self) -> None:
         """Write what is not written yet; when that is interrupted, it may be called again."""
         number, entries = self._new
-        if self._checkpoint is None or not entries:
+        if not entries:
             return
         if not self._checkpoint.begun:
-            self._open(self._checkpoint)
+            self._open()
         text = json.dumps([{"problem": problem, **make()} for problem, make in entries])
         self._checkpoint.write(number, {"entries": np.array(text.encode())})
         self._new = number + 1, []  # both at once: an interrupt comes before or after it
@@ -94,22 +86,21 @@ class Journal:
     def remove(self) -> None:
         """Delete what is kept: all is done."""
         self._new = 0, []
-        if self._checkpoint is not None:
-            self._checkpoint.remove()
+        self._checkpoint.remove()
 
     def unreadable(self) -> InputError:
         """Return the refusal of entries that make no sense."""
-        place = "" if self._checkpoint is None else str(self._checkpoint.folder)
+        place = str(self._checkpoint.folder)
         return InputError("--out", "what is kept beside it cannot be read", place, "what this command kept, or none")
 
-    def _open(self, checkpoint: Checkpoint) -> None:
+    def _open(self) -> None:
         with as_typed("out"):
-            checkpoint.open()
+            self._checkpoint.open()
 
-    def _read(self, checkpoint: Checkpoint) -> int:
+    def _read(self) -> int:
         """Read all entries; return the number of the next chunk."""
-        self._open(checkpoint)
-        count = 0
+        self._open()
+        checkpoint, count = self._checkpoint, 0
         for number in checkpoint.done():
             if number > count:  # one before it is broken: the machine lost its power
                 checkpoint.delete(number)

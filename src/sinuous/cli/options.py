@@ -131,10 +131,12 @@ class Solving:
         InputError
             That names the option.
         """
+        from sinuous.base.words import suggested  # noqa: PLC0415
         from sinuous.methods import registry  # noqa: PLC0415
 
         if self.method not in registry.METHODS:
-            raise InputError("--method", "", self.method, "one of " + ", ".join(registry.METHODS))
+            known = suggested(self.method, registry.METHODS)
+            raise InputError("--method", f"unknown method {self.method!r}", self.method, known)
         try:
             return registry.with_options(self.method, tuple(self.option or ()))
         except InputError as error:

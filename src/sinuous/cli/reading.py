@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import typer
 
 from sinuous.base import checks
-from sinuous.base.errors import SuspiciousInput
+from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import rich_progress
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
 from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
@@ -81,6 +81,8 @@ def setting_of(file: str) -> Iterator[Setting]:
 def remembered(file: Path | None, robots: Mapping[str, Robot]) -> Iterator[Memory | None]:
     """Yield the memory in a file, or a new one where it is not there; in the end, write what is kept then.
 
+    Where something is refused within, nothing is written.
+
     `robots`: the one of each problem file, which all must be the robot of the memory. Without a file there is none.
     """
     if file is None:
@@ -94,7 +96,8 @@ def remembered(file: Path | None, robots: Mapping[str, Robot]) -> Iterator[Memor
     try:
         yield memory
     finally:
-        memory.save(file)
+        if not isinstance(sys.exception(), InputError):
+            memory.save(file)
 
 
 @contextmanager

@@ -13,8 +13,8 @@ from sinuous.methods.learned.training import FEWEST, train
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
+from sinuous.motion.planning.memory_search import load_memory_search
 from sinuous.motion.planning.rrt_connect import load_trees
-from sinuous.motion.planning.walk import load_walk
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
 from sinuous.scene.meshes.mesh import Mesh
@@ -26,7 +26,7 @@ from sinuous.solver.certificates.steps import load_motions
 from sinuous.solver.certificates.tip import Tip
 from sinuous.solver.memory import MEGABYTES
 from sinuous.solver.options import SolveOptions
-from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.routing.searches import Searches
 from sinuous.solver.shapes import Shapes
 from sinuous.solver.solver import Solver
@@ -75,7 +75,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
         WarmStep("kinematics", _kinematics),
         WarmStep("starts of a memory", _memory),
         WarmStep("distances", _distances),
-        WarmStep("classes of routes", ClassCurves(ROBOT, FAR.snapshot()).load),
+        WarmStep("classes of routes", RouteCurves(ROBOT, FAR.snapshot()).load),
         WarmStep("motions", _motions),
         WarmStep("plans", _plans),
         WarmStep("control loops", _loops),
@@ -100,7 +100,7 @@ def _motions() -> None:
 
 def _plans() -> None:
     load_trees(ROBOT, FAR.snapshot())
-    load_walk(ROBOT, FAR.snapshot())
+    load_memory_search(ROBOT, FAR.snapshot())
 
 
 def _loops() -> None:

@@ -3,8 +3,9 @@
 import time as clock
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -16,21 +17,23 @@ from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import ProgressBar
 from sinuous.cli.answers import Alternatives, Answer, AnswerWriter, read_solution, write_solution
 from sinuous.cli.app import Plan, Solve, Track
-from sinuous.cli.journal import Journal, record_of
 from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Remembering, Timed
 from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of
-from sinuous.motion.knots import Entry, read_entry, write_entry
+from sinuous.motion.knots import TrackedWaypoint, read_entry, write_entry
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import Pace
+from sinuous.motion.pace import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
+from sinuous.solver.distinct_solutions import KINDS, Kind
 from sinuous.solver.memory import Memory
-from sinuous.solver.several import KINDS, Kind
 from sinuous.solver.solver import Solver
+
+if TYPE_CHECKING:
+    from sinuous.cli.journal import Journal
 
 MOST_ALTERNATIVES = 10_000
 """Most solutions that `--all` may ask for."""
@@ -40,7 +43,7 @@ Asked = Solve | Track | Plan
 Prepare = Callable[..., Any]
 """Prepares what answers a problem file: a solver, tracker or planner, of the file and of options of `Solver`."""
 
-Find = Callable[[Any, ProblemFile, Journal, Callable[[], None]], Answer]
+Find = Callable[[Any, ProblemFile, "Journal | None", Callable[[], None]], Answer]
 """Finds the answer to a problem file by what was prepared, with a journal, and a call for each step that is done."""
 
 
@@ -166,9 +169,8 @@ def _answer_all(
     solving, output, done, solved = asked.solving, asked.output, 0, 0
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
-    record = {} if output.file is None else record_of(problems, solving, typed)
     robots = {problem.file: problem.robot for problem in problems}
-    with Journal(output.file, record) as journal, remembered(solving.memory, robots) as memory:
+    with _journal(problems, asked, typed) as journal, remembered(solving.memory, robots) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
         ready = partial(_prepare, solving, prepare, memory)
         try:
@@ -186,13 +188,25 @@ def _answer_all(
                     done += 1
                     solved += found.solved
         except KeyboardInterrupt:
-            on = ", the same command goes on" if journal.keeps else ""
+            on = ", the same command goes on" if journal else ""
             typer.echo(
                 f"sinuous: interrupted after {done} of {len(read)} files; the results so far are written{on}", err=True
             )
             return INTERRUPTED
-        journal.remove()
+        if journal is not None:
+            journal.remove()
     return SOLVED if solved == len(read) else UNSOLVED
+
+
+def _journal(
+    problems: list[ProblemFile], asked: Asked, typed: Mapping[str, object]
+) -> "AbstractContextManager[Journal | None]":
+    """Return a journal where answers go into a file."""
+    if asked.output.file is None:
+        return nullcontext()
+    from sinuous.cli.journal import Journal, record_of  # noqa: PLC0415
+
+    return Journal(asked.output.file, record_of(problems, asked.solving, typed))
 
 
 def _compile(problems: list[ProblemFile], ready: Callable[[ProblemFile], tuple[Any, float]]) -> float:
@@ -210,7 +224,7 @@ def _prepare(solving: Remembering, prepare: Prepare, memory: Memory | None, prob
 
 
 def _once(
-    journal: Journal,
+    journal: "Journal | None",
     advance: Callable[[], None],
     read: Callable[[dict[str, Any]], Any],
     find: Callable[[], Any],
@@ -219,13 +233,13 @@ def _once(
     """Return the answer that is in the journal; where there is none, find it, and keep it there."""
     kept = _read(journal, read)
     answer = kept[0] if kept else find()
-    if not kept:
+    if journal is not None and not kept:
         journal.add(partial(write, answer))
     advance()
     return answer
 
 
-def _solve(solver: Solver, problem: ProblemFile, journal: Journal, advance: Callable[[], None]) -> Solution:
+def _solve(solver: Solver, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]) -> Solution:
     """Meet the target."""
     asked = problem.waypoints[0], problem.start
     read, find = partial(read_solution, solver, *asked), partial(solver.solve, *asked)
@@ -238,7 +252,7 @@ def _solve_all(
     by: Kind | None,
     solver: Solver,
     problem: ProblemFile,
-    journal: Journal,
+    journal: "Journal | None",
     advance: Callable[[], None],
 ) -> Alternatives:
     """Find several solutions."""
@@ -263,7 +277,7 @@ def _solve_all(
 
 
 def _plan(
-    timed: Timed, planner: Planner, problem: ProblemFile, journal: Journal, advance: Callable[[], None]
+    timed: Timed, planner: Planner, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]
 ) -> Motion:
     """Plan the motion."""
     assert problem.start is not None
@@ -272,15 +286,15 @@ def _plan(
 
 
 def _track(
-    timed: Timed, tracker: Tracker, problem: ProblemFile, journal: Journal, advance: Callable[[], None]
+    timed: Timed, tracker: Tracker, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]
 ) -> Motion:
     """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     count = len(problem.waypoints)
-    kept: list[Entry] = _read(journal, lambda values: read_entry(values, len(problem.robot)))
+    kept: list[TrackedWaypoint] = _read(journal, lambda values: read_entry(values, len(problem.robot)))
 
     def progress(_: Solution) -> None:
         waypoint = tracker.tried - 1
-        if waypoint >= len(kept):
+        if journal is not None and waypoint >= len(kept):
             journal.add(lambda: write_entry(tracker.entry(waypoint)))
         advance()
 
@@ -301,8 +315,10 @@ def _in_time(motion: Motion, problem: ProblemFile, timed: Timed) -> Motion:
         return motion.timed(problem.rates, timed.blend or 0.0).as_motion()
 
 
-def _read(journal: Journal, read: Callable[[dict[str, Any]], Any]) -> list[Any]:
+def _read(journal: "Journal | None", read: Callable[[dict[str, Any]], Any]) -> list[Any]:
     """Begin with the next problem, and read its entries in the journal."""
+    if journal is None:
+        return []
     try:
         return [read(values) for values in journal.begin()]
     except (KeyError, TypeError, ValueError, IndexError):  # an InputError is a ValueError

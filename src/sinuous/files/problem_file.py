@@ -15,9 +15,18 @@ from sinuous.base.frozen import Frozen
 from sinuous.base.gc_pause import gc_paused
 from sinuous.base.plain import described, plain
 from sinuous.base.reprs import text
-from sinuous.files.build import each, known_entries, make
 from sinuous.files.documents import read_text, read_values
-from sinuous.files.nouns import read_configuration, read_place, read_robot, read_target, read_targets, targets_together
+from sinuous.files.nouns import (
+    each,
+    known_entries,
+    make,
+    read_configuration,
+    read_place,
+    read_robot,
+    read_target,
+    read_targets,
+    targets_together,
+)
 from sinuous.files.path_csv import parse_path
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot, demanding

@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import cast
 
 from sinuous.base.arguments import MethodName
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, shown
 from sinuous.base.words import suggested
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
@@ -46,7 +46,7 @@ def options_class(name: str) -> type[Options]:
     InputError
         When there is no such method.
     """
-    home, _, class_name = METHODS[_known(name, "")].rpartition(".")
+    home, _, class_name = METHODS[_known(name)].rpartition(".")
     return cast(type[Options], getattr(import_module(f"sinuous.methods.{home}"), class_name))
 
 
@@ -71,12 +71,12 @@ def name_of(method: Choice | str) -> MethodName:
     InputError
         When it is none.
     """
-    return _known(method.method if isinstance(method, Options) else method, ", or its options")
+    return _known(method.method if isinstance(method, Options) else method)
 
 
-def _known(name: str, more: str) -> MethodName:
+def _known(name: str) -> MethodName:
     if not isinstance(name, str) or name not in METHODS:
-        raise InputError("method", "is not known", name, suggested(name, METHODS) + more)
+        raise InputError("method", f"unknown method {shown(name)}", name, suggested(name, METHODS))
     return name
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, shown
 from sinuous.base.words import suggested
 
 MOST_SEGMENTS = 10_000
@@ -18,7 +18,7 @@ def segment_number(key: str, value: Any, names: Sequence[str]) -> int:
     if not isinstance(value, str):
         return checks.integer(key, value, 1, len(names))
     if value not in names:
-        raise InputError(key, "no segment has this name", value, suggested(value, names))
+        raise InputError(key, f"no segment is called {shown(value)}", value, suggested(value, names))
     return names.index(value) + 1
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, shown
 from sinuous.base.frozen import Frozen
 from sinuous.base.words import suggested
 from sinuous.model.robot import Robot
@@ -174,7 +174,7 @@ def _spread(key: str, value: Kept, names: Sequence[str]) -> Floats:
     if isinstance(value, dict):
         for name in value:
             if name not in names:
-                raise InputError(key, "nothing has this name", name, suggested(name, names))
+                raise InputError(key, f"nothing is called {shown(name)}", name, suggested(name, names))
         return np.array([value.get(name, np.inf) for name in names])
     if len(value) != len(names):
         raise InputError(key, "", value.tolist(), f"one number, or {len(names)}")

@@ -7,9 +7,8 @@ from sinuous.answer.solution import Solution
 from sinuous.base import checks
 from sinuous.base.errors import InputError
 from sinuous.base.gc_pause import gc_paused
-from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
-from sinuous.files.nouns import read_place, read_robot, read_scene
+from sinuous.files.nouns import known_entries, read_place, read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.model.robot import Robot

@@ -119,7 +119,7 @@ class Knot(NamedTuple):
         return self.q if self.solution is None else self.solution
 
 
-class Entry(NamedTuple):
+class TrackedWaypoint(NamedTuple):
     """What a waypoint added.
 
     Attributes
@@ -145,7 +145,7 @@ class Entry(NamedTuple):
     seconds: float
 
 
-def write_entry(entry: Entry) -> dict[str, Any]:
+def write_entry(entry: TrackedWaypoint) -> dict[str, Any]:
     """Return plain values, numbers to the last digit; some may be infinite or NaN."""
     knots = [
         [knot.q.tolist(), None if knot.proof is None else knot.proof[0].tolist(), knot.time] for knot in entry.knots
@@ -153,7 +153,7 @@ def write_entry(entry: Entry) -> dict[str, Any]:
     return {**entry._asdict(), "outcome": write_outcome(entry.outcome), "knots": knots}
 
 
-def read_entry(values: dict[str, Any], segments: int) -> Entry:
+def read_entry(values: dict[str, Any], segments: int) -> TrackedWaypoint:
     """Return what `write_entry` wrote.
 
     Raises
@@ -171,7 +171,7 @@ def read_entry(values: dict[str, Any], segments: int) -> Entry:
         for q, came, time in values["knots"]
     ]
     rest = {key: values[key] for key in ("solve_seconds", "reconfigured", "approaches", "seconds")}
-    return Entry(read_outcome(values["outcome"], segments), knots=knots, **rest)
+    return TrackedWaypoint(read_outcome(values["outcome"], segments), knots=knots, **rest)
 
 
 def write_outcome(outcome: Outcome) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from sinuous.measures.following import line_in_front
 from sinuous.model.actuators import Stage
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.model.segment import Segment
-from sinuous.motion.laying import depths_of, lay
+from sinuous.motion.curve_fitting import depths_of, fit_chains_along
 from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
@@ -216,7 +216,7 @@ class _Leader:
         """Find knots until the tip keeps to the curve and all steps are proved, or cannot be."""
         from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
-        self.shapes = CubicSpline(self.depths, lay(self.robot, self.path, self.depths))
+        self.shapes = CubicSpline(self.depths, fit_chains_along(self.robot, self.path, self.depths))
         self.depths, self.q, self.clear, first = self._solved(self.depths, self.shapes(self.depths))
         for _ in range(TIP_ROUNDS):
             counts = np.ceil(np.sqrt(self._off() / allowed)).astype(np.intp)

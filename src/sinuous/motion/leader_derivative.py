@@ -15,7 +15,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.parameter_groups import ByGroups, Column, read_names
 from sinuous.model.robot import Robot
-from sinuous.motion.laying import lay
+from sinuous.motion.curve_fitting import fit_chains_along
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.solver.solver import Solver
@@ -71,7 +71,7 @@ class LeaderQuestion(NamedTuple):
         near = near.copy()
         low, high = self.robot.limits[:, :2].T
         near[..., 2] = np.clip(near[..., 2], low, high)
-        laid = lay(self.robot, self.path, self.depths, near)
+        laid = fit_chains_along(self.robot, self.path, self.depths, near)
         tolerance = Tolerance(EXACT * self.robot.mean_length)
         solver = Solver(self.robot, tolerance=tolerance, max_starts=1, routes=False)
         found = solver.solve_many(positions=self.path.at(self.depths), initial=laid, workers=1)

@@ -56,7 +56,7 @@ clear at samples; or some step is neither."""
     success="motion.solved",
     plot="sn.plot(motion)",
     show="sn.show(motion)",
-    animate='sn.animate(motion, path="motion.gif")',
+    animate='sn.view.animate(motion, path="motion.gif")',
 )
 class Motion(NotebookMixin, Frozen):
     """Configurations at times, linear in q from each to the next; frozen.
@@ -504,12 +504,12 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When `values` are no result of a motion, or one of another number of waypoints.
         """
-        return cls.restored(values, tuple(problems), scene=None if scene is None else as_snapshot(scene))
+        return cls.restored(dict(values), tuple(problems), scene=None if scene is None else as_snapshot(scene))
 
     @classmethod
     def restored(
         cls,
-        values: Any,
+        values: dict[str, Any],
         problems: "tuple[Problem, ...]",
         place: tuple[Robot, Snapshot] | None = None,
         scene: Snapshot | None = None,

@@ -21,13 +21,13 @@ from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import Pace
-from sinuous.motion.planning.find import find_path, find_timed_path, standing
+from sinuous.motion.pace import Pace
+from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
+from sinuous.motion.planning.planners import find_path, find_timed_path, standing
 from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedPath, Query, TargetGoals, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
-from sinuous.motion.times import spread_times
+from sinuous.motion.timetable import spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Targets, is_place, target_list
@@ -111,7 +111,7 @@ class Workspace:
     scene: Snapshot
     prover: Prover
     trees: RRTConnect
-    walks: Walks | None = None
+    walks: MemorySearch | None = None
 
 
 class Workspaces:
@@ -212,7 +212,7 @@ class Planner:
         goals = FixedGoal(end) if isinstance(end, np.ndarray) else TargetGoals(self._solver, end, [])
         query = Query(self._robot, work.scene, begin, goals, self._options.seed, self._shortcuts, deadline)
         with deadline.paused():  # what is kept of a graph is made once
-            work.walks = walks_in(self._options.memory, self._robot, work.scene, work.trees, work.walks)
+            work.walks = search_memory(self._options.memory, self._robot, work.scene, work.trees, work.walks)
         path = None if work.walks is None else work.walks.find_path(query, goals)
         if path is None:
             if not isinstance(end, np.ndarray):

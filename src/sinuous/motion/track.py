@@ -12,9 +12,9 @@ from sinuous.methods.registry import Choice, capabilities
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import Pace
+from sinuous.motion.pace import Pace
 from sinuous.motion.report import MOST_WAYPOINTS
-from sinuous.motion.times import Timetable
+from sinuous.motion.timetable import Timetable
 from sinuous.motion.tracker import Tracker
 from sinuous.problem.path import Path
 from sinuous.problem.problem import Preferences
@@ -24,7 +24,7 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.options import SolveArguments, refuse_unknown
 from sinuous.solver.solver import Initial, Solver
 
-ROOM = 0.02
+WISHED_CLEARANCE = 0.02
 """Clearance that is wished for by default, in mean lengths of a segment."""
 
 HALF = 0.5
@@ -141,14 +141,14 @@ def tracker_of(
         When an argument is not what it should be.
     """
     if options.get("prefer") is None:
-        options["prefer"] = wish(robot, options.get("method", "newton"))
+        options["prefer"] = default_preferences(robot, options.get("method", "newton"))
     place = as_scene(scene)
     timetable = timetable_of(place, times, waypoints, start is not None)
     solver = Solver(robot, place if timetable is None else timetable.live, **options)
     return Tracker(solver, start, read_deviation(solver, deviation), timetable)
 
 
-class Room(Preferences):
+class ClearanceWish(Preferences):
     """A clearance that is wished for on the way: a robot that has half of it goes on as it is.
 
     It is there for the steps, which are then proved sooner. To strive for the last of it at every waypoint would take
@@ -166,12 +166,12 @@ def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bo
     return Timetable(snapshot, times, waypoints, started) if snapshot.moves else None
 
 
-def wish(robot: Robot, method: Choice) -> Preferences:
+def default_preferences(robot: Robot, method: Choice) -> Preferences:
     """Return what a robot on its way prefers by default, where the method takes preferences: some room."""
     checks.instance("robot", robot, Robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
-    return Room(clearance=robot.least_demanded[0] + ROOM * robot.mean_length / len(robot))
+    return ClearanceWish(clearance=robot.least_demanded[0] + WISHED_CLEARANCE * robot.mean_length / len(robot))
 
 
 def read_deviation(solver: Solver, deviation: Number | None) -> float:

@@ -14,17 +14,17 @@ from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by
-from sinuous.motion.knots import Entry, Knot, TipLine
+from sinuous.motion.knots import Knot, TipLine, TrackedWaypoint
 from sinuous.motion.motion import Motion
-from sinuous.motion.planning.find import find_path, find_timed_path
+from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
+from sinuous.motion.planning.planners import find_path, find_timed_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
-from sinuous.motion.planning.walk import Walks, remember, walks_in
 from sinuous.motion.report import Report
-from sinuous.motion.shortest import metric_of, shorten
-from sinuous.motion.times import Timetable, spread_times, with_start
+from sinuous.motion.shortening import metric_of, shorten
+from sinuous.motion.timetable import Timetable, spread_times, with_start
 from sinuous.problem.target import Target, Targets
-from sinuous.solver.certificates.steps import Prover, Steps, load_motions, passes
+from sinuous.solver.certificates.steps import Prover, Steps, is_passable, load_motions
 from sinuous.solver.certificates.tip import Tip
 from sinuous.solver.solver import Initial, Solver
 
@@ -83,7 +83,7 @@ class Tracker:
         self._follows: Solver | None = None
         self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
         self._tip = Tip(solver.robot)
-        self._walks: Walks | None = None
+        self._walks: MemorySearch | None = None
         self._approaches = start is not None
         self.blocked: Worst | None = None
         if start is not None:
@@ -103,7 +103,7 @@ class Tracker:
     def follow(
         self,
         waypoints: Iterable[Targets],
-        entries: Iterable[Entry] = (),
+        entries: Iterable[TrackedWaypoint] = (),
         progress: Callable[[Solution], object] | None = None,
     ) -> None:
         """Go to all waypoints, one after the other, unless the start is blocked.
@@ -153,13 +153,13 @@ class Tracker:
         """How many knots there are, whether the way from the start is a step of its own, and seconds so far."""
         return len(self._knots), self._approaches, work_time() - self._began
 
-    def entry(self, waypoint: int) -> Entry:
+    def entry(self, waypoint: int) -> TrackedWaypoint:
         """Return what a waypoint (0 = first) added; see `follow`."""
         solution, (count, approaches, seconds) = self._tried[waypoint][0], self._done[waypoint + 1]
         knots, reconfigured = self._knots[self._done[waypoint][0] : count], waypoint + 1 in self._reconfigured
-        return Entry(solution._outcome, solution.seconds, knots, reconfigured, approaches, seconds)
+        return TrackedWaypoint(solution._outcome, solution.seconds, knots, reconfigured, approaches, seconds)
 
-    def go_on(self, targets: Targets, entry: Entry) -> Solution:
+    def go_on(self, targets: Targets, entry: TrackedWaypoint) -> Solution:
         """Take the next waypoint as it was found before, by a tracker that was interrupted."""
         self._look_ahead()
         initial = self._knots[-1].q if self._knots else None
@@ -257,7 +257,7 @@ class Tracker:
         if self._timetable is not None:
             times = np.array([before.time, knot.time])
         proof = self._prover.prove(ends, SLACK, times=times, known=self._known)
-        return proof if passes(proof[0]) else None
+        return proof if is_passable(proof[0]) else None
 
     def _go_around(self, solution: Solution) -> Solution:
         """Change the configuration to one of a waypoint on any path; the step is not proved where none is found.
@@ -290,7 +290,7 @@ class Tracker:
             began = work_time()
             load_trees(robot, scene)
             trees = RRTConnect(robot, scene)
-            self._walks = walks_in(options.memory, robot, scene, trees, self._walks)
+            self._walks = search_memory(options.memory, robot, scene, trees, self._walks)
             self._began += work_time() - began  # compiling is no planning
             query = Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time))
             path = None if self._walks is None else self._walks.find_path(query, goals)

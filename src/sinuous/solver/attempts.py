@@ -7,7 +7,7 @@ from itertools import count
 from typing import NamedTuple
 
 from sinuous.base.errors import InputError
-from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 
 REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "side_tubes"
 """Names of attempts that others have to know."""
@@ -30,7 +30,7 @@ ATTEMPTS = {
 ROUND = 64
 """Scattered starts of the first batch when nothing else is left to be tried; each following batch has twice as many."""
 
-COST_OF_A_CHAIN = 1
+EFFORT_OF_A_CHAIN = 1
 """Cost of a start that is given, in scattered starts, beside what its attempt costs."""
 
 
@@ -76,7 +76,7 @@ class Attempt(NamedTuple):
     make: Callable[[], Iterator[StartBatch]]
 
 
-class Attempts:
+class AttemptQueue:
     """All that is tried for one question after the first call: the cheapest first.
 
     Parameters
@@ -96,7 +96,7 @@ class Attempts:
     """
 
     def __init__(
-        self, question: Question, scattered: Scattered, share: float = 1.0, without: Collection[str] = ()
+        self, question: IKQuery, scattered: RandomRestarts, share: float = 1.0, without: Collection[str] = ()
     ) -> None:
         self._question, self._scattered, self._share = question, scattered, share
         self.without = frozenset(without)
@@ -116,28 +116,28 @@ class Attempts:
             attempt = self._next()
             for number, batch in enumerate(attempt.make()):
                 yield batch
-                cost = batch.cost + COST_OF_A_CHAIN * len(batch.initial) + (attempt.cost if number == 0 else 0.0)
+                cost = batch.cost + EFFORT_OF_A_CHAIN * len(batch.initial) + (attempt.cost if number == 0 else 0.0)
                 self.ledger[attempt.name] += cost + batch.own[1] - batch.own[0]
-            yield from self._owed()
+            yield from self._due_restarts()
         size = ROUND
         while SCATTERED not in self.without:
-            batch = self.scatter(size)
+            batch = self.restart_batch(size)
             if batch.size == 0:
                 return
             yield batch
             size *= 2
 
-    def scatter(self, count: int) -> StartBatch:
+    def restart_batch(self, count: int) -> StartBatch:
         """Return the next so many scattered starts, or as many as are left."""
         return self._scattered.take(self._question, count)
 
     def _next(self) -> Attempt:
         return heapq.heappop(self._queue)
 
-    def _owed(self) -> Iterator[StartBatch]:
+    def _due_restarts(self) -> Iterator[StartBatch]:
         """Yield as many scattered starts as are due for what other attempts have cost."""
         others = sum(cost for name, cost in self.ledger.items() if name != SCATTERED)
         due = int(self._share * others - self.ledger[SCATTERED])
         if due > 0 and SCATTERED not in self.without:
             self.ledger[SCATTERED] += due
-            yield self.scatter(due)
+            yield self.restart_batch(due)

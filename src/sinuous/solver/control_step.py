@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.observed import GAIN, corrected, observe
+from sinuous.answer.observer import GAIN, correct_targets, update_observer
 from sinuous.answer.solution import Solution
 from sinuous.answer.step import Step, WantedStep
 from sinuous.base import checks
@@ -27,10 +27,10 @@ from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Targets, Tolerance, meets, target_list, target_table
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.loaded_control_step import NO_BODY, LoadedTick
+from sinuous.solver.loaded_control_step import NO_BODY, LoadedControlStep
+from sinuous.solver.loaded_solve import unsolved_start
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.step_query import RateLimits, StepQuery
-from sinuous.solver.under_load import given
 from sinuous.statics.rest import Rest, tensions_kept
 
 ROUNDS = 30
@@ -111,7 +111,7 @@ class ControlLoop:
         seconds = checks.number("dt", dt, above=0.0)
         known, observed = q.observed if isinstance(q, Step) else None, None
         if known is not None or measured is not None:
-            observed = observe(self._robot, own, known, measured, places, gain, delay)
+            observed = update_observer(self._robot, own, known, measured, places, gain, delay)
         if (twist is None) == (target is None):
             problem = "missing" if twist is None else "cannot be combined with target"
             raise InputError("twist", problem, twist, "one of twist, target")
@@ -121,7 +121,7 @@ class ControlLoop:
         else:
             targets = target_list("target", target, self._robot)
             if observed is not None:
-                targets = tuple(corrected(self._robot, each, observed) for each in targets)
+                targets = tuple(correct_targets(self._robot, each, observed) for each in targets)
             kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
         wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
         checks.instance("rates", rates, Rates | None, "Rates")
@@ -136,11 +136,11 @@ class ControlLoop:
         wanted = WantedStep(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
         return Step(wanted, own, answer, observed)
 
-    def _loaded(self, scene: Snapshot) -> LoadedTick:
+    def _loaded(self, scene: Snapshot) -> LoadedControlStep:
         """What makes the ticks of this thread for a robot under load; that of the last scene is kept."""
-        kept: LoadedTick | None = getattr(self._local, "loaded", None)
+        kept: LoadedControlStep | None = getattr(self._local, "loaded", None)
         if kept is None or kept.scene is not scene:
-            kept = self._local.loaded = LoadedTick(self._robot, scene, self._tolerance)
+            kept = self._local.loaded = LoadedControlStep(self._robot, scene, self._tolerance)
         return kept
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
@@ -149,7 +149,7 @@ class ControlLoop:
         limits = self._limits_of(changes)
         answer = self._answer(problem.scene, asked, problem.targets, initial, limits, 1.0, None)
         if answer[t.START] == NO_BODY:
-            return given(initial)
+            return unsolved_start(initial)
         q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
         off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
         first = t.SHAPE + initial.size + 1

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.answer.least_distance import least_distance
-from sinuous.answer.observed import vector_of
+from sinuous.answer.observer import vector_of
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels import tables as k
@@ -27,8 +27,8 @@ from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance, meets
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import SAMPLED, Prover
+from sinuous.solver.loaded_solve import errors_of
 from sinuous.solver.step_query import RateLimits, StepQuery
-from sinuous.solver.under_load import errors_of
 from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest
 
@@ -69,7 +69,7 @@ NO_BODY = -1.0
 """The verdict about a start at which no equilibrium was found."""
 
 
-class TickRow(NamedTuple):
+class ControlStepRow(NamedTuple):
     """A bound `weights . y >= low`, y in units of the scale; `wish` comes after all that is not.
 
     `kind`, `segment` and `other` say what it is, see `kernels.velocity.layout`.
@@ -83,7 +83,7 @@ class TickRow(NamedTuple):
     wish: bool = False
 
 
-class Moves(NamedTuple):
+class LinearisedBody(NamedTuple):
     """How a loaded body moves with its drive, in units of the scale.
 
     Attributes
@@ -108,7 +108,7 @@ class Moves(NamedTuple):
     errors: Floats
 
 
-class LoadedTick:
+class LoadedControlStep:
     """Makes ticks of one robot under load in one scene.
 
     Parameters
@@ -165,7 +165,7 @@ class LoadedTick:
         answer[t.SHAPE : t.SHAPE + start.size] = start.ravel()
         return answer
 
-    def _moves(self, rest: Rest, goals: tuple[Target, ...]) -> Moves:
+    def _moves(self, rest: Rest, goals: tuple[Target, ...]) -> LinearisedBody:
         """Look at the bodies beside the one where the drive is, to which its derivative leads."""
         robot, scale = self._robot, self._scale
         moving = np.flatnonzero(scale > 0.0)
@@ -186,23 +186,23 @@ class LoadedTick:
         places = self._body.backbone(np.stack(bodies), SAMPLES)[:, 1:]
         of_points = np.zeros((*places.shape[1:], size))
         of_points[..., moving] = np.moveaxis(places[1:] - places[0], 0, -1) / DIFFERENCE
-        return Moves(rest, left, places[0], of_points, tip, errors)
+        return LinearisedBody(rest, left, places[0], of_points, tip, errors)
 
     def _advance(
         self,
         asked: StepQuery,
         goals: tuple[Target, ...],
-        moves: Moves,
+        moves: LinearisedBody,
         limits: RateLimits,
         dt: float,
         velocity: Floats | None,
-    ) -> tuple[Floats, int, list[tuple[float, TickRow]]]:
+    ) -> tuple[Floats, int, list[tuple[float, ControlStepRow]]]:
         """Go on step by step, each kept that brings the targets nearer; a tick is the first, as it is.
 
         Returns where it ends (n, 3), how many steps there were, and what held the last one back, strongest first.
         """
         start, tolerance, end, easing, rounds = moves.rest.q, self._tolerance, work_time() + asked.seconds, 1.0, 0
-        active = list[tuple[float, TickRow]]()
+        active = list[tuple[float, ControlStepRow]]()
         while rounds < asked.rounds and work_time() < end and easing <= HOPELESS:
             step, active = self._step(asked, goals, moves, start, limits, dt, velocity, easing)
             q = self._within(start, step, limits, dt)
@@ -231,13 +231,13 @@ class LoadedTick:
         self,
         asked: StepQuery,
         goals: tuple[Target, ...],
-        moves: Moves,
+        moves: LinearisedBody,
         start: Floats,
         limits: RateLimits,
         dt: float,
         velocity: Floats | None,
         easing: float,
-    ) -> tuple[Floats, list[tuple[float, TickRow]]]:
+    ) -> tuple[Floats, list[tuple[float, ControlStepRow]]]:
         """Find the motion (3 n,) from the start, in units of the scale, and what holds it back, strongest first.
 
         All but limits and rates is linear about the drive where the body of `moves` is.
@@ -262,7 +262,7 @@ class LoadedTick:
         for wishes in (True, False):
             bounds = [row for row in fixed if wishes or not row.wish]
             for _ in range(CUTS):
-                found = _held(root, free, bounds)
+                found = _nearest_within(root, free, bounds)
                 if found is None:
                     break
                 step, active = found
@@ -274,7 +274,7 @@ class LoadedTick:
                 return step, active
         return done, []
 
-    def _contacts(self, wish: float, ahead: float, moves: Moves) -> list[TickRow]:
+    def _contacts(self, wish: float, ahead: float, moves: LinearisedBody) -> list[ControlStepRow]:
         """Bounds of places of the body that are near obstacles: of each segment and obstacle the nearest."""
         keep = ROOM * self._robot.mean_length
         wish = max(wish, keep)
@@ -291,14 +291,14 @@ class LoadedTick:
                 if gap >= wish + ahead:
                     continue
                 weights = slopes[at] @ moves.of_points[at]
-                rows.append(TickRow(weights, min(0.0, keep - gap), a.CLEARANCE, segment, i))
+                rows.append(ControlStepRow(weights, min(0.0, keep - gap), a.CLEARANCE, segment, i))
                 if wish > keep and gap < wish:
-                    rows.append(TickRow(weights, wish - gap, a.CLEARANCE, segment, i, True))
+                    rows.append(ControlStepRow(weights, wish - gap, a.CLEARANCE, segment, i, True))
         return rows
 
-    def _of_limits(self, start: Floats, limits: RateLimits, dt: float, velocity: Floats | None) -> list[TickRow]:
+    def _of_limits(self, start: Floats, limits: RateLimits, dt: float, velocity: Floats | None) -> list[ControlStepRow]:
         """Bounds of lengths and actuators."""
-        rows, scale = list[TickRow](), self._scale
+        rows, scale = list[ControlStepRow](), self._scale
         table, own = self._robot.limits, start.size
         for j in np.flatnonzero(scale[2::3] > 0.0).tolist():
             at, rate = np.zeros(len(scale)), limits.segments[j]
@@ -318,9 +318,9 @@ class LoadedTick:
 
     def _cuts(
         self, start: Floats, step: Floats, limits: RateLimits, dt: float, velocity: Floats | None
-    ) -> list[TickRow]:
+    ) -> list[ControlStepRow]:
         """Tangents to the discs, of bends and of their changes, that a step leaves."""
-        found = list[TickRow]()
+        found = list[ControlStepRow]()
         table, change = self._robot.limits, (step * self._scale).reshape(-1, 3)
         for j in range(len(start)):
             bend, bent, length = start[j, :2], math.hypot(*start[j, :2]), start[j, 2] + change[j, 2]
@@ -339,7 +339,7 @@ class LoadedTick:
                     weights[3 * j : 3 * j + 2] = -off / size
                     weights[3 * j + 2] = slope
                     low = -(most - slope * change[j, 2]) - float(off @ center) / size
-                    found.append(TickRow(weights * self._scale, low, kind, j, -1))
+                    found.append(ControlStepRow(weights * self._scale, low, kind, j, -1))
         return found
 
     def _within(self, start: Floats, step: Floats, limits: RateLimits, dt: float) -> Floats:
@@ -429,19 +429,21 @@ class LoadedTick:
 
 def _sides(
     at: Floats, least: float, most: float, change: float, kinds: tuple[int, int], where: tuple[int, int]
-) -> list[TickRow]:
+) -> list[ControlStepRow]:
     """Both bounds of what moves with `at`: between limits, no farther beyond them than it is, and within its rate."""
     least, most = min(0.0, least), max(0.0, most)
     low, high = (kinds[int(abs(side) > change)] for side in (least, most))
-    return [TickRow(at, max(least, -change), low, *where), TickRow(-at, -min(most, change), high, *where)]
+    return [ControlStepRow(at, max(least, -change), low, *where), ControlStepRow(-at, -min(most, change), high, *where)]
 
 
-def _wished(at: Floats, aim: float, room: float, where: tuple[int, int]) -> list[TickRow]:
+def _wished(at: Floats, aim: float, room: float, where: tuple[int, int]) -> list[ControlStepRow]:
     """Both bounds of an acceleration, which come after all else."""
-    return [TickRow(side * at, side * aim - room, a.ACCELERATION, *where, True) for side in (1.0, -1.0)]
+    return [ControlStepRow(side * at, side * aim - room, a.ACCELERATION, *where, True) for side in (1.0, -1.0)]
 
 
-def _held(root: Floats, free: Floats, bounds: list[TickRow]) -> tuple[Floats, list[tuple[float, TickRow]]] | None:
+def _nearest_within(
+    root: Floats, free: Floats, bounds: list[ControlStepRow]
+) -> tuple[Floats, list[tuple[float, ControlStepRow]]] | None:
     """The step nearest to a free one within bounds, and the active ones, strongest first; `None`: there is none."""
     if not bounds:
         return free, []

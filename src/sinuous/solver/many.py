@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.answer.resolver import ReSolver
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Beyond, Solutions
+from sinuous.answer.solve_again import SolveAgain
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
@@ -119,7 +119,7 @@ class Many:
         undecided = np.logical_or.reduce([answers[:, CODE] == code for code in UNDECIDED])
         return np.flatnonzero(undecided & (answers[:, STARTS] < self._starts)).tolist()
 
-    def solutions(self, resolver: ReSolver) -> Solutions:
+    def solutions(self, resolver: SolveAgain) -> Solutions:
         """Return what was found."""
         return Solutions(self._questions, self._answers, resolver, self._beyond)
 

@@ -6,7 +6,7 @@ from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
-from sinuous.base.errors import InputError
+from sinuous.base.errors import GUESS, InputError
 from sinuous.base.words import suggested
 from sinuous.methods import registry
 from sinuous.model.robot import Robot, demanding
@@ -155,4 +155,5 @@ def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
     names = (*more, *known.__annotations__)
     for key, value in given.items():
         if key not in names:
-            raise InputError(key, "is not known", value, MEANT.get(key) or suggested(key, names))
+            expected = f"{GUESS}{MEANT[key]}?" if key in MEANT else suggested(key, names)
+            raise InputError(key, "unknown option", value, expected)

@@ -8,12 +8,12 @@ from typing import Any, Self, Unpack
 
 import numpy as np
 
-from sinuous.answer.at_rest import at_rest
-from sinuous.answer.observed import GAIN
-from sinuous.answer.resolver import ReSolver
+from sinuous.answer.descent_within_limits import descend_within_limits
+from sinuous.answer.observer import GAIN
 from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
+from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.step import Step
 from sinuous.base import checks
 from sinuous.base.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
@@ -37,17 +37,25 @@ from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.base import base_blocked
+from sinuous.solver.blocked_base import base_blocked
 from sinuous.solver.control_step import ControlLoop
+from sinuous.solver.distinct_solutions import (
+    BY_ROUTE,
+    BY_SHAPE,
+    KINDS,
+    DistinctOptions,
+    DistinctSolutions,
+    Kind,
+    preference_cost,
+)
+from sinuous.solver.loaded_solve import STARTS, LoadCorrection, correct_starts, solve_under_load
+from sinuous.solver.loaded_solve import unsolved_start as start_at
 from sinuous.solver.many import Many, read_initial, read_workers
 from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.search import UNDECIDED, FirstSolved, Follow
-from sinuous.solver.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
-from sinuous.solver.starts import Question, StartBatch
+from sinuous.solver.starts import IKQuery, StartBatch
 from sinuous.solver.strategy import Strategy
 from sinuous.solver.thread_pool import Crew
-from sinuous.solver.under_load import STARTS, UnderLoad, corrections, solve_under_load
-from sinuous.solver.under_load import given as start_at
 
 FEW = 10
 """Starts under load where the robot without load is proved to have no solution, which says nothing of the other."""
@@ -122,9 +130,9 @@ class Solver:
         self.robot, self.scene, self.options = robot, scene, chosen
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
-        self._load: UnderLoad | None = None
+        self._load: LoadCorrection | None = None
         if robot.hangs:
-            self._load = UnderLoad(robot)
+            self._load = LoadCorrection(robot)
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
@@ -133,7 +141,7 @@ class Solver:
             self.options = chosen = replace(chosen, method=method)
         self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
-        self._resolver = SolvesAgain(chosen)
+        self._resolver = KeptOptions(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
         self._no_initial: Floats = np.empty((0, *self._shape))
@@ -142,7 +150,7 @@ class Solver:
 
     def _borrow(self, free: "Solver") -> None:
         """Share what a solver of the robot without load has prepared."""
-        self._resolver, self._shape = SolvesAgain(self.options), free._shape
+        self._resolver, self._shape = KeptOptions(self.options), free._shape
         self._no_initial, self._strategy = free._no_initial, free._strategy
 
     def warm(self, *uses: str) -> None:
@@ -232,7 +240,12 @@ class Solver:
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_under_load(
-        self, load: UnderLoad, target: Targets, initial: Initial | None, within: Changes | None, time: Number | None
+        self,
+        load: LoadCorrection,
+        target: Targets,
+        initial: Initial | None,
+        within: Changes | None,
+        time: Number | None,
     ) -> Solution:
         """Correct solutions of the robot without load, one after the other."""
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
@@ -243,7 +256,7 @@ class Solver:
         outcome = self._loaded_outcome(load, problem, given, seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
-    def _loaded_outcome(self, load: UnderLoad, problem: Problem, given: Floats, seconds: float) -> Outcome:
+    def _loaded_outcome(self, load: LoadCorrection, problem: Problem, given: Floats, seconds: float) -> Outcome:
         starts = self._starts_under_load(problem, given, seconds)
         return solve_under_load(load, problem, starts, seconds, self.options.most_starts)
 
@@ -259,7 +272,7 @@ class Solver:
             yield free._prepared.run(unloaded, self._no_initial, budget)
 
     def _many_under_load(
-        self, load: UnderLoad, questions: ManyProblems, seconds: float, workers: int, bar: ProgressBar
+        self, load: LoadCorrection, questions: ManyProblems, seconds: float, workers: int, bar: ProgressBar
     ) -> Solutions:
         """Solve many targets, each as `solve` does."""
         answers = np.empty((len(questions.target_sets), answer_size(len(self.robot))))
@@ -272,12 +285,14 @@ class Solver:
         Crew(one, workers).share(range(len(answers)))
         return Solutions(questions, answers, self._resolver)
 
-    def _all_under_load(self, load: UnderLoad, problem: Problem, wanted: Wanted, given: Floats) -> list[Solution]:
+    def _all_under_load(
+        self, load: LoadCorrection, problem: Problem, wanted: DistinctOptions, given: Floats
+    ) -> list[Solution]:
         """Several solutions of the loaded body: every start is corrected to its own."""
-        dislike = disliking(self.robot, given[0] if len(given) else None)
-        several = Several(problem, wanted, dislike)
+        dislike = preference_cost(self.robot, given[0] if len(given) else None)
+        several = DistinctSolutions(problem, wanted, dislike)
         starts = self._starts_under_load(problem, given, wanted.seconds)
-        for outcome in corrections(load, problem, starts, wanted.seconds):
+        for outcome in correct_starts(load, problem, starts, wanted.seconds):
             several.search.take(outcome)
             if not several.search.open:
                 break
@@ -433,7 +448,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        wanted = Wanted(
+        wanted = DistinctOptions(
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,
             (BY_ROUTE if len(self.scene) else BY_SHAPE) if by is None else checks.choice("by", by, KINDS),
@@ -446,8 +461,8 @@ class Solver:
         problem, blocked = self._problem(target)
         if blocked:
             return []
-        several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
-        question = Question(problem, given, lambda: several.search.seconds_left, several=True)
+        several = DistinctSolutions(problem, wanted, preference_cost(self.robot, None if initial is None else given[0]))
+        question = IKQuery(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
         own = self._resolver, given
         return [
@@ -574,10 +589,10 @@ class Solver:
         search = FirstSolved(first, self.options.max_starts, seconds)
         resting = first.bound and self.method == OWN_METHOD and not len(problem.scene)
         if resting and search.open:
-            rested = at_rest(problem, first.q, lambda: search.seconds_left)
+            rested = descend_within_limits(problem, first.q, lambda: search.seconds_left)
             if rested is not first.q:
                 search.take(self._from_rest(first, problem, rested, search.seconds_left))
-        batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
+        batches = self._strategy.batches(IKQuery(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         return search.outcome
 
@@ -636,7 +651,7 @@ def solve_all(
 
 
 @dataclass(frozen=True, init=False)
-class SolvesAgain(ReSolver):
+class KeptOptions(SolveAgain):
     """The options of a solver, kept by its solutions, so that they can solve again.
 
     Attributes

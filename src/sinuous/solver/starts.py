@@ -61,7 +61,7 @@ class StartBatch:
             first = end
 
 
-class Question(NamedTuple):
+class IKQuery(NamedTuple):
     """What starts are asked for.
 
     Attributes
@@ -81,7 +81,7 @@ class Question(NamedTuple):
     several: bool = False
 
 
-class Scattered:
+class RandomRestarts:
     """Shapes scattered over all possible ones; the method makes them by itself, from their numbers.
 
     Parameters
@@ -95,12 +95,12 @@ class Scattered:
     def __init__(self, first: int, last: int) -> None:
         self._next, self._last = first, last
 
-    def take(self, question: Question, count: int) -> StartBatch:
+    def take(self, question: IKQuery, count: int) -> StartBatch:
         """Return the next `count` of them, or as many as are left."""
         first = self._next
         self._next = min(self._last, first + count)
         return StartBatch(self.name, question.initial[:0], (first, self._next))
 
-    def go_back(self, number: int) -> None:
+    def continue_from(self, number: int) -> None:
         """Let this number be the next one: those after it were taken, and not followed."""
         self._next = number

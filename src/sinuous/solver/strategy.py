@@ -31,15 +31,15 @@ from sinuous.methods import registry
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solver.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, Attempts
+from sinuous.solver.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, AttemptQueue
 from sinuous.solver.options import SolveOptions
-from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
-from sinuous.solver.routing.candidates import Candidate, Candidates, along
+from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates, starts_along
 from sinuous.solver.routing.growth import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solver.routing.searches import CELLS, Searches, SearchPlan
 from sinuous.solver.shapes import NEAREST
-from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 
 OPENING = 3
 """Starts of the first call among obstacles: most that suffice are among the first, and routes are known as soon."""
@@ -125,7 +125,7 @@ PASSAGES_CELLS_A_START = 1000
 """Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
 classes than scattered starts do."""
 
-MakePassages = Callable[[Question, Floats], Passages]
+MakePassages = Callable[[IKQuery, Floats], Passages]
 """From a question and what routes have to keep (27,) to the passages of its routes."""
 
 
@@ -163,17 +163,17 @@ class Strategy:
         most = OPENING_ALONE if self.searches is None else OPENING
         return max(0, min(self._options.most_starts, most) - given)
 
-    def opening(self, question: Question) -> StartBatch:
+    def opening(self, question: IKQuery) -> StartBatch:
         """Return the starts of the first call."""
         return StartBatch(SOURCES[GIVEN], question.initial, (0, self.opening_starts(len(question.initial))))
 
-    def scattered(self, question: Question) -> Scattered:
+    def random_restarts(self, question: IKQuery) -> RandomRestarts:
         """Return the scattered starts that follow those of the first call."""
         given = len(question.initial)
-        return Scattered(self.opening_starts(given), self._options.most_starts - given)
+        return RandomRestarts(self.opening_starts(given), self._options.most_starts - given)
 
     def batches(
-        self, question: Question, scattered: Scattered | None = None, passages: MakePassages | None = None
+        self, question: IKQuery, scattered: RandomRestarts | None = None, passages: MakePassages | None = None
     ) -> Iterator[StartBatch]:
         """Yield all starts after the first call; an attempt works only when its next batch is asked for.
 
@@ -185,7 +185,7 @@ class Strategy:
         passages : callable, optional
             What knows other passages: where several solutions are wanted, routes through these come before all others.
         """
-        left = self.scattered(question) if scattered is None else scattered
+        left = self.random_restarts(question) if scattered is None else scattered
         attempts = attempts_of(question, left, self.searches, without=self._options.without, passages=passages)
         if len(question.initial) or question.several:  # else they were tried in the first call
             attempts.add(REMEMBERED, REMEMBERED_FIRST, partial(self._remembered_batch, question), cost=0)
@@ -230,7 +230,7 @@ class Strategy:
         else:
             self._memory._learn(found)
 
-    def _remembered_batch(self, question: Question) -> Iterator[StartBatch]:
+    def _remembered_batch(self, question: IKQuery) -> Iterator[StartBatch]:
         count = REMEMBERED_SEVERAL if question.several else NEAREST
         initial = self.remembered(question.problem._rows[None], count)[0]
         if len(initial):
@@ -238,13 +238,13 @@ class Strategy:
 
 
 def attempts_of(
-    question: Question,
-    scattered: Scattered,
+    question: IKQuery,
+    scattered: RandomRestarts,
     searches: Searches | None,
     *,
     without: Collection[str] = (),
     passages: MakePassages | None = None,
-) -> Attempts:
+) -> AttemptQueue:
     """Return the queue of all that is tried for a question.
 
     Parameters
@@ -260,7 +260,7 @@ def attempts_of(
         See `Strategy.batches`.
     """
     balls = searches is not None and searches.only_balls(question.problem)
-    attempts = Attempts(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
+    attempts = AttemptQueue(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
     query = None if searches is None else searches.query(question.problem)
     if searches is not None and query is not None:
         RouteAttempts(attempts, searches, question, query, passages)
@@ -284,15 +284,15 @@ class RouteAttempts:
 
     def __init__(
         self,
-        attempts: Attempts,
+        attempts: AttemptQueue,
         searches: Searches,
-        question: Question,
+        question: IKQuery,
         query: Floats,
         passages: MakePassages | None = None,
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
-        self._candidates = Candidates(searches, question, query, attempts.without)
+        self._candidates = RouteCandidates(searches, question, query, attempts.without)
         self._passes = 0
         self._make_passages = passages
         if passages is not None or not question.several:
@@ -304,17 +304,17 @@ class RouteAttempts:
         """The passages that routes lead through, once they are asked for."""
         if self._make_passages is not None:
             return self._make_passages(self._question, self._candidates.query)
-        curves = ClassCurves(self._searches.robot, self._question.problem.scene, self._question.deadline)
+        curves = RouteCurves(self._searches.robot, self._question.problem.scene, self._question.deadline)
         return Passages(self._searches, curves, self._question, self._candidates.query, solved=lambda curve: False)
 
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
         if not self._question.several:
-            self._attempts.add("base_tube", AT_ONCE, self._candidates.in_tube)
+            self._attempts.add("base_tube", AT_ONCE, self._candidates.chains_in_base_tube)
         self._attempts.add(SCATTERED, AT_ONCE, self._scattered_first, cost=0)
         for name, find in (
-            (EDGES, self._candidates.around_edges),
-            (SIDE_TUBES, self._candidates.through_side_tubes),
+            (EDGES, self._candidates.route_around_edges),
+            (SIDE_TUBES, self._candidates.route_through_side_tubes),
         ):
             self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
         self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
@@ -337,7 +337,7 @@ class RouteAttempts:
         self._passes += 1
         plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages
         routes, cells = passages.routes(closed, plan)
-        yield along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
+        yield starts_along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
         if not routes:
             self._add_passage(closed, step + 1, again, later=True)
             return
@@ -353,7 +353,7 @@ class RouteAttempts:
     def _scattered_first(self) -> Iterator[StartBatch]:
         """Scattered starts, where looking for a route takes longer."""
         if not (self._candidates.enclosed or self._searches.edges_first(self._question.problem)):
-            yield self._attempts.scatter(SCATTERED_FIRST)
+            yield self._attempts.restart_batch(SCATTERED_FIRST)
 
     def _find_one(self, find: Callable[[Floats], Floats | None]) -> Iterator[StartBatch]:
         """Look for a route without cells, unless one is known."""
@@ -370,14 +370,14 @@ class RouteAttempts:
             self._attempts.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
             return
         (_, plan), *others = searches
-        found = candidates.over_cells_once(plan)
+        found = candidates.search_cells(plan)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
         if candidates.any_clear:
             others = [(price, other) for price, other in others if other != self._searches.middle]
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
-        yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
+        yield starts_along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
 
     def _add_root(self, number: int) -> None:
         """Add a search for a route to where the backbone may end, where a tool leaves that open."""
@@ -388,7 +388,7 @@ class RouteAttempts:
 
     def _search_to_root(self, number: int) -> Iterator[StartBatch]:
         """Search for a route to where the backbone may end, and add the next search."""
-        route = self._candidates.to_root(number)
+        route = self._candidates.route_to_terminal_pose(number)
         if route is not None:
             self._add_routes([route], finest=False)
         self._add_root(number + 1)
@@ -400,8 +400,8 @@ class RouteAttempts:
             return
         if not self._candidates.known:
             self._add_root(0)
-        stowed = self._candidates.to_be_stowed(routes[0])
-        noted = [self._candidates.note(route, finest) for route in routes]
+        stowed = self._candidates.is_longer_than(routes[0])
+        noted = [self._candidates.add_route(route, finest) for route in routes]
         if noted[0] is not None:
             if not self._question.several:
                 self._add_gates(noted[0])
@@ -409,25 +409,27 @@ class RouteAttempts:
             if not self._question.several:
                 self._add_detour(noted[0], first=0 if stowed else 3)
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
-        self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
+        self._attempts.add("laid", price, partial(self._candidates.fitted_chains, routes), cost=0)
 
     def _add_along(
-        self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[StartBatch]]
+        self, name: str, candidate: RouteCandidate, cost: float, make: Callable[[], Iterator[StartBatch]]
     ) -> None:
         self._attempts.add(name, cost * candidate.weight, make, cost)
 
-    def _add_grown(self, candidate: Candidate) -> None:
+    def _add_grown(self, candidate: RouteCandidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
-            make = partial(self._candidates.grown, candidate, GROWN_SEVERAL)
+            make = partial(self._candidates.grown_chains, candidate, GROWN_SEVERAL)
             self._attempts.add("grown", LAST, make, GROWN_COST * GROWN_SEVERAL)
             return
         width = FIRST_WIDTH
         while width <= LAST_WIDTH:
-            self._add_along("grown", candidate, GROWN_COST * width, partial(self._candidates.grown, candidate, width))
+            self._add_along(
+                "grown", candidate, GROWN_COST * width, partial(self._candidates.grown_chains, candidate, width)
+            )
             width *= 2
 
-    def _add_detour(self, candidate: Candidate, first: int, number: int = 0) -> None:
+    def _add_detour(self, candidate: RouteCandidate, first: int, number: int = 0) -> None:
         """Add chains along a route that is led aside, as dear as the least beams; each is dearer than the one before.
 
         The first is as dear as number `first`.
@@ -437,15 +439,15 @@ class RouteAttempts:
             make = partial(self._detour, candidate, first, number)
             self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
 
-    def _detour(self, candidate: Candidate, first: int, number: int) -> Iterator[StartBatch]:
+    def _detour(self, candidate: RouteCandidate, first: int, number: int) -> Iterator[StartBatch]:
         """Make chains along a route that is led aside, and add the next ones."""
-        yield from self._candidates.detour(candidate, number)
+        yield from self._candidates.detour_chains(candidate, number)
         self._add_detour(candidate, first, number + 1)
 
-    def _add_gates(self, candidate: Candidate) -> None:
+    def _add_gates(self, candidate: RouteCandidate) -> None:
         """Add chains through the narrowest place of a route."""
         for starts, cost in GATES_COSTS.items():
-            self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts))
+            self._add_along("gates", candidate, cost, partial(self._candidates.bottleneck_chains, candidate, starts))
 
 
 def plans_of(searches: Searches) -> list[tuple[float, SearchPlan]]:

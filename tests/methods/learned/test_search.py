@@ -18,8 +18,8 @@ KINDS = ("position", "direction", "rotation")
 
 
 @cache
-def network() -> sn.Network:
-    return sn.train(laws.ARM, samples=2000, width=32, rounds=60)
+def network() -> sn.methods.Network:
+    return sn.methods.train(laws.ARM, samples=2000, width=32, rounds=60)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -45,7 +45,7 @@ def test_it_is_near_alone_and_meets_targets_with_steps(kind: str) -> None:
 
 
 def test_the_same_seed_gives_the_same_network_and_another_one_another() -> None:
-    own = [sn.train(laws.ARM, samples=100, width=4, rounds=1, seed=seed) for seed in (0, 0, 1)]
+    own = [sn.methods.train(laws.ARM, samples=100, width=4, rounds=1, seed=seed) for seed in (0, 0, 1)]
     assert own[0].equals(own[1])
     assert repr(own[0]) == repr(own[1]) != repr(own[2])
 
@@ -68,15 +68,15 @@ def test_an_initial_configuration_comes_first_and_limits_are_kept() -> None:
 def test_the_file_brings_it_back_and_others_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "arm.npz"
     network().save(file)
-    assert sn.Network.load(file).equals(network())
+    assert sn.methods.Network.load(file).equals(network())
     other = sn.Robot.uniform(4, (45, 70))
-    refused("network", partial(sn.Solver, other, method=Learned(sn.Network.load(file))), "another robot")
+    refused("network", partial(sn.Solver, other, method=Learned(sn.methods.Network.load(file))), "another robot")
     assert sn.Solver(laws.ARM, method=Learned(network()), clearance=1.0)
     sn.Memory(laws.ARM).save(file)
-    refused("network", partial(sn.Network.load, file), "damaged")
+    refused("network", partial(sn.methods.Network.load, file), "damaged")
     file.write_bytes(b"PK\3\4 nothing")
-    refused("network", partial(sn.Network.load, file), "damaged")
-    refused("network", partial(sn.Network.load, tmp_path / "none.npz"), "cannot be read")
+    refused("network", partial(sn.methods.Network.load, file), "damaged")
+    refused("network", partial(sn.methods.Network.load, tmp_path / "none.npz"), "cannot be read")
 
 
 def test_what_it_does_not_handle_is_refused_before_it_is_trained(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,12 +88,14 @@ def test_what_it_does_not_handle_is_refused_before_it_is_trained(monkeypatch: py
 def test_what_is_no_network_is_refused() -> None:
     refused("network", lambda: Learned("arm.npz"))  # type: ignore[arg-type]
     refused("steps", lambda: Learned(network(), steps=-1))
-    refused("robot", lambda: sn.Network("arm", []))  # type: ignore[arg-type]
-    refused("layers", lambda: sn.Network(laws.ARM, []))
+    refused("robot", lambda: sn.methods.Network("arm", []))  # type: ignore[arg-type]
+    refused("layers", lambda: sn.methods.Network(laws.ARM, []))
     good = [list(each) for each in network().layers]
-    refused("layers[1][0]", lambda: sn.Network(laws.ARM, [good[0], [np.zeros((3, 8)), np.zeros((9, 15))], good[2]]))
-    refused("layers[0][0]", lambda: sn.Network(laws.ARM, [[np.zeros((4, 14))], good[1], good[2]]))
-    refused("len(layers[0])", lambda: sn.Network(laws.ARM, [[], good[1], good[2]]))
+    refused(
+        "layers[1][0]", lambda: sn.methods.Network(laws.ARM, [good[0], [np.zeros((3, 8)), np.zeros((9, 15))], good[2]])
+    )
+    refused("layers[0][0]", lambda: sn.methods.Network(laws.ARM, [[np.zeros((4, 14))], good[1], good[2]]))
+    refused("len(layers[0])", lambda: sn.methods.Network(laws.ARM, [[], good[1], good[2]]))
     refused("target.position", lambda: network().shapes([sn.Target(direction=(0, 0, 1))]))
 
 

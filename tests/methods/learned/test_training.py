@@ -65,10 +65,10 @@ def test_where_nothing_is_clear_the_robot_alone_is_learned() -> None:
 
 
 def test_what_is_no_training_is_refused() -> None:
-    refused("robot", lambda: sn.train("arm"))  # type: ignore[arg-type]
-    refused("samples", lambda: sn.train(laws.ARM, samples=3))
-    refused("width", lambda: sn.train(laws.ARM, width=0))
-    refused("rounds", lambda: sn.train(laws.ARM, rounds=0))
-    refused("seed", lambda: sn.train(laws.ARM, seed=-1))
+    refused("robot", lambda: sn.methods.train("arm"))  # type: ignore[arg-type]
+    refused("samples", lambda: sn.methods.train(laws.ARM, samples=3))
+    refused("width", lambda: sn.methods.train(laws.ARM, width=0))
+    refused("rounds", lambda: sn.methods.train(laws.ARM, rounds=0))
+    refused("seed", lambda: sn.methods.train(laws.ARM, seed=-1))
     heavy = sn.Robot([sn.Segment(length=1, mass=1)], gravity=(0, 0, -9.81), stiffness=sn.Stiffness(1.0))
-    refused("gravity", lambda: sn.train(heavy))
+    refused("gravity", lambda: sn.methods.train(heavy))

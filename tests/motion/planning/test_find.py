@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.motion.planning import find
+from sinuous.motion.planning import planners
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query
 from sinuous.scene.scene import Scene
 
@@ -43,14 +43,14 @@ def test_they_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 
         return given
 
-    monkeypatch.setattr(find, "rrt_connect", planner("a", 0, None))
-    monkeypatch.setattr(find, "retraction", planner("b", 2, PATH))
-    assert find.find_path(query([1.0] * 9)) is PATH
+    monkeypatch.setattr(planners, "rrt_connect", planner("a", 0, None))
+    monkeypatch.setattr(planners, "retraction", planner("b", 2, PATH))
+    assert planners.find_path(query([1.0] * 9)) is PATH
     assert asked == ["a", "b", "b", "b"]
     asked.clear()
-    assert find.find_path(query([1.0, 1.0, 0.0])) is None
+    assert planners.find_path(query([1.0, 1.0, 0.0])) is None
     assert asked == ["a", "b"]
     asked.clear()
-    monkeypatch.setattr(find, "retraction", planner("b", 1, None))
-    assert find.find_path(query([1.0] * 9)) is None
+    monkeypatch.setattr(planners, "retraction", planner("b", 1, None))
+    assert planners.find_path(query([1.0] * 9)) is None
     assert asked == ["a", "b", "b"]

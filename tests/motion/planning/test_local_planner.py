@@ -26,7 +26,7 @@ def ball(q: Floats, gap: float) -> Sphere:
 @pytest.mark.parametrize("gap", [TOUCHING, 1e-3])
 def test_what_is_near_to_contact_gets_room_by_a_clear_motion(gap: float) -> None:
     scene = Scene([ball(INSIDE, gap)])
-    chain = QueryEnds(query(scene, OUTSIDE, INSIDE)).with_room(INSIDE)
+    chain = QueryEnds(query(scene, OUTSIDE, INSIDE)).with_clearance(INSIDE)
     assert len(chain) == 2
     np.testing.assert_array_equal(chain[0], INSIDE)
     assert wrong_in(ROBOT, scene, np.stack(chain)) == ""
@@ -40,7 +40,7 @@ def test_what_is_near_to_contact_gets_room_by_a_clear_motion(gap: float) -> None
 def test_what_has_room_is_left_alone() -> None:
     scene = Scene([ball(INSIDE, 0.5 * RADIUS)])
     ends = QueryEnds(query(scene, OUTSIDE, INSIDE))
-    assert [len(chain) for chain in (ends.with_room(INSIDE), ends.start, *ends.goals(OUTSIDE[None]))] == [1, 1, 1]
+    assert [len(chain) for chain in (ends.with_clearance(INSIDE), ends.start, *ends.goals(OUTSIDE[None]))] == [1, 1, 1]
 
 
 def test_what_cannot_have_room_is_left_alone() -> None:
@@ -55,7 +55,7 @@ def test_what_cannot_have_room_is_left_alone() -> None:
         around.append(Sphere(place[:3, 3] + (0.3 + RADIUS + 1e-4) * turned[:3, 0], 0.3))
     fixed = sn.Robot([segment.changed(max_bend=1.0) for segment in ROBOT.segments], base=ROBOT.base)
     scene = Scene(around)
-    for q in QueryEnds(query(scene, robot=fixed)).with_room(INSIDE)[1:]:
+    for q in QueryEnds(query(scene, robot=fixed)).with_clearance(INSIDE)[1:]:
         assert least_clearance(fixed, scene, q[None])[0] > 1e-4
 
 

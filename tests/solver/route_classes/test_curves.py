@@ -6,13 +6,13 @@ import pytest
 from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.route_classes.curves import RouteCurves
 from tests.helpers import Floats
 from tests.solver.route_classes.places import ROBOT, ball, pillar
 
 
-def curves(scene: Scene, robot: Robot = ROBOT) -> ClassCurves:
-    return ClassCurves(robot, scene.snapshot())
+def curves(scene: Scene, robot: Robot = ROBOT) -> RouteCurves:
+    return RouteCurves(robot, scene.snapshot())
 
 
 def shapes(robot: Robot, count: int, seed: int) -> Floats:

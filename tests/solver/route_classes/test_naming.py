@@ -4,21 +4,21 @@ import numpy as np
 
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
-from sinuous.solver.route_classes.curves import ClassCurves
-from sinuous.solver.route_classes.naming import name_classes, sort_out
+from sinuous.solver.route_classes.curves import RouteCurves
+from sinuous.solver.route_classes.naming import group_alike, name_classes
 from tests.solver.route_classes.places import ROBOT, bars, pillar
 from tests.solver.route_classes.test_curves import arch
 
 
 def test_curves_are_sorted_by_the_first_of_their_class() -> None:
-    own = ClassCurves(ROBOT, Scene(pillar()).snapshot())
+    own = RouteCurves(ROBOT, Scene(pillar()).snapshot())
     tight = [own.along(arch(angle)) for angle in (0.1, 3.0, -0.4, 2.6, 0.0)]
-    assert sort_out(own, tight) == [0, 1, 0, 1, 0]
-    assert sort_out(own, []) == []
+    assert group_alike(own, tight) == [0, 1, 0, 1, 0]
+    assert group_alike(own, []) == []
 
 
 def test_every_class_says_its_side() -> None:
-    own = ClassCurves(ROBOT, Scene(pillar()).snapshot())
+    own = RouteCurves(ROBOT, Scene(pillar()).snapshot())
     left, right = name_classes(own, [own.along(arch(angle)) for angle in (np.pi, 0.0)])
     assert (left.number, right.number) == (1, 2)
     assert [(each.obstacle, each.side) for each in left.passes] == [("pillar", "-x")]
@@ -27,7 +27,7 @@ def test_every_class_says_its_side() -> None:
 
 
 def test_one_class_alone_passes_nothing() -> None:
-    own = ClassCurves(ROBOT, Scene(bars()).snapshot())
+    own = RouteCurves(ROBOT, Scene(bars()).snapshot())
     (only,) = name_classes(own, [own.along(arch(0.0, 20.0))])
     assert only.passes == ()
 
@@ -35,9 +35,9 @@ def test_one_class_alone_passes_nothing() -> None:
 def test_what_is_all_around_is_gone_through() -> None:
     """A plate with two holes is one obstacle: each class goes through it, at another place."""
     plate = _plate_with_holes()
-    own = ClassCurves(ROBOT, Scene([plate]).snapshot())
+    own = RouteCurves(ROBOT, Scene([plate]).snapshot())
     curves = [own.along(arch(angle, 40.0)) for angle in (np.pi, 0.0)]
-    assert sort_out(own, curves) == [0, 1]
+    assert group_alike(own, curves) == [0, 1]
     for named, side in zip(name_classes(own, curves), (-1.0, 1.0), strict=True):
         (through,) = named.passes
         assert through.side is None

@@ -14,10 +14,10 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver import strategy
 from sinuous.solver.attempts import ATTEMPTS
-from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.searches import Searches, SearchPlan
-from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import attempts_of
 from tests.helpers import Floats
 from tests.solver.route_classes.places import BARS, DOORS, ROBOT, TARGET, bars, pillar, wall
@@ -28,11 +28,11 @@ def explored(
 ) -> list[StartBatch]:
     scene, tolerance = Scene(obstacles), Tolerance().for_robot(ROBOT)
     problem = Problem(ROBOT, target, scene, tolerance)
-    question = Question(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds, several=True)
-    searches, curves = Searches(ROBOT, scene, tolerance), ClassCurves(ROBOT, scene.snapshot())
+    question = IKQuery(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds, several=True)
+    searches, curves = Searches(ROBOT, scene, tolerance), RouteCurves(ROBOT, scene.snapshot())
     make = partial(Passages, searches, curves, solved=solved)
     without = set(ATTEMPTS) - {"passages"}
-    return list(attempts_of(question, Scattered(3, 3), searches, without=without, passages=make).batches())
+    return list(attempts_of(question, RandomRestarts(3, 3), searches, without=without, passages=make).batches())
 
 
 def crossed(batches: list[StartBatch], z: float) -> list[float]:
@@ -90,7 +90,7 @@ def test_a_scene_is_not_copied_where_time_does_not_suffice(monkeypatch: pytest.M
     monkeypatch.setattr(Snapshot, "beside", copied)
     with pytest.raises(AssertionError):
         explored(pillar(), once())
-    monkeypatch.setattr(ClassCurves, "seconds", lambda _: 1e-8)
+    monkeypatch.setattr(RouteCurves, "seconds", lambda _: 1e-8)
     assert len(crossed(explored(pillar(), once()), 150.0)) == 1
 
 
@@ -126,8 +126,8 @@ def test_passages_of_new_routes_come_before_finer_cells(monkeypatch: pytest.Monk
 
 def test_one_solution_is_looked_for_along_one_route_of_each_class() -> None:
     scene, tolerance = Scene(pillar()), Tolerance().for_robot(ROBOT)
-    question = Question(Problem(ROBOT, TARGET, scene, tolerance), np.empty((0, len(ROBOT), 3)), lambda: 60.0)
+    question = IKQuery(Problem(ROBOT, TARGET, scene, tolerance), np.empty((0, len(ROBOT), 3)), lambda: 60.0)
     without = set(ATTEMPTS) - {"passages", "laid"}
-    attempts = attempts_of(question, Scattered(3, 3), Searches(ROBOT, scene, tolerance), without=without)
+    attempts = attempts_of(question, RandomRestarts(3, 3), Searches(ROBOT, scene, tolerance), without=without)
     left, right = sorted(crossed(list(attempts.batches()), 150.0))
     assert left < 0.0 < right

@@ -9,22 +9,30 @@ from benchmarks.wild import doors
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
-from sinuous.solver.route_classes.curves import ClassCurves
-from sinuous.solver.route_classes.screens import ABOUT, WIDER, Passage, ScreenBounds, passages, refined, screen
+from sinuous.solver.route_classes.blocking_surfaces import (
+    ABOUT,
+    WIDER,
+    Passage,
+    SurfaceBounds,
+    make_blocking_surface,
+    passages,
+    refined,
+)
+from sinuous.solver.route_classes.curves import RouteCurves
 from tests.cases import with_each
 from tests.helpers import Floats
 from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, bars, wall
 
 ENDS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 250.0)])
-BOUNDS = ScreenBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
+BOUNDS = SurfaceBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
 
 
-def curves(scene: list[Obstacle]) -> ClassCurves:
-    return ClassCurves(ROBOT, Scene(scene).snapshot())
+def curves(scene: list[Obstacle]) -> RouteCurves:
+    return RouteCurves(ROBOT, Scene(scene).snapshot())
 
 
-def made(own: ClassCurves, passage: Passage, bounds: ScreenBounds) -> Mesh:
-    closing = screen(own, passage, bounds)
+def made(own: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> Mesh:
+    closing = make_blocking_surface(own, passage, bounds)
     assert closing is not None
     return closing
 
@@ -67,14 +75,14 @@ def test_passages_are_where_a_route_has_least_room() -> None:
 def test_near_its_ends_a_route_has_no_passage() -> None:
     own = curves(wall())
     route = line((57.0, 0.0, 140.0), (57.0, 0.0, 160.0))
-    near = ScreenBounds(route[[0, -1]], 30.0, 300.0, 0.8, 4.0)
+    near = SurfaceBounds(route[[0, -1]], 30.0, 300.0, 0.8, 4.0)
     assert passages(route, own.scene.distance(route), near) == []
 
 
 def test_a_screen_keeps_off_the_ends() -> None:
     own = curves(bars())
     passage = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0)
-    beside = ScreenBounds(np.array([(25.0, 60.0, 140.0), (0.0, 0.0, 250.0)]), 20.0, 300.0, 0.8, 4.0)
+    beside = SurfaceBounds(np.array([(25.0, 60.0, 140.0), (0.0, 0.0, 250.0)]), 20.0, 300.0, 0.8, 4.0)
     alone = Scene([made(own, passage, beside)])
     assert (alone.distance(beside.ends) > 16.0).all()
     assert alone.distance((25.0, 30.0, 140.0)) < 0.0
@@ -84,9 +92,9 @@ def test_a_screen_keeps_off_the_ends() -> None:
 def test_a_screen_is_whole_or_none_whenever_the_time_ends(looks: int) -> None:
     """The clock is read before and after each of five looks around, and while corners are left out."""
     passage, left = Passage(np.array([[25.0, 0.0, 140.0]]), np.array([[0.0, 0.0, 1.0]]), 17.0), iter([60.0] * looks)
-    whole = screen(curves(bars()), passage, BOUNDS)
+    whole = make_blocking_surface(curves(bars()), passage, BOUNDS)
     assert whole is not None
-    late = screen(ClassCurves(ROBOT, Scene(bars()).snapshot(), lambda: next(left, 0.0)), passage, BOUNDS)
+    late = make_blocking_surface(RouteCurves(ROBOT, Scene(bars()).snapshot(), lambda: next(left, 0.0)), passage, BOUNDS)
     assert late is None or np.array_equal(late.vertices, whole.vertices)
     assert late is None or looks > 8
 
@@ -122,8 +130,8 @@ def test_a_refined_route_is_the_same_line_with_points_near_each_other() -> None:
 @pytest.mark.parametrize("number", [28, 30, 56])
 def test_a_screen_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
     known = doors.make(0, number)
-    own = ClassCurves(doors.ROBOT, known.scene.snapshot())
-    bounds = ScreenBounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
+    own = RouteCurves(doors.ROBOT, known.scene.snapshot())
+    bounds = SurfaceBounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
     middles = [(*door.mean(axis=0), known.middle) for door in known.doors]
     for i, middle in enumerate(middles):
         aside = np.array([4.0, -12.0, 20.0])

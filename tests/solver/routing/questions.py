@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.places import Place, make
 from sinuous.problem.problem import Problem
 from sinuous.solver.routing.searches import Searches
-from sinuous.solver.starts import Question
+from sinuous.solver.starts import IKQuery
 
 
 @cache
@@ -16,8 +16,8 @@ def place(family: str, number: int) -> Place:
     return make(family, number)
 
 
-def asked(at: Place, several: bool = False, seconds: float = 60.0) -> tuple[Searches, Question]:
+def asked(at: Place, several: bool = False, seconds: float = 60.0) -> tuple[Searches, IKQuery]:
     """The question of a place, with so much time left, and what searches for its routes."""
     problem = Problem.prepared(at.robot, at.targets, at.scene.snapshot(), at.tolerance)
-    question = Question(problem, np.empty((0, len(at.robot), 3)), lambda: seconds, several)
+    question = IKQuery(problem, np.empty((0, len(at.robot), 3)), lambda: seconds, several)
     return Searches(at.robot, at.scene, at.tolerance), question

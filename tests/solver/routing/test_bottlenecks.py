@@ -5,9 +5,9 @@ import pytest
 
 from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.bottlenecks import STRETCHED, Halves
+from sinuous.solver.routing.bottlenecks import STRETCHED, BottleneckDecomposition
 from sinuous.solver.routing.growth import LEG_POINTS
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.reversed_problem import Groups
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1
@@ -39,7 +39,7 @@ def room(first: int, last: int) -> Floats:
 def test_chains_lead_through_a_door_and_a_channel(first: float, last: float) -> None:
     scene = walls(first, last)
     along = [round(height / 5.0 * (LEG_POINTS - 1)) for height in (first, last)]
-    halves = Halves(groups(scene), LINE[None], room(*along))
+    halves = BottleneckDecomposition(groups(scene), LINE[None], room(*along))
     assert halves.any
     chains = list(halves.chains(20, lambda: 60.0))
     assert chains
@@ -52,7 +52,7 @@ def test_chains_lead_through_a_door_and_a_channel(first: float, last: float) -> 
 
 @pytest.mark.parametrize("at", [40, 80, 120])
 def test_either_part_is_long_enough_and_the_first_ends_in_the_narrow_place(at: int) -> None:
-    halves = Halves(groups(Scene([])), LINE[None], room(at, at))
+    halves = BottleneckDecomposition(groups(Scene([])), LINE[None], room(at, at))
     for q in halves.chains(20, lambda: 60.0):
         ends = ROBOT.forward(q)[:, :3, 3]
         gaps = np.linalg.norm(ends - LINE[at], axis=1)
@@ -64,12 +64,12 @@ def test_either_part_is_long_enough_and_the_first_ends_in_the_narrow_place(at: i
 
 def test_there_is_no_place_in_the_open_nor_where_an_end_lies_in_it() -> None:
     asked = groups(Scene([]))
-    assert not Halves(asked, LINE[None], np.full((1, LEG_POINTS), 10.0 * RADIUS)).any
-    assert not Halves(asked, np.zeros_like(LINE)[None], np.full((1, LEG_POINTS), 10.0 * RADIUS)).any
-    assert not Halves(asked, LINE[None], np.full((1, LEG_POINTS), np.inf)).any
-    assert not Halves(asked, LINE[None], room(0, 30)).any
-    assert not Halves(asked, LINE[None], room(130, LEG_POINTS - 1)).any
+    assert not BottleneckDecomposition(asked, LINE[None], np.full((1, LEG_POINTS), 10.0 * RADIUS)).any
+    assert not BottleneckDecomposition(asked, np.zeros_like(LINE)[None], np.full((1, LEG_POINTS), 10.0 * RADIUS)).any
+    assert not BottleneckDecomposition(asked, LINE[None], np.full((1, LEG_POINTS), np.inf)).any
+    assert not BottleneckDecomposition(asked, LINE[None], room(0, 30)).any
+    assert not BottleneckDecomposition(asked, LINE[None], room(130, LEG_POINTS - 1)).any
 
 
 def test_without_time_there_is_none() -> None:
-    assert not list(Halves(groups(Scene([])), LINE[None], room(60, 60)).chains(20, lambda: 0.0))
+    assert not list(BottleneckDecomposition(groups(Scene([])), LINE[None], room(60, 60)).chains(20, lambda: 0.0))

@@ -9,10 +9,10 @@ from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.bridges import OPEN, bridged
-from sinuous.solver.routing.growth import Grown
-from sinuous.solver.routing.reversed import turned
-from sinuous.solver.routing.terminal_poses import roots
+from sinuous.solver.routing.bridges import OPEN, bridge_chains
+from sinuous.solver.routing.growth import GrownChains
+from sinuous.solver.routing.reversed_problem import reverse_problem
+from sinuous.solver.routing.terminal_poses import find_terminal_poses
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.05
@@ -46,15 +46,15 @@ def test_a_bridge_leads_from_one_tube_into_the_other_along_whatever_route(kind: 
     target = Target(tip[:3, 3], **asked)
     groups = kernel_groups(Problem(robot, [target], scene))
     legs = respaced(WRONG + robot.base[:3, 3], 160)[None]
-    begin = roots(groups, legs[0])
-    other = turned(groups, begin[0])
+    begin = find_terminal_poses(groups, legs[0])
+    other = reverse_problem(groups, begin[0])
     base = np.append(robot.base[:3, :3].ravel(), robot.base[:3, 3])[None]
-    ahead = Grown(groups, legs, base, 16, 60.0, OPEN)
-    behind = Grown(other, legs[:, ::-1].copy(), begin, 16, 60.0, OPEN)
+    ahead = GrownChains(groups, legs, base, 16, 60.0, OPEN)
+    behind = GrownChains(other, legs[:, ::-1].copy(), begin, 16, 60.0, OPEN)
     assert ahead.open
     assert behind.open
     assert 0 < ahead.outside()[0] < 5
-    chains = list(bridged(groups, other, ahead, behind, 16, lambda: 60.0))
+    chains = list(bridge_chains(groups, other, ahead, behind, 16, lambda: 60.0))
     assert chains
     for q in chains:
         end = robot.tip(q)
@@ -72,8 +72,8 @@ def test_in_the_open_there_is_nothing_to_bridge() -> None:
     tip = robot.tip(HIDDEN)
     groups = kernel_groups(Problem(robot, [Target(tip[:3, 3])], Scene([Box((9.0, 9.0, 9.0), (1.0, 1.0, 1.0))])))
     legs = respaced(robot.backbone(HIDDEN, 20), 160)[None]
-    begin = roots(groups, legs[0])
-    ahead = Grown(groups, legs, np.append(np.eye(3).ravel(), np.zeros(3))[None], 4, 60.0, OPEN)
-    behind = Grown(turned(groups, begin[0]), legs[:, ::-1].copy(), begin, 4, 60.0, OPEN)
+    begin = find_terminal_poses(groups, legs[0])
+    ahead = GrownChains(groups, legs, np.append(np.eye(3).ravel(), np.zeros(3))[None], 4, 60.0, OPEN)
+    behind = GrownChains(reverse_problem(groups, begin[0]), legs[:, ::-1].copy(), begin, 4, 60.0, OPEN)
     assert ahead.outside()[0] == behind.outside()[0] == 0
-    assert list(bridged(groups, turned(groups, begin[0]), ahead, behind, 4, lambda: 60.0)) == []
+    assert list(bridge_chains(groups, reverse_problem(groups, begin[0]), ahead, behind, 4, lambda: 60.0)) == []

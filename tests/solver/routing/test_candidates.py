@@ -11,9 +11,9 @@ from sinuous.kernels.tables import FOUND, FULL
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.attempts import ATTEMPTS
-from sinuous.solver.routing.candidates import ALIKE, Candidates
+from sinuous.solver.routing.candidates import ALIKE, RouteCandidates
 from sinuous.solver.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.starts import Question, Scattered
+from sinuous.solver.starts import IKQuery, RandomRestarts
 from sinuous.solver.strategy import attempts_of
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
@@ -22,17 +22,17 @@ IN_WALL = np.array([0.0, 0.0, 2.2])
 TIP, ELBOW = Target((0, 0, 4.4)), Target((0.4, 0.0, 2.0), segment=2)
 
 
-def asked(robot: Robot = ROBOT, targets: tuple[Target, ...] = (TIP,)) -> tuple[Searches, Question, Candidates]:
+def asked(robot: Robot = ROBOT, targets: tuple[Target, ...] = (TIP,)) -> tuple[Searches, IKQuery, RouteCandidates]:
     searches = Searches(robot, SCENE, Tolerance().for_robot(robot))
-    question = Question(Problem(robot, list(targets), SCENE), np.empty((0, len(robot), 3)), lambda: 60.0)
+    question = IKQuery(Problem(robot, list(targets), SCENE), np.empty((0, len(robot), 3)), lambda: 60.0)
     query = searches.query(question.problem)
     assert query is not None
-    return searches, question, Candidates(searches, question, query)
+    return searches, question, RouteCandidates(searches, question, query)
 
 
-def only_cells(searches: Searches, question: Question) -> None:
+def only_cells(searches: Searches, question: IKQuery) -> None:
     """Search over cells, and try nothing along what is found."""
-    list(attempts_of(question, Scattered(3, 10), searches, without=set(ATTEMPTS) - {"cells"}).batches())
+    list(attempts_of(question, RandomRestarts(3, 10), searches, without=set(ATTEMPTS) - {"cells"}).batches())
 
 
 def test_routes_that_are_alike_are_one_candidate() -> None:
@@ -41,7 +41,7 @@ def test_routes_that_are_alike_are_one_candidate() -> None:
     near = line + np.array([0.9 * ALIKE * 0.1, 0.0, 0.0])
     far = line + np.array([1.1 * ALIKE * 0.1, 0.0, 0.0])
     for route, count in ((line, 1), (near, 1), (far, 2), (line[:, [1, 2, 0]], 3)):
-        candidates.note(route, True)
+        candidates.add_route(route, True)
         assert len(candidates.known) == count
 
 
@@ -127,13 +127,13 @@ def test_with_a_tool_routes_also_lead_to_where_the_backbone_may_end() -> None:
     _, _, candidates = asked(ROBOT.changed(tool=pose((0.0, 0.0, reach))))
     assert candidates.has_tool
     assert not asked()[2].has_tool
-    candidates.note(np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 30), True)
-    routes = [candidates.to_root(number) for number in range(3)]
+    candidates.add_route(np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 30), True)
+    routes = [candidates.route_to_terminal_pose(number) for number in range(3)]
     ends = np.array([route[-1] for route in routes if route is not None])
     assert len(ends) == 3
     np.testing.assert_allclose(np.linalg.norm(ends - TIP.position, axis=1), reach)
     assert min(np.linalg.norm(a - b) for a, b in combinations(ends, 2)) > 0.1 * reach
-    assert candidates.to_root(1000) is None
+    assert candidates.route_to_terminal_pose(1000) is None
 
 
 def test_what_is_nearer_to_the_target_than_the_tool_may_lie_beyond_a_wall() -> None:

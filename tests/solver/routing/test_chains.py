@@ -12,8 +12,8 @@ from sinuous.model.actuators import Tendons
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.chains import Chains
-from sinuous.solver.routing.growth import FIRST_WIDTH, Grown
+from sinuous.solver.routing.chains import JoinedChains
+from sinuous.solver.routing.growth import FIRST_WIDTH, GrownChains
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.05
@@ -41,7 +41,7 @@ def chains(robot: Robot, targets: list[Target], scene: Scene, width: int, second
     ends = [20 * target.segment if target.segment is not None else len(line) - 1 for target in targets]
     cuts = [0, *sorted(ends)]
     legs = [respaced(line[a : b + 1], 160) for a, b in pairwise(cuts)]
-    return Chains(groups, np.stack(legs), lambda: seconds).of_width(width)
+    return JoinedChains(groups, np.stack(legs), lambda: seconds).chains_of_width(width)
 
 
 def asked_of(kind: str, tip: Floats) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def test_an_elbow_within_a_tube_is_passed_either_way() -> None:
     robot, scene = Robot(SEGMENTS[:4] * 2), Scene(walls)
     groups = kernel_groups(Problem(robot, [Target(elbow, segment=4), Target(tip)], scene))
     legs = np.stack([respaced(np.array(ends), 160) for ends in ([np.zeros(3), elbow], [elbow, tip])])
-    passing = [robot.forward(q)[3] for q in Chains(groups, legs, lambda: 60.0).of_width(FIRST_WIDTH)]
+    passing = [robot.forward(q)[3] for q in JoinedChains(groups, legs, lambda: 60.0).chains_of_width(FIRST_WIDTH)]
     along = [pose[0, 2] for pose in passing if np.linalg.norm(pose[:3, 3] - elbow) < 0.01 * RADIUS]
     assert min(along) < -0.9
     assert max(along) > 0.9
@@ -103,7 +103,7 @@ def test_chains_begin_with_a_root_and_end_where_their_frames_say() -> None:
     legs = respaced(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [1.0, 0.0, 4.0]]), 160)[None]
     roots = np.stack([np.append(np.eye(3).ravel(), np.zeros(3))] * 2)
     roots[1, :9] = pose(direction=(0.3, 0.0, 1.0))[:3, :3].ravel()
-    beam = Grown(groups, legs, roots, FIRST_WIDTH, 60.0)
+    beam = GrownChains(groups, legs, roots, FIRST_WIDTH, 60.0)
     assert beam.counts[0] == 2
     assert beam.counts.tolist()[1:] == [FIRST_WIDTH] * 6
     for k in (1, 3, 6):

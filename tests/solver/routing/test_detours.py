@@ -7,9 +7,9 @@ import numpy as np
 from sinuous import Robot, Scene, Segment, Sphere, Target
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import lengths_along
-from sinuous.solver.routing.detours import led_aside
+from sinuous.solver.routing.detours import lengthen_route
 from sinuous.solver.routing.growth import LEG_POINTS
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.reversed_problem import Groups
 from tests.helpers import Floats, kernel_groups
 
 SCENE = Scene([Sphere((0.5, 0.0, 1.5), 0.3)])
@@ -27,7 +27,7 @@ def legs_to(*heights: float) -> Floats:
 def test_each_leg_becomes_as_long_as_its_own_segments() -> None:
     elbow, tip = Target((0.0, 0.0, 1.9), segment=2), Target((0.0, 0.0, 3.0))
     legs = legs_to(1.9, 3.0)
-    longer = led_aside(groups_of(1.0, elbow, tip), legs, 0, lambda: 60.0)
+    longer = lengthen_route(groups_of(1.0, elbow, tip), legs, 0, lambda: 60.0)
     assert longer is not None
     np.testing.assert_allclose(longer[:, [0, -1]], legs[:, [0, -1]])
     first, second = (float(lengths_along(leg)[-1]) for leg in longer)
@@ -36,12 +36,12 @@ def test_each_leg_becomes_as_long_as_its_own_segments() -> None:
 
 
 def test_a_body_that_is_as_long_as_its_route_needs_no_detour() -> None:
-    assert led_aside(groups_of(1.0, Target((0.0, 0.0, 5.9))), legs_to(5.9), 0, lambda: 60.0) is None
+    assert lengthen_route(groups_of(1.0, Target((0.0, 0.0, 5.9))), legs_to(5.9), 0, lambda: 60.0) is None
 
 
 def test_detours_differ_and_each_is_the_same_again() -> None:
     groups, legs = groups_of((0.8, 1.2), Target((0.0, 0.0, 3.0))), legs_to(3.0)
-    made = [led_aside(groups, legs, number % 3, lambda: 60.0) for number in range(6)]
+    made = [lengthen_route(groups, legs, number % 3, lambda: 60.0) for number in range(6)]
     assert all(leg is not None for leg in made)
     np.testing.assert_array_equal(np.array(made[:3]), np.array(made[3:]))
     lengths = [float(lengths_along(leg[0])[-1]) for leg in made[:3] if leg is not None]

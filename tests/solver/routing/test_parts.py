@@ -20,8 +20,14 @@ from sinuous.kernels.tables import (
 )
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.parts import along_tangent, before, begin, beyond, up_to
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.partial_problems import (
+    base_position,
+    problem_before,
+    problem_beyond,
+    problem_up_to,
+    with_end_tangent,
+)
+from sinuous.solver.routing.reversed_problem import Groups
 from tests.helpers import kernel_groups
 
 TOOL = pose((0.02, 0.0, 0.1), direction=(0.3, 0.0, 1.0))
@@ -59,10 +65,10 @@ def test_what_is_beyond_begins_where_what_is_before_ends(count: int) -> None:
     asked = groups(ROBOT)
     for _ in range(20):
         q = np.column_stack([rng.uniform(-1.0, 1.0, (5, 2)), rng.uniform(0.8, 1.0, 5)])
-        first, second = before(asked, gate(count)), beyond(asked, q[:count])
+        first, second = problem_before(asked, gate(count)), problem_beyond(asked, q[:count])
         ends = ROBOT.forward(q)  # the independent answer is that of the whole robot
         assert np.allclose(tip(first, q[:count]), ends[count - 1, :3, 3])
-        assert np.allclose(begin(second), ends[count - 1, :3, 3])
+        assert np.allclose(base_position(second), ends[count - 1, :3, 3])
         assert np.allclose(tip(second, q[count:]), ROBOT.tip(q)[:3, 3])
         assert second[2][MOUNT] == pytest.approx(max(0.0, 1.3 - q[:count, 2].sum()))
 
@@ -70,8 +76,8 @@ def test_what_is_beyond_begins_where_what_is_before_ends(count: int) -> None:
 @pytest.mark.parametrize("count", [2, 5])
 def test_a_tangent_is_asked_for_where_no_target_says_one(count: int) -> None:
     tangent = np.array([0.0, 0.6, 0.8])
-    part = up_to(groups(ROBOT), count)
-    led = along_tangent(part, tangent)
+    part = problem_up_to(groups(ROBOT), count)
+    led = with_end_tangent(part, tangent)
     assert part[2][UNIT] == pytest.approx(sum(0.9 + 0.05 * k for k in range(count)))
     assert np.array_equal(led[3][:, :ORIENTATION], part[3][:, :ORIENTATION])
     at_end = np.isin(led[3][:, TARGET_SEGMENT], (-1.0, count - 1.0))
@@ -79,14 +85,14 @@ def test_a_tangent_is_asked_for_where_no_target_says_one(count: int) -> None:
     assert np.array_equal(led[3][~at_end], part[3][~at_end])
     assert np.array_equal(led[3][at_end, GOAL : GOAL + 3], np.tile(tangent, (at_end.sum(), 1)))
     assert (part[3][:, ORIENTATION] == FREE).all()  # what was given is not changed
-    assert all(np.array_equal(one, other) for one, other in zip(along_tangent(led, -tangent), led, strict=True))
+    assert all(np.array_equal(one, other) for one, other in zip(with_end_tangent(led, -tangent), led, strict=True))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_segments_and_targets_are_shared_out(count: int) -> None:
     asked = groups(ROBOT)
     q = np.tile([0.0, 0.0, 0.9], (count, 1))
-    first, second = before(asked, gate(count)), beyond(asked, q)
+    first, second = problem_before(asked, gate(count)), problem_beyond(asked, q)
     rows = [part[0][ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * int(part[0][0])] for part in (first, second)]
     assert np.array_equal(np.concatenate(rows), ROBOT.limits.ravel())
     assert first[2][UNIT] + second[2][UNIT] == pytest.approx(ROBOT.mean_length)
@@ -102,7 +108,7 @@ def test_limits_of_actuators_that_see_both_parts_are_left_out() -> None:
     robot = Robot([blown, pulled, blown], radius=0.05)
     asked = groups_of_tip(robot)
     q = np.tile([0.0, 0.0, 1.0], (2, 1))
-    for part, segments in ((before(asked, gate(2)), 2), (beyond(asked, q), 1)):
+    for part, segments in ((problem_before(asked, gate(2)), 2), (problem_beyond(asked, q), 1)):
         assert part[0][0] == segments
         own = part[0][ROBOT_HEADER + SEGMENT_WIDTH * segments : -24].reshape(-1, 7)
         assert len(own) == part[0][1] > 0

@@ -18,9 +18,15 @@ from sinuous.model.actuators import Tendons
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.growth import Grown, settled
-from sinuous.solver.routing.reversed import Groups, joined, rooted, turned, turned_back
-from sinuous.solver.routing.terminal_poses import roots
+from sinuous.solver.routing.growth import GrownChains, settle_chains
+from sinuous.solver.routing.reversed_problem import (
+    Groups,
+    join_chains,
+    problem_from_pose,
+    reverse_chain,
+    reverse_problem,
+)
+from sinuous.solver.routing.terminal_poses import find_terminal_poses
 from tests.cases import with_each
 from tests.helpers import kernel_groups
 
@@ -45,12 +51,12 @@ def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray 
     }[kind]
     here = groups(robot, [target])
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
-    begin = roots(here, route)[:1]
-    there = turned(here, begin[0])
-    beam = Grown(there, respaced(route[::-1], 100)[None], begin, 32, 60.0)
-    chains = [beam.whole(i)[0] for i in range(4)]
-    ends = settled(there, chains, lambda: 60.0)
-    shapes = [turned_back(here, there, chain) for chain in ends]
+    begin = find_terminal_poses(here, route)[:1]
+    there = reverse_problem(here, begin[0])
+    beam = GrownChains(there, respaced(route[::-1], 100)[None], begin, 32, 60.0)
+    chains = [beam.complete_chain(i)[0] for i in range(4)]
+    ends = settle_chains(there, chains, lambda: 60.0)
+    shapes = [reverse_chain(here, there, chain) for chain in ends]
     assert max(robot.excess(q) for q in shapes) <= 1e-12
     found = min((robot.tip(q) for q in shapes), key=lambda end: float(np.linalg.norm(end[:3, 3] - tip[:3, 3])))
     assert np.linalg.norm(found[:3, 3] - tip[:3, 3]) < 0.05
@@ -64,8 +70,8 @@ def test_where_a_rotation_is_asked_for_the_base_is_one_to_end_with() -> None:
     tip = robot.tip(Q)
     asked = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3])])
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
-    there = turned(asked, roots(asked, route)[0])
-    q = turned_back(there, asked, Q)  # to turn round twice is to do nothing
+    there = reverse_problem(asked, find_terminal_poses(asked, route)[0])
+    q = reverse_chain(there, asked, Q)  # to turn round twice is to do nothing
     other = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=_base(there))
     row = there[3][0]
     assert row[ORIENTATION] == ROTATION
@@ -73,13 +79,13 @@ def test_where_a_rotation_is_asked_for_the_base_is_one_to_end_with() -> None:
     np.testing.assert_allclose(other.tip(q)[:3, :3], row[GOAL : GOAL + 9].reshape(3, 3), atol=1e-9)
     elbow = robot.forward(Q)[0, :3, 3]
     with_elbow = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)])
-    bent = turned(with_elbow, roots(with_elbow, route)[0])
+    bent = reverse_problem(with_elbow, find_terminal_poses(with_elbow, route)[0])
     number = int(bent[3][0, TARGET_SEGMENT])
     np.testing.assert_allclose(other.forward(q)[number, :3, 3], elbow, atol=1e-9)
     np.testing.assert_allclose(bent[3][0, TARGET_POSITION : TARGET_POSITION + 3], elbow, atol=1e-9)
     np.testing.assert_allclose(bent[3][1], row)
     towards = groups(robot, [Target(tip[:3, 3], direction=tip[:3, 2])])
-    assert turned(towards, roots(towards, route)[0])[3][0, ORIENTATION] == DIRECTION
+    assert reverse_problem(towards, find_terminal_poses(towards, route)[0])[3][0, ORIENTATION] == DIRECTION
 
 
 def _base(there: Groups) -> np.ndarray:
@@ -94,7 +100,7 @@ def test_mounts_and_limits_of_actuators_are_left_out() -> None:
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
     driven = [Segment(1.0, 2.0, tendons=Tendons(3, 0.05, displacement=(-0.05, 0.05)))] * 3
     there, bare = (
-        turned(asked, roots(asked, line)[0])
+        reverse_problem(asked, find_terminal_poses(asked, line)[0])
         for asked in (groups(Robot(driven, mount=0.2), [tip]), groups(Robot(segments), [tip]))
     )
     for one, other in zip(there, bare, strict=True):
@@ -106,10 +112,10 @@ def test_parts_from_either_end_that_meet_are_joined(cut: int) -> None:
     robot = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=pose((1.0, 2.0, 3.0), direction=(0.2, 0.3, 1.0)))
     tip = robot.tip(Q)
     here = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3])])
-    there = turned(here, roots(here, robot.backbone(Q, 20))[0])
-    back = turned_back(there, here, Q)
-    np.testing.assert_allclose(joined(here, Q[:cut], there, back[: 4 - cut]), Q, atol=1e-12)
-    assert np.array_equal(_base(rooted(there, np.arange(12.0)))[:3, 3], [9.0, 10.0, 11.0])
+    there = reverse_problem(here, find_terminal_poses(here, robot.backbone(Q, 20))[0])
+    back = reverse_chain(there, here, Q)
+    np.testing.assert_allclose(join_chains(here, Q[:cut], there, back[: 4 - cut]), Q, atol=1e-12)
+    assert np.array_equal(_base(problem_from_pose(there, np.arange(12.0)))[:3, 3], [9.0, 10.0, 11.0])
 
 
 @pytest.mark.parametrize("asked", [{"direction": (0.0, 0.6, 0.8)}, {"rotation": (0.3, 0.5, -0.4, 0.7)}])
@@ -117,7 +123,7 @@ def test_an_elbow_is_passed_along_the_same_tangent_the_other_way(asked: dict[str
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
     elbow = Target((0.0, 0.1, 1.0), segment=1, **asked)
     here = groups(Robot([Segment(1.0, 2.0)] * 3), [elbow, Target((0.5, 0.0, 2.5))])
-    row = turned(here, roots(here, line)[0])[3][0]
+    row = reverse_problem(here, find_terminal_poses(here, line)[0])[3][0]
     tangent = pose(**asked)[:3, 2]  # type: ignore[arg-type]
     assert row[ORIENTATION] == DIRECTION
     assert row[TARGET_SEGMENT] == 1.0

@@ -15,7 +15,7 @@ from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
 from sinuous.solver.attempts import ATTEMPTS
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.starts import Question, Scattered, StartBatch
+from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import CELLS_A_START, attempts_of, plans_of
 from tests.helpers import Floats
 from tests.solver.routing.questions import asked as asked_of
@@ -56,14 +56,14 @@ def router(robot: Robot, scene: Scene) -> Searches:
     return Searches(robot, scene, sn.Tolerance().for_robot(robot))
 
 
-def question(asked: Problem, seconds: float = 60.0) -> Question:
-    return Question(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
+def question(asked: Problem, seconds: float = 60.0) -> IKQuery:
+    return IKQuery(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
 
 
-def batches_of(finder: Searches, asked: Question, *without: str) -> Iterator[StartBatch]:
+def batches_of(finder: Searches, asked: IKQuery, *without: str) -> Iterator[StartBatch]:
     """All starts but scattered ones."""
     off = ("scattered", *without)
-    return (batch for batch in attempts_of(asked, Scattered(3, 10), finder, without=off).batches() if batch.size)
+    return (batch for batch in attempts_of(asked, RandomRestarts(3, 10), finder, without=off).batches() if batch.size)
 
 
 def first(finder: Searches, asked: Problem) -> FoundRoutes:
@@ -256,7 +256,7 @@ def test_a_search_costs_as_much_as_the_cells_that_it_looks_at(narrow: Scene, tar
     asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
     query = finder.query(asked)
     assert query is not None
-    attempts = attempts_of(question(asked), Scattered(3, 10), finder, without=set(ATTEMPTS) - {"cells"})
+    attempts = attempts_of(question(asked), RandomRestarts(3, 10), finder, without=set(ATTEMPTS) - {"cells"})
     plans = [plan for _, plan in plans_of(finder) if plan != finder.middle]  # the route over coarse cells is clear
     cells = [finder.find(asked, query, plan, 60.0).cells for plan in plans]
     costs = [batch.cost for batch in attempts.batches() if batch.cost > 0]

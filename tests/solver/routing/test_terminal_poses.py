@@ -7,8 +7,8 @@ from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.reversed import FLIP
-from sinuous.solver.routing.terminal_poses import APART, ENOUGH, IN_WALL, MOST, roots
+from sinuous.solver.routing.reversed_problem import FLIP
+from sinuous.solver.routing.terminal_poses import APART, ENOUGH, IN_WALL, MOST, find_terminal_poses
 from tests.cases import with_each
 from tests.helpers import Floats, kernel_groups
 
@@ -21,7 +21,7 @@ ROUTE = np.linspace((0.0, 0.0, 0.0), (0.4, 0.2, 3.0), 40)
 def ends(tool: Floats | None, scene: Scene, **asked: Floats) -> Floats:
     """Poses (r, 4, 4) of the end of the backbone at the target."""
     target = Target(GOAL[:3, 3], **asked)  # type: ignore[arg-type]
-    found = roots(kernel_groups(Problem(Robot(SEGMENTS, tool=tool), [target], scene)), ROUTE)
+    found = find_terminal_poses(kernel_groups(Problem(Robot(SEGMENTS, tool=tool), [target], scene)), ROUTE)
     frames = np.tile(np.eye(4), (len(found), 1, 1))
     frames[:, :3, :3] = found[:, :POSE_POSITION].reshape(-1, 3, 3) @ FLIP
     frames[:, :3, 3] = found[:, POSE_POSITION:]
@@ -72,15 +72,15 @@ def test_in_a_channel_the_first_roots_lie_along_it_whatever_the_route_says(tool:
 def test_where_the_tip_is_not_asked_to_be_somewhere_or_the_route_has_no_direction_there_is_none() -> None:
     robot = Robot(SEGMENTS)
     inside = kernel_groups(Problem(robot, [Target((0.0, 0.0, 1.0), segment=2)], Scene([])))
-    assert len(roots(inside, ROUTE)) == 0
+    assert len(find_terminal_poses(inside, ROUTE)) == 0
     tip = kernel_groups(Problem(robot, [Target((0.0, 0.0, 1.0))], Scene([])))
-    assert len(roots(tip, np.tile([0.0, 0.0, 1.0], (5, 1)))) == 0
+    assert len(find_terminal_poses(tip, np.tile([0.0, 0.0, 1.0], (5, 1)))) == 0
 
 
 @pytest.mark.parametrize("count", [2, 3, 100])
 def test_a_route_within_the_length_of_the_tool_has_roots(count: int) -> None:
     robot = Robot(SEGMENTS, tool=pose((0.0, 0.0, 3.0)))
     route = np.linspace((0.0, 0.0, 0.0), (0.0, 0.5, 2.0), count)
-    found = roots(kernel_groups(Problem(robot, [Target(route[-1])], Scene([]))), route)
+    found = find_terminal_poses(kernel_groups(Problem(robot, [Target(route[-1])], Scene([]))), route)
     assert len(found) > 0
     assert not np.isnan(found).any()

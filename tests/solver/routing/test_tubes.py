@@ -10,10 +10,10 @@ from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes import MOUTH
 from sinuous.model.actuators import Tendons
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.reversed_problem import Groups
 from sinuous.solver.routing.searches import Searches
-from sinuous.solver.routing.tubes import Tube, out_of, tube_around, within
-from sinuous.solver.starts import Question, Scattered
+from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around, line_to_target_in_tube
+from sinuous.solver.starts import IKQuery, RandomRestarts
 from sinuous.solver.strategy import attempts_of
 from tests.helpers import Floats
 
@@ -51,10 +51,10 @@ def asked(robot: Robot, scene: Scene, targets: list[Target]) -> tuple[Searches, 
 
 def chains(robot: Robot, scene: Scene, targets: list[Target]) -> list[tuple[Floats, Floats]]:
     _, _, groups, query = asked(robot, scene, targets)
-    tube = tube_around(groups[1], query, 60.0)
+    tube = find_tube_around(groups[1], query, 60.0)
     assert tube is not None
     assert tube.open
-    return list(out_of(tube, groups, lambda: 60.0))
+    return list(chains_out_of_tube(tube, groups, lambda: 60.0))
 
 
 def test_chains_out_of_a_pipe_lie_free_in_it_and_reach_the_target() -> None:
@@ -92,10 +92,10 @@ def test_a_target_in_the_pipe_is_reached_along_its_axis() -> None:
     wall = hollow(poses(ROBOT, Q), 1.4 * RADIUS, 2.2 * RADIUS)
     scene = Scene([solid(wall, "pipe")])
     _, _, groups, query = asked(ROBOT, scene, [TARGET])
-    tube = tube_around(groups[1], query, 60.0)
+    tube = find_tube_around(groups[1], query, 60.0)
     assert tube is not None
     assert not tube.open
-    line = within(tube, query)
+    line = line_to_target_in_tube(tube, query)
     assert line is not None
     assert TARGET.position is not None
     assert np.allclose(line[-1], TARGET.position)
@@ -105,31 +105,31 @@ def test_a_target_in_the_pipe_is_reached_along_its_axis() -> None:
 
 def test_a_target_beyond_the_mouth_is_not_within() -> None:
     _, _, groups, query = asked(ROBOT, PIPE, [TARGET])
-    tube = tube_around(groups[1], query, 60.0)
+    tube = find_tube_around(groups[1], query, 60.0)
     assert tube is not None
-    assert within(tube, query) is None
+    assert line_to_target_in_tube(tube, query) is None
 
 
 def test_there_are_none_in_the_open_nor_for_a_body_without_radius() -> None:
     scene = Scene([Box((2.0, 0.0, 0.0), (0.5, 0.5, 0.5))])
     _, _, groups, query = asked(ROBOT, scene, [TARGET])
-    assert tube_around(groups[1], query, 60.0) is None
+    assert find_tube_around(groups[1], query, 60.0) is None
     _, _, groups, query = asked(ROBOT, PIPE, [TARGET])
     query[QUERY_RADIUS] = 0.0
-    assert tube_around(groups[1], query, 60.0) is None
+    assert find_tube_around(groups[1], query, 60.0) is None
 
 
 def test_a_tube_as_long_as_the_robot_leaves_nothing_to_go_on_with() -> None:
     _, _, groups, _ = asked(ROBOT, PIPE, [TARGET])
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 9.0), 80)
-    assert not list(out_of(Tube(line, MOUTH), groups, lambda: 60.0))
+    assert not list(chains_out_of_tube(Tube(line, MOUTH), groups, lambda: 60.0))
 
 
 def test_there_is_no_chain_when_the_time_is_over() -> None:
     _, _, groups, query = asked(ROBOT, PIPE, [TARGET])
-    tube = tube_around(groups[1], query, 60.0)
+    tube = find_tube_around(groups[1], query, 60.0)
     assert tube is not None
-    assert not list(out_of(tube, groups, lambda: 0.0))
+    assert not list(chains_out_of_tube(tube, groups, lambda: 0.0))
 
 
 @pytest.mark.parametrize("tendons", [False, True])
@@ -137,8 +137,8 @@ def test_robots_with_limits_of_actuators_are_left_alone(tendons: bool) -> None:
     lines = Tendons(3, 0.05, displacement=(-0.5, 0.5)) if tendons else None
     robot = Robot([Segment((0.8, 1.2), 1.8, radius=RADIUS, tendons=lines)] * 7)
     searches, problem, _, _ = asked(robot, PIPE, [TARGET])
-    question = Question(problem, np.empty((0, len(robot), 3)), lambda: 60.0)
-    batches = attempts_of(question, Scattered(3, 10), searches).batches()
+    question = IKQuery(problem, np.empty((0, len(robot), 3)), lambda: 60.0)
+    batches = attempts_of(question, RandomRestarts(3, 10), searches).batches()
     first = next(batch for batch in batches if len(batch.initial))
     assert len(first.initial) == 1
     in_tube = PIPE.distance(robot.backbone(first.initial[0], 20)[: 20 * (ENCLOSED - 1)]).min() > RADIUS

@@ -33,7 +33,7 @@ def test_what_is_written_is_read(in_memory: bool, tmp_path: Path) -> None:
 def test_the_same_record_goes_on_and_another_one_is_refused_by_its_entry(tmp_path: Path) -> None:
     begun(tmp_path).write(0, CHUNK)
     assert begun(tmp_path).done() == [0]
-    with pytest.raises(InputError, match=r"^seed: expected 0, as in .* \(it has changed since this run began\)$"):
+    with pytest.raises(InputError, match=r"^seed: it has changed since this run began; expected 0, as in .*$"):
         begun(tmp_path, seed="1")
     for text in ("[]", "no record"):
         (tmp_path / "out.csv.parts" / "record.json").write_text(text)

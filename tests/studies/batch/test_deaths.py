@@ -77,7 +77,7 @@ def until(process: Process, ready: Callable[[], Any]) -> Any:
 
 def go_on(out: Path, **options: Any) -> Batch:
     settings: dict[str, Any] = {"max_starts": 4, "routes": False, "chunk": CHUNK, "time": TIME}
-    return sn.solve_batch(ROBOT, out.with_name("in.npz"), [BALL], out, **settings, **options)
+    return sn.studies.solve_batch(ROBOT, out.with_name("in.npz"), [BALL], out, **settings, **options)
 
 
 def finish(folder: Path, expected: bytes) -> None:

@@ -16,7 +16,7 @@ GROUPS: Any = ("target", "base", "lengths", "obstacles")
 
 
 def solve(targets: Any, out: Path | None = None, **options: Any) -> Any:
-    return sn.solve_batch(ROBOT, targets, [BALL], out, workers=1, **{**OPTIONS, **options})
+    return sn.studies.solve_batch(ROBOT, targets, [BALL], out, workers=1, **{**OPTIONS, **options})
 
 
 def test_they_are_those_of_a_loop_whatever_holds_the_answers(tmp_path: Path) -> None:
@@ -54,7 +54,7 @@ def test_of_preferences_the_start_of_each_row_is_known_also_where_it_is_a_near_a
     targets = np.random.default_rng(1).normal((20, 0, 150), 15, (20, 3))
     robot = sn.Robot.uniform(3, (45, 70), max_bend=2.0, self_collision="allow")
     for warm in (False, True):
-        batch = sn.solve_batch(robot, targets, initial=start, warm=warm, prefer=prefer, workers=1)
+        batch = sn.studies.solve_batch(robot, targets, initial=start, warm=warm, prefer=prefer, workers=1)
         assert batch.results is not None
         (part,) = batch.derivatives("base")
         assert part.regular.mean() > 0.8

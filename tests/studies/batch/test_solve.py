@@ -19,7 +19,7 @@ COUNT = 130
 
 
 def solve(targets: Any, out: Path | None = None, **options: Any) -> Batch:
-    return sn.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
+    return sn.studies.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
 
 
 def results(file: Path) -> dict[str, Any]:
@@ -104,9 +104,9 @@ def test_another_robot_scene_table_or_version_is_refused_by_name(
     out = tmp_path / "out.npz"
     solve(points(30), out)
     with pytest.raises(sn.InputError, match=r"^robot: "):
-        sn.solve_batch(ROBOT.changed(name="other"), points(30), [BALL], out, **OPTIONS)
+        sn.studies.solve_batch(ROBOT.changed(name="other"), points(30), [BALL], out, **OPTIONS)
     with pytest.raises(sn.InputError, match=r"^scene: "):
-        sn.solve_batch(ROBOT, points(30), [BALL, BALL], out, **OPTIONS)
+        sn.studies.solve_batch(ROBOT, points(30), [BALL, BALL], out, **OPTIONS)
     with pytest.raises(sn.InputError, match=r"^targets: "):
         solve(points(30, seed=1), out)
     monkeypatch.setattr(sn, "__version__", "9.9")
@@ -168,7 +168,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
 )
 def test_wrong_options_are_refused(options: dict[str, Any], key: str) -> None:
     with pytest.raises(sn.InputError, match=rf"^{key}"):
-        sn.solve_batch(ROBOT, points(5), **options)
+        sn.studies.solve_batch(ROBOT, points(5), **options)
 
 
 def test_the_folder_must_be_writable(tmp_path: Path) -> None:

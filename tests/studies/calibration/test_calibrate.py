@@ -44,7 +44,7 @@ def measured(robot: sn.Robot, values: Floats, noise: float = 0.0) -> Floats:
     return tips + np.random.default_rng(1).normal(0.0, noise, tips.shape) if noise else tips
 
 
-def tip_errors(found: sn.Calibration, robot: sn.Robot, values: Floats) -> Floats:
+def tip_errors(found: sn.studies.Calibration, robot: sn.Robot, values: Floats) -> Floats:
     error: Floats = np.linalg.norm(found.predict(values)[:, :3, 3] - measured(robot, values), axis=1)
     return error
 
@@ -98,7 +98,7 @@ def test_a_payload_is_found_under_gravity(frame: Any) -> None:
     tips = tips_at_rest(real, values)
     if frame == "device":
         tips = tips @ POSE[:3, :3].T + POSE[:3, 3]
-    found = sn.calibrate(drawn, values, tips, fit=["payload"], frame=frame)
+    found = sn.studies.calibrate(drawn, values, tips, fit=["payload"], frame=frame)
     assert found.robot.payload[0].mass == pytest.approx(0.01, rel=1e-6)
     assert found.fitted.worst < 1e-6
     np.testing.assert_allclose(found.robot.base, real.base, atol=1e-6)
@@ -114,7 +114,7 @@ def test_other_parameters_are_found_under_gravity() -> None:
     real = changed(soft, Values(groups, np.array([0.2, -0.15, 0.02, 0.3, -0.2, 0.1, 0.2, -0.3, 0.1])))
     values = settings(HANGING, 24)
     names: list[str] = [each.name for each in groups]
-    found = sn.calibrate(soft, values, tips_at_rest(real, values), fit=names, frame="device")
+    found = sn.studies.calibrate(soft, values, tips_at_rest(real, values), fit=names, frame="device")
     assert found.fitted.worst < 1e-6
     assert [each.payload[0].mass for each in (found.robot, real)] == pytest.approx([0.03, 0.03])
     one, other = ([each.stiffness.bend for each in robot.segments if each.stiffness] for robot in (found.robot, real))
@@ -126,7 +126,7 @@ def test_a_payload_that_is_not_there_is_found_to_weigh_nothing() -> None:
     values = settings(HANGING, 12)
     free = HANGING.changed(gravity=None, payload=None)
     tips = free.tip(free.from_actuators(values, tolerance=1e300))[:, :3, 3]
-    found = sn.calibrate(HANGING, values, tips, fit=["payload"], frame="device")
+    found = sn.studies.calibrate(HANGING, values, tips, fit=["payload"], frame="device")
     assert found.robot.payload[0].mass == 0.0
 
 
@@ -145,7 +145,7 @@ def test_a_pose_turns_a_robot_under_gravity() -> None:
 def test_an_elastic_robot_is_found_from_its_tips() -> None:
     real = real_robot()
     values = settings(real, 100)
-    found = sn.calibrate(DRAWN, values, measured(real, values, 0.1))
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1))
     assert found.robot.drive.elastic is not None
     assert tip_errors(found, real, settings(real, 100, seed=9)).mean() < 0.3
     assert found.fitted.mean < 0.3
@@ -156,11 +156,11 @@ def test_an_elastic_robot_is_found_from_its_tips() -> None:
 def test_groups_that_are_told_are_fitted_alone() -> None:
     real = DRAWN.changed(base=POSE)
     values = settings(DRAWN, 40)
-    found = sn.calibrate(DRAWN, values, measured(real, values), fit=["base"])
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["base"])
     np.testing.assert_allclose(found.robot.base, POSE, atol=1e-6)
     assert found.groups == ("base",)
     assert found.robot.changed(base=None, uncertainty=None).equals(DRAWN)
-    device = sn.calibrate(DRAWN, values, measured(real, values), fit=["lengths"], frame="device")
+    device = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["lengths"], frame="device")
     np.testing.assert_allclose(device.device @ POSE, np.eye(4), atol=1e-6)
     assert np.array_equal(device.robot.base, np.eye(4))
 
@@ -171,7 +171,7 @@ def test_outliers_and_rows_that_were_not_seen_count_little() -> None:
     tips = measured(real, values, 0.05)
     tips[::10] += 25.0
     tips[5] = math.nan
-    found = sn.calibrate(DRAWN, values, tips, fit=["base"])
+    found = sn.studies.calibrate(DRAWN, values, tips, fit=["base"])
     assert found.dropped == (5,)
     assert 5 not in found.rows
     assert tip_errors(found, real, values).max() < 1.0
@@ -189,8 +189,8 @@ def test_the_unit_of_length_does_not_matter(scale: float) -> None:
     real = real_robot()
     values = settings(real, 30)
     names = ["offsets", "stiffness"]
-    found = sn.calibrate(drawn, scale * values, measured(real, values, 0.1), unit=scale, fit=names)
-    one = sn.calibrate(DRAWN, values, measured(real, values, 0.1), fit=names)
+    found = sn.studies.calibrate(drawn, scale * values, measured(real, values, 0.1), unit=scale, fit=names)
+    one = sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1), fit=names)
     assert found.groups == one.groups
     assert found.fitted.mean == pytest.approx(scale * one.fitted.mean, rel=1e-3)
 
@@ -199,11 +199,11 @@ def test_poses_and_points_of_the_body() -> None:
     real = DRAWN.changed(base=POSE)
     values = settings(DRAWN, 40)
     q = real.from_actuators(values)
-    poses = sn.calibrate(DRAWN, values, real.tip(q), fit=["base", "angles"])
+    poses = sn.studies.calibrate(DRAWN, values, real.tip(q), fit=["base", "angles"])
     assert poses.fitted.worst < 1e-6
     points = np.stack([real.forward(q)[:, 0, :3, 3], real.tip(q)[:, :3, 3]], axis=1)
     points[3, 0] = math.nan
-    found = sn.calibrate(DRAWN, values, points, places=[50.0 / 110.0, 1.0], fit=["base"])
+    found = sn.studies.calibrate(DRAWN, values, points, places=[50.0 / 110.0, 1.0], fit=["base"])
     assert found.fitted.worst < 1e-6
     assert len(found.rows) == 40
 
@@ -212,7 +212,7 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     real = real_robot()
     values = settings(real, 120)
     rows = measured(real, values, 1.0)
-    found = sn.calibrate(DRAWN, values[:80], rows[:80], fit=["offsets", "stiffness", "circles"])
+    found = sn.studies.calibrate(DRAWN, values[:80], rows[:80], fit=["offsets", "stiffness", "circles"])
     off = np.linalg.norm(found.predict(values[80:])[:, :3, 3] - rows[80:], axis=1)
     assert (off <= found.bound()).mean() >= 0.9
     assert found.bound(0.95, "rows") <= found.bound(0.95)
@@ -235,7 +235,7 @@ def test_rows_of_a_motion_bound_its_other_rows() -> None:
     """What is wrong with the robot matters more in some motions; the device lies askew, and points are in metres."""
     values, motion = settings(DRAWN, 30), settings(DRAWN, 160, seed=5) * [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
     real = real_robot()
-    found = sn.calibrate(DRAWN, values, measured(real, values), fit=["offsets"], frame="device")
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["offsets"], frame="device")
     tips = measured(real, motion) / 1000.0
     off = np.linalg.norm(
         found.predict(motion)[:, :3, 3] - measured(real.changed(base=found.device @ POSE), motion), axis=1
@@ -260,10 +260,10 @@ def test_rows_of_a_motion_bound_its_other_rows() -> None:
 def test_a_calibrated_robot_is_saved_and_loaded(tmp_path: Path) -> None:
     real = real_robot()
     values = settings(real, 30)
-    found = sn.calibrate(DRAWN, values, measured(real, values, 0.1), fit=["offsets"])
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1), fit=["offsets"])
     found.save(tmp_path / "robot.yaml")
     assert read_robot(parse_yaml((tmp_path / "robot.yaml").read_text())).equals(found.robot)
-    assert sn.plot_calibration(found, tmp_path / "found.png").axes
+    assert sn.view.plot_calibration(found, tmp_path / "found.png").axes
     assert (tmp_path / "found.png").stat().st_size > 1000
 
 
@@ -272,18 +272,18 @@ def test_what_rows_do_not_determine_is_named() -> None:
     values[:, 3:] = values[:, :3] * 0.5
     values[:, 5] = 0.7
     real = elastic(DRAWN)
-    found = sn.calibrate(real, values, measured(real, values, 0.3), fit=["offsets", "circles", "gains"])
+    found = sn.studies.calibrate(real, values, measured(real, values, 0.3), fit=["offsets", "circles", "gains"])
     assert found.undetermined
     assert any("s2.t3" in note for note in found.notes)
-    few = sn.calibrate(real, values[:5], measured(real, values[:5]), fit=["offsets"])
+    few = sn.studies.calibrate(real, values[:5], measured(real, values[:5]), fit=["offsets"])
     assert any("too few rows to fit offsets: offset of s1.t1" in note for note in few.notes)
     assert few.groups == ("base",)
 
 
 def test_suggested_settings_determine_more_than_random_ones() -> None:
-    suggested = sn.suggest(DRAWN, 12)
+    suggested = sn.studies.suggest(DRAWN, 12)
     assert suggested.shape == (12, 6)
-    assert np.array_equal(suggested, sn.suggest(DRAWN, 12))
+    assert np.array_equal(suggested, sn.studies.suggest(DRAWN, 12))
     real = real_robot()
 
     def spread(values: Floats) -> float:
@@ -300,37 +300,38 @@ def test_suggested_settings_determine_more_than_random_ones() -> None:
 def test_settings_are_suggested_that_hold_the_load() -> None:
     heavy = HANGING.changed(payload=sn.Payload(0.2))  # of more, more does not rest, which takes longest to find out
     assert not holds(heavy, settings(heavy, 50)).all()
-    assert holds(heavy, sn.suggest(heavy, 10, fit=["payload"])).all()
+    assert holds(heavy, sn.studies.suggest(heavy, 10, fit=["payload"])).all()
 
 
 def test_bad_measurements_are_refused() -> None:
     values = settings(DRAWN, 30)
     tips = measured(DRAWN, values)
-    refused("measured", lambda: sn.calibrate(DRAWN, values, tips / 1000.0), "unit=1000 would fit")
-    refused("measured", lambda: sn.calibrate(DRAWN, values, tips * 1000.0), "unit=0.001 would fit")
-    refused("measured", lambda: sn.calibrate(DRAWN, values, tips[:-1]), "30 rows")
-    refused("measured", lambda: sn.calibrate(DRAWN, values, np.tile(tips[0], (30, 1))), "equal")
-    refused("actuators", lambda: sn.calibrate(DRAWN, np.tile(values[0], (30, 1)), tips), "equal")
-    refused("actuators", lambda: sn.calibrate(DRAWN, values[:, :3], tips), "6 numbers")
-    refused("measured", lambda: sn.calibrate(DRAWN, values, np.full((30, 3), math.nan)), "no row")
-    refused("groups", lambda: sn.calibrate(DRAWN, values, tips, groups=["a"]), "30")
-    refused("fit[0]", lambda: sn.calibrate(DRAWN, values, tips, fit=["bases"]), "base")
-    refused("robot", lambda: sn.calibrate(sn.Robot([sn.Segment(1.0)]), values, tips), "actuators")
+    refused("measured", lambda: sn.studies.calibrate(DRAWN, values, tips / 1000.0), "unit=1000 would fit")
+    refused("measured", lambda: sn.studies.calibrate(DRAWN, values, tips * 1000.0), "unit=0.001 would fit")
+    refused("measured", lambda: sn.studies.calibrate(DRAWN, values, tips[:-1]), "30 rows")
+    refused("measured", lambda: sn.studies.calibrate(DRAWN, values, np.tile(tips[0], (30, 1))), "equal")
+    refused("actuators", lambda: sn.studies.calibrate(DRAWN, np.tile(values[0], (30, 1)), tips), "equal")
+    refused("actuators", lambda: sn.studies.calibrate(DRAWN, values[:, :3], tips), "6 numbers")
+    refused("measured", lambda: sn.studies.calibrate(DRAWN, values, np.full((30, 3), math.nan)), "no row")
+    refused("groups", lambda: sn.studies.calibrate(DRAWN, values, tips, groups=["a"]), "30")
+    refused("fit[0]", lambda: sn.studies.calibrate(DRAWN, values, tips, fit=["bases"]), "base")
+    refused("robot", lambda: sn.studies.calibrate(sn.Robot([sn.Segment(1.0)]), values, tips), "actuators")
     loose = DRAWN.changed(segments=[each.changed(length=(40, 60)) for each in DRAWN.segments])
     told = "no actuator determines length of s1 (segment 1), length of s2"
-    refused("robot", lambda: sn.calibrate(loose, values, tips), told)
-    refused("robot", lambda: sn.suggest(loose, 5), told)
+    refused("robot", lambda: sn.studies.calibrate(loose, values, tips), told)
+    refused("robot", lambda: sn.studies.suggest(loose, 5), told)
     stage = sn.Robot([sn.Segment((0.0, 100.0), stage=sn.Stage(), max_bend=0.0)])
     assert not can_stretch(stage)
     lengths = np.linspace(1.0, 90.0, 20)[:, None]
     refused(
-        "fit", lambda: sn.calibrate(stage, lengths, stage.tip(stage.from_actuators(lengths))[:, :3, 3], fit=["rest"])
+        "fit",
+        lambda: sn.studies.calibrate(stage, lengths, stage.tip(stage.from_actuators(lengths))[:, :3, 3], fit=["rest"]),
     )
-    refused("fit", lambda: sn.calibrate(DRAWN, values, tips, fit=["payload"]), "no weight bends the robot")
+    refused("fit", lambda: sn.studies.calibrate(DRAWN, values, tips, fit=["payload"]), "no weight bends the robot")
     heavy = HANGING.changed(payload=sn.Payload(1.0))
-    refused("actuators", lambda: sn.calibrate(heavy, values, tips), "no stable equilibrium")
+    refused("actuators", lambda: sn.studies.calibrate(heavy, values, tips), "no stable equilibrium")
     bad: Any = "rows"
-    refused_each("measured", (bad, None, [[1.0]]), lambda m: sn.calibrate(DRAWN, values, m))
+    refused_each("measured", (bad, None, [[1.0]]), lambda m: sn.studies.calibrate(DRAWN, values, m))
 
 
 def test_a_table_of_measurements(tmp_path: Path) -> None:

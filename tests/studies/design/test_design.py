@@ -13,11 +13,11 @@ import sinuous as sn
 from sinuous.answer.verification import verify
 from sinuous.cli.app import main
 from sinuous.model.segment import straight
-from sinuous.studies.design import descent, find
-from sinuous.studies.design.design import Design
-from sinuous.studies.design.fields import Space
-from sinuous.studies.design.judge import Judge
-from sinuous.studies.design.search import RobotCandidates, RobotSearch, front
+from sinuous.studies.designing import descent, find
+from sinuous.studies.designing.design import Design
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.judge import Judge
+from sinuous.studies.designing.search import RobotCandidates, RobotSearch, front
 from sinuous.studies.tasks.tasks import read_tasks
 from tests.helpers import refused
 
@@ -36,7 +36,7 @@ VARY: dict[str, Any] = {"segments.length": (40.0, 130.0), "segments.count": [2, 
 def run(**changes: Any) -> Design:
     """Find the shortest robot among few."""
     options = {"vary": VARY, "minimise": "length", "robots": 64, "workers": 1, **changes}
-    return sn.design(TEMPLATE, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)], **options)
+    return sn.studies.design(TEMPLATE, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)], **options)
 
 
 def test_the_best_robot_does_all_tasks_and_is_shorter_than_the_template() -> None:
@@ -44,7 +44,7 @@ def test_the_best_robot_does_all_tasks_and_is_shorter_than_the_template() -> Non
     assert found.solved
     assert found.best is not None
     assert found.best.objectives["length"] < 300.0
-    assert sn.assess(found.robot, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)]).solved
+    assert sn.studies.assess(found.robot, TASKS, [sn.Sphere((0.0, 60.0, 120.0), 20.0)]).solved
     assert found.best.values["segments.length"] * found.best.values["segments.count"] == pytest.approx(
         found.best.objectives["length"]
     )
@@ -77,7 +77,7 @@ def test_derivatives_lead_actuators_to_less_travel_and_tension(minimise: str, mo
     varied = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}
     least = []
     for robots in (96, 128):
-        best = sn.design(template, TASKS, vary=varied, minimise=minimise, robots=robots, workers=1).best
+        best = sn.studies.design(template, TASKS, vary=varied, minimise=minimise, robots=robots, workers=1).best
         assert best is not None
         shapes = np.array([*best.answers.values(), straight(best.robot.segments)])
         if minimise == "travel":
@@ -178,8 +178,8 @@ def test_of_two_objectives_the_front_is_found() -> None:
 
 
 def test_uncovered_share_counts_also_where_not_all_is_done() -> None:
-    tasks = [sn.Cover([sn.Target((-90.0, 0.0, 190.0)), sn.Target((900.0, 0.0, 190.0))])]
-    found = sn.design(TEMPLATE, tasks, vary=VARY, minimise=("uncovered", "actuators"), robots=32, workers=1)
+    tasks = [sn.studies.Cover([sn.Target((-90.0, 0.0, 190.0)), sn.Target((900.0, 0.0, 190.0))])]
+    found = sn.studies.design(TEMPLATE, tasks, vary=VARY, minimise=("uncovered", "actuators"), robots=32, workers=1)
     assert found.front[0].objectives["uncovered"] == 0.5
     assert found.front[0].objectives["actuators"] == 6.0
 
@@ -188,11 +188,11 @@ def test_what_no_robot_can_do_is_said_with_the_task_and_the_reason() -> None:
     tasks = {**TASKS, "far": sn.Target((900.0, 0.0, 0.0))}
     refused(
         "tasks",
-        lambda: sn.design(TEMPLATE, tasks, vary=VARY, minimise="length"),
+        lambda: sn.studies.design(TEMPLATE, tasks, vary=VARY, minimise="length"),
         "no robot of these can do far",
     )
     some = {**TASKS, "high": sn.Target((0.0, 0.0, 300.0))}
-    found = sn.design(TEMPLATE, some, vary=VARY, minimise="length", robots=48, workers=1)
+    found = sn.studies.design(TEMPLATE, some, vary=VARY, minimise="length", robots=48, workers=1)
     assert [cut.values for cut in found.cut] == [{"segments.count": 2}]
     assert found.cut[0].task == "high"
 
@@ -200,7 +200,9 @@ def test_what_no_robot_can_do_is_said_with_the_task_and_the_reason() -> None:
 def test_where_none_does_all_tasks_it_is_said() -> None:
     walls = [sn.Box((-50.0, 0.0, 150.0), (10.0, 500.0, 500.0))]
     varied = {"segments.max_bend": (1.0, 2.0)}
-    found = sn.design(TEMPLATE, TASKS, walls, vary=varied, minimise="length", robots=16, max_starts=2, routes=False)
+    found = sn.studies.design(
+        TEMPLATE, TASKS, walls, vary=varied, minimise="length", robots=16, max_starts=2, routes=False
+    )
     assert not found.solved
     assert found.best is None
     assert found.most_done < 3
@@ -222,7 +224,7 @@ def test_fields_are_ranges_lists_and_elements() -> None:
 
 def test_bad_input_is_refused() -> None:
     def of(vary: Any, minimise: Any = "length", **rest: Any) -> Any:
-        return lambda: sn.design(TEMPLATE, TASKS, vary=vary, minimise=minimise, **rest)
+        return lambda: sn.studies.design(TEMPLATE, TASKS, vary=vary, minimise=minimise, **rest)
 
     refused("vary.segments.colour", of({"segments.colour": [1]}))
     refused("vary['segments.length']", of({"segments.length": (2.0, 1.0)}), "is empty")
@@ -233,8 +235,8 @@ def test_bad_input_is_refused() -> None:
     refused("minimise", of(VARY, "tension"), "stiffness")
     refused("robots", of(VARY, robots=0))
     refused("budget", of(VARY, budget=0.0))
-    refused("template", lambda: sn.design("arm", TASKS, vary=VARY, minimise="length"))  # type: ignore[arg-type]
-    refused("tasks", lambda: sn.design(TEMPLATE, [], vary=VARY, minimise="length"))
+    refused("template", lambda: sn.studies.design("arm", TASKS, vary=VARY, minimise="length"))  # type: ignore[arg-type]
+    refused("tasks", lambda: sn.studies.design(TEMPLATE, [], vary=VARY, minimise="length"))
 
 
 def test_the_front_leaves_out_what_something_is_better_than() -> None:

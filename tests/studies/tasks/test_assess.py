@@ -17,19 +17,19 @@ NEAR = sn.Target((0, 10, 190))
 TASKS: dict[str, Any] = {
     "near": NEAR,
     "elbow": [NEAR, sn.Target((0, 5, 60), segment=1)],
-    "line": sn.Follow([sn.Target((x, 10, 190)) for x in (-20, 0, 20)]),
+    "line": sn.studies.Follow([sn.Target((x, 10, 190)) for x in (-20, 0, 20)]),
     "far": sn.Target((0, 0, 900)),
-    "half": sn.Follow([NEAR, sn.Target((0, 0, 900))]),
+    "half": sn.studies.Follow([NEAR, sn.Target((0, 0, 900))]),
     "inside": sn.Target((0, 60, 120)),
 }
 
 
 @pytest.fixture(scope="module")
-def found() -> sn.Assessment:
-    return sn.assess([ROBOT, OTHER], TASKS, [BALL])
+def found() -> sn.studies.Assessment:
+    return sn.studies.assess([ROBOT, OTHER], TASKS, [BALL])
 
 
-def test_each_row_is_what_solving_says(found: sn.Assessment) -> None:
+def test_each_row_is_what_solving_says(found: sn.studies.Assessment) -> None:
     rows = {row.task: row.done for row in found.rows if row.robot == "three"}
     one, path = sn.solve(ROBOT, NEAR, [BALL]), sn.track(ROBOT, [sn.Target((x, 10, 190)) for x in (-20, 0, 20)], [BALL])
     assert (rows["near"].status, rows["near"].clearance, rows["near"].share) == ("solved", one.clearance, 1.0)
@@ -41,7 +41,7 @@ def test_each_row_is_what_solving_says(found: sn.Assessment) -> None:
     assert rows["elbow"].status == str(sn.solve(ROBOT, TASKS["elbow"], [BALL]).status)
 
 
-def test_totals_sum_the_rows_up(found: sn.Assessment) -> None:
+def test_totals_sum_the_rows_up(found: sn.studies.Assessment) -> None:
     for total in found.totals:
         own = [row.done for row in found.rows if row.robot == total.robot]
         solved = [each for each in own if each.status == "solved"]
@@ -57,7 +57,7 @@ def test_totals_sum_the_rows_up(found: sn.Assessment) -> None:
     assert repr(found) == "Assessment(2 robots, 6 tasks)"
 
 
-def test_tables(found: sn.Assessment, tmp_path: Path) -> None:
+def test_tables(found: sn.studies.Assessment, tmp_path: Path) -> None:
     found.to_csv(tmp_path / "robots.csv")
     found.to_csv(tmp_path / "tasks.csv", tasks=True)
     for name, count in (("robots.csv", 2), ("tasks.csv", 12)):
@@ -69,12 +69,12 @@ def test_tables(found: sn.Assessment, tmp_path: Path) -> None:
 
 
 def test_a_sweep_is_assessed_and_drawn(tmp_path: Path) -> None:
-    robots = sn.sweep(ROBOT, {"segments.length": [[30, 40], [45, 70]]})
-    found = sn.assess(robots, [NEAR])
+    robots = sn.studies.sweep(ROBOT, {"segments.length": [[30, 40], [45, 70]]})
+    found = sn.studies.assess(robots, [NEAR])
     assert [total.done for total in found.totals] == [0, 1]
     assert found.rows[0].task == "task 1"
     assert found.rows[0].done.binds == "length"
-    sn.plot_assessment(found, tmp_path / "robots.png")
+    sn.view.plot_assessment(found, tmp_path / "robots.png")
     assert (tmp_path / "robots.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -93,13 +93,13 @@ def test_a_sweep_is_assessed_and_drawn(tmp_path: Path) -> None:
 )
 def test_wrong_arguments_are_refused(robot: Any, tasks: Any, told: str) -> None:
     with pytest.raises(sn.InputError, match=told):
-        sn.assess(robot, tasks)
+        sn.studies.assess(robot, tasks)
 
 
 def test_wrong_paths_are_refused() -> None:
     wrongs: list[Any] = [NEAR, [], "line"]
     for wrong in wrongs:
         with pytest.raises(sn.InputError, match="targets"):
-            sn.Follow(wrong)
+            sn.studies.Follow(wrong)
     with pytest.raises(sn.InputError, match="start"):
-        sn.assess(ROBOT, {"a": sn.Follow([NEAR], start=[[0.0, 0.0, 50.0]])})
+        sn.studies.assess(ROBOT, {"a": sn.studies.Follow([NEAR], start=[[0.0, 0.0, 50.0]])})

@@ -11,7 +11,7 @@ ROBOT = sn.Robot.uniform(3, length=(45, 70), max_bend=1.5, radius=4, tendons=sn.
 
 
 def test_every_combination_is_there_in_order() -> None:
-    robots = sn.sweep(ROBOT, {"segments.count": [2, 5], "radius": [1, 2.5]})
+    robots = sn.studies.sweep(ROBOT, {"segments.count": [2, 5], "radius": [1, 2.5]})
     assert list(robots) == [f"segments.count={n}, radius={r}" for n in (2, 5) for r in (1, 2.5)]
     assert [(len(robot), robot.radii[0]) for robot in robots.values()] == [(2, 1.0), (2, 2.5), (5, 1.0), (5, 2.5)]
 
@@ -29,13 +29,13 @@ def test_every_combination_is_there_in_order() -> None:
     ],
 )
 def test_any_field_of_the_robot_file(field: str, value: Any, changed: Any) -> None:
-    (robot,) = sn.sweep(ROBOT, {field: [value]}).values()
+    (robot,) = sn.studies.sweep(ROBOT, {field: [value]}).values()
     assert changed(robot)
     assert not changed(ROBOT)
 
 
 def test_its_own_value_changes_nothing() -> None:
-    (robot,) = sn.sweep(ROBOT, {"segments.max_bend": [1.5]}).values()
+    (robot,) = sn.studies.sweep(ROBOT, {"segments.max_bend": [1.5]}).values()
     assert robot.equals(ROBOT)
 
 
@@ -54,4 +54,4 @@ def test_its_own_value_changes_nothing() -> None:
 )
 def test_wrong_fields_are_refused(fields: Any, told: str) -> None:
     with pytest.raises(sn.InputError, match=told):
-        sn.sweep(ROBOT, fields)
+        sn.studies.sweep(ROBOT, fields)

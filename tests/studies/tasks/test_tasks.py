@@ -12,7 +12,7 @@ NEAR, INSIDE = sn.Target((0, 10, 165)), sn.Target((0, 60, 120))
 
 
 def test_a_row_is_what_planning_says() -> None:
-    found = sn.assess(ROBOT, {"move": sn.Move(NEAR), "inside": sn.Move([INSIDE])}, [BALL])
+    found = sn.studies.assess(ROBOT, {"move": sn.studies.Move(NEAR), "inside": sn.studies.Move([INSIDE])}, [BALL])
     rows = {row.task: row for row in found.rows}
     motion = sn.plan(ROBOT, straight(ROBOT.segments), [NEAR], [BALL])
     done = rows["move"].done
@@ -25,11 +25,11 @@ def test_a_row_is_what_planning_says() -> None:
 
 def test_a_start_where_the_robot_cannot_be_is_told() -> None:
     start = np.tile([0.0, 0.0, 80.0], (3, 1))
-    (row,) = sn.assess(ROBOT, [sn.Move(NEAR, start)], [BALL]).rows
+    (row,) = sn.studies.assess(ROBOT, [sn.studies.Move(NEAR, start)], [BALL]).rows
     assert (row.done.status, row.done.binds) == ("start_blocked", "length")
 
 
 def test_what_is_no_move_is_refused() -> None:
-    refused("goal", lambda: sn.Move(3))  # type: ignore[arg-type]
-    refused("start", lambda: sn.Move(NEAR, [[1.0]]))
-    refused("start", lambda: sn.Move(NEAR, [[0.0, 0.0, 50.0]]).check(ROBOT))
+    refused("goal", lambda: sn.studies.Move(3))  # type: ignore[arg-type]
+    refused("start", lambda: sn.studies.Move(NEAR, [[1.0]]))
+    refused("start", lambda: sn.studies.Move(NEAR, [[0.0, 0.0, 50.0]]).check(ROBOT))

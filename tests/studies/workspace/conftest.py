@@ -7,5 +7,5 @@ from tests.studies.workspace.maps import made
 
 
 @pytest.fixture(scope="session")
-def found() -> sn.Reach:
+def found() -> sn.studies.Reach:
     return made()

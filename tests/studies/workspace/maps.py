@@ -9,5 +9,5 @@ WALL = [sn.Sphere((45, y, 70), radius=18, name=f"ball {y}") for y in (-40, 0, 40
 SPACING = 20.0
 
 
-def made(**options: Any) -> sn.Reach:
-    return sn.reach(ROBOT, WALL, SPACING, **options)
+def made(**options: Any) -> sn.studies.Reach:
+    return sn.studies.reach(ROBOT, WALL, SPACING, **options)

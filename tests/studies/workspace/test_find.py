@@ -13,7 +13,7 @@ from tests.cases import with_each
 from tests.studies.workspace.maps import ROBOT, WALL, made
 
 
-def test_it_is_the_same_whatever_the_number_of_workers(found: sn.Reach) -> None:
+def test_it_is_the_same_whatever_the_number_of_workers(found: sn.studies.Reach) -> None:
     for workers in (1, 3):
         other = made(workers=workers)
         np.testing.assert_array_equal(other.verdicts, found.verdicts)
@@ -21,7 +21,7 @@ def test_it_is_the_same_whatever_the_number_of_workers(found: sn.Reach) -> None:
         np.testing.assert_array_equal(other.obstacles, found.obstacles)
 
 
-def test_all_verdicts_are_there(found: sn.Reach) -> None:
+def test_all_verdicts_are_there(found: sn.studies.Reach) -> None:
     assert {Verdict(code) for code in np.unique(found.verdicts)} >= {
         Verdict.SOLVED,
         Verdict.OUT_OF_REACH,
@@ -30,7 +30,7 @@ def test_all_verdicts_are_there(found: sn.Reach) -> None:
     }
 
 
-def test_what_is_solved_can_be_solved(found: sn.Reach) -> None:
+def test_what_is_solved_can_be_solved(found: sn.studies.Reach) -> None:
     at = np.argwhere(found.verdicts == Verdict.SOLVED)
     some = at[np.random.default_rng(0).choice(len(at), 150, replace=False)]
     places, axes = found.voxels.middles[tuple(some[:, :3].T)], found.directions[some[:, 3]]
@@ -39,7 +39,7 @@ def test_what_is_solved_can_be_solved(found: sn.Reach) -> None:
     assert all(solution.verify().ok for solution in many[many.solved][:20])
 
 
-def test_no_proof_is_refuted_by_many_more_starts(found: sn.Reach) -> None:
+def test_no_proof_is_refuted_by_many_more_starts(found: sn.studies.Reach) -> None:
     proved = (found.verdicts > Verdict.SOLVED) & (found.verdicts <= Verdict.BASE_BLOCKED)
     at = np.argwhere(proved & (found.free_share > 0.0)[..., None])
     some = at[np.random.default_rng(1).choice(len(at), min(100, len(at)), replace=False)]
@@ -62,15 +62,15 @@ def test_random_shapes_refute_no_proof() -> None:
         assert not proved & set(many.status.tolist())
 
 
-def test_obstacles_only_take_away(found: sn.Reach) -> None:
+def test_obstacles_only_take_away(found: sn.studies.Reach) -> None:
     assert (found.share <= found.free_share).all()
-    alone = sn.reach(ROBOT, None, 20.0)
+    alone = sn.studies.reach(ROBOT, None, 20.0)
     np.testing.assert_array_equal(alone.verdicts, found.free)
     np.testing.assert_array_equal(alone.verdicts, alone.free)
     assert (alone.obstacles == -1).all()
 
 
-def test_the_obstacle_in_the_way_is_named(found: sn.Reach) -> None:
+def test_the_obstacle_in_the_way_is_named(found: sn.studies.Reach) -> None:
     blame = found.blame()
     assert set(blame) <= {"ball -40", "ball 0", "ball 40"}
     assert blame
@@ -87,22 +87,22 @@ def test_neighbours_find_what_the_arc_does_not() -> None:
     robot = sn.Robot.uniform(4, length=(45, 70), max_bend=2.4, radius=4)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(find, "TRIES", 0)
-        without = sn.reach(robot, WALL, 40.0, 6)
-    found = sn.reach(robot, WALL, 40.0, 6)
+        without = sn.studies.reach(robot, WALL, 40.0, 6)
+    found = sn.studies.reach(robot, WALL, 40.0, 6)
     gained = (found.verdicts == Verdict.SOLVED) & (without.verdicts != Verdict.SOLVED)
     assert not ((without.verdicts == Verdict.SOLVED) & (found.verdicts != Verdict.SOLVED)).any()
     assert gained.any()
 
 
 def test_a_base_that_is_blocked_is_said_of_all() -> None:
-    blocked = sn.reach(ROBOT, [sn.Sphere((0, 0, 0), radius=10)], 60.0, 6)
+    blocked = sn.studies.reach(ROBOT, [sn.Sphere((0, 0, 0), radius=10)], 60.0, 6)
     told = set(np.unique(blocked.verdicts[blocked.free == Verdict.SOLVED]).tolist())
     assert told <= {int(Verdict.BASE_BLOCKED), int(Verdict.TARGET_BLOCKED)}
     assert blocked.volume().found == 0.0
 
 
 def test_wherever_it_ends_the_same_call_goes_on(
-    found: sn.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    found: sn.studies.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(find, "TOGETHER", 3000)
     monkeypatch.setattr(find, "TOGETHER", 3000)
@@ -125,7 +125,7 @@ def test_wherever_it_ends_the_same_call_goes_on(
             except KeyboardInterrupt:
                 assert out.with_name("map.npz.parts").exists()
     assert calls > 10
-    other = sn.Reach.load(out)
+    other = sn.studies.Reach.load(out)
     for name in ("verdicts", "free", "obstacles", "directions"):
         np.testing.assert_array_equal(getattr(other, name), getattr(found, name))
     assert [file.name for file in tmp_path.iterdir()] == ["map.npz"]
@@ -143,7 +143,7 @@ def test_wherever_it_ends_the_same_call_goes_on(
 def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: dict[str, Any], tmp_path: Path) -> None:
     box: dict[str, Any] = {"low": (-20, 0, 0), "high": (20, 0, 60), "out": tmp_path / "map.npz"}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sn.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(sn.studies.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             made(**box)
     with pytest.raises(sn.InputError, match=rf"^{key}: .*changed since this map began"):
@@ -166,4 +166,4 @@ def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: di
 )
 def test_wrong_arguments_are_refused(options: dict[str, object], key: str) -> None:
     with pytest.raises(sn.InputError, match=rf"^{key}"):
-        sn.reach(ROBOT, None, **options)  # type: ignore[arg-type]
+        sn.studies.reach(ROBOT, None, **options)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ from sinuous.studies.workspace.reach import Verdict, Voxels, directions_of, reac
 from tests.studies.workspace.maps import ROBOT
 
 
-def ball(radius: float, spacing: float) -> sn.Reach:
+def ball(radius: float, spacing: float) -> sn.studies.Reach:
     """A map of a ball that is reached in both of two directions, and of a shell of which nothing is known."""
     count = int(radius / spacing) + 4
     voxels = Voxels((-count * spacing,) * 3, spacing, (2 * count + 1,) * 3)
@@ -19,7 +19,7 @@ def ball(radius: float, spacing: float) -> sn.Reach:
     inner = np.where(far <= radius + spacing, Verdict.LIMITS, Verdict.OUT_OF_REACH)
     verdicts = np.where(far <= radius, Verdict.SOLVED, inner).astype(np.uint8)
     verdicts[..., 1][verdicts[..., 1] == Verdict.LIMITS] = Verdict.OUT_OF_REACH
-    return sn.Reach(
+    return sn.studies.Reach(
         voxels=voxels,
         directions=np.eye(3)[:2],
         verdicts=verdicts,
@@ -41,7 +41,7 @@ def test_the_volume_of_a_ball_is_within_its_error(spacing: float) -> None:
     assert dexterous.found == volume.found == dexterous.at_most
 
 
-def test_shares_reasons_and_proofs_agree(found: sn.Reach) -> None:
+def test_shares_reasons_and_proofs_agree(found: sn.studies.Reach) -> None:
     assert ((found.share == 1.0) == (found.reasons == Verdict.SOLVED)).all()
     assert (found.reachable >= found.dexterous).all()
     assert found.volume().found == found.reachable.sum() * 20.0**3
@@ -52,27 +52,29 @@ def test_shares_reasons_and_proofs_agree(found: sn.Reach) -> None:
     assert "of the" not in repr(found)
 
 
-def test_saved_and_loaded_is_equal(found: sn.Reach, tmp_path: Path) -> None:
+def test_saved_and_loaded_is_equal(found: sn.studies.Reach, tmp_path: Path) -> None:
     found.save(tmp_path / "map.npz")
-    assert sn.Reach.load(tmp_path / "map.npz").equals(found)
+    assert sn.studies.Reach.load(tmp_path / "map.npz").equals(found)
     for bad in (b"no map", b""):
         (tmp_path / "bad.npz").write_bytes(bad)
         with pytest.raises(sn.InputError, match="a map of a workspace"):
-            sn.Reach.load(tmp_path / "bad.npz")
+            sn.studies.Reach.load(tmp_path / "bad.npz")
     np.savez(tmp_path / "other.npz", q=np.zeros(3))
     with pytest.raises(sn.InputError, match="a map of a workspace"):
-        sn.Reach.load(tmp_path / "other.npz")
+        sn.studies.Reach.load(tmp_path / "other.npz")
     with pytest.raises(sn.InputError, match="cannot be read"):
-        sn.Reach.load(tmp_path / "no.npz")
+        sn.studies.Reach.load(tmp_path / "no.npz")
     with pytest.raises(sn.InputError, match="cannot be written"):
         found.save(tmp_path / "no" / "map.npz")
 
 
-def test_farther_than_the_robot_is_long_it_is_out_of_reach_and_else_outside_it_is_refused(found: sn.Reach) -> None:
+def test_farther_than_the_robot_is_long_it_is_out_of_reach_and_else_outside_it_is_refused(
+    found: sn.studies.Reach,
+) -> None:
     assert found.why((1000, 0, 0)) == {"out_of_reach": len(found.directions)}
     with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
         found.in_the_way((1000, 0, 0))
-    part = sn.reach(sn.Robot.uniform(2, 50.0, 1.0), None, 25.0, 6, low=(0, 0, 0), high=(0, 0, 100))
+    part = sn.studies.reach(sn.Robot.uniform(2, 50.0, 1.0), None, 25.0, 6, low=(0, 0, 0), high=(0, 0, 100))
     with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
         part.why((50, 0, 50))
 

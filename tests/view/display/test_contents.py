@@ -46,8 +46,8 @@ def test_obstacles_are_where_they_are_at_a_share_of_the_motion() -> None:
     [
         ((), "things: expected something to draw"),
         ((ROBOT, ["x"]), r"things\[1\]\[0\]: expected a robot, scene"),
-        ((np.zeros((2, 3)),), r"things\[0\]: expected an array of configurations right after its robot"),
-        ((ROBOT, np.zeros((3, 3))), r"things\[1\]: expected"),
+        ((np.zeros((2, 3)),), r"things\[0\]: has no robot; expected an array of configurations right after its robot"),
+        ((ROBOT, np.zeros((3, 3))), r"things\[1\]: shape \(3, 3\); expected"),
         ((sn.Target(direction=(0, 0, 1)),), "a robot before a target without a position"),
         (([ROBOT] * 101,), r"len\(robots\): expected"),
     ],
@@ -71,8 +71,8 @@ def test_a_job_brings_its_robot_its_targets_or_its_path() -> None:
 def test_every_kind_of_picture_shows_them(tmp_path: Path) -> None:
     motion = sn.Motion(ROBOT, KNOTS, [BALL, DUST, sn.Sphere((0, 3, 0), 0.1)], times=[1.0, 3.0])
     sn.plot(motion).figure.savefig(tmp_path / "still.png")
-    sn.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
-    sn.diagram(motion, "clearance")
+    sn.view.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
+    sn.view.diagram(motion, "clearance")
     assert all((tmp_path / name).stat().st_size > 1000 for name in ("still.png", "way.gif"))
 
 
@@ -133,7 +133,7 @@ def test_a_motion_is_of_the_loaded_body_with_its_ghosts(tmp_path: Path) -> None:
         np.testing.assert_allclose(arm.robot.tip(arm.q)[:3, 3], HANGING.shape(q).tip[:3, 3], atol=1e-9)
         ((_, end),) = contents.forces_at(share)
         np.testing.assert_allclose(end, HANGING.shape(q).tip[:3, 3], atol=1e-9)
-    sn.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
+    sn.view.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
     assert (tmp_path / "way.gif").stat().st_size > 1000
 
 

@@ -26,7 +26,7 @@ def test_a_gif_of_a_motion(track: sn.Motion, tmp_path: Path) -> None:
     from PIL import Image
 
     file = tmp_path / "track.gif"
-    sn.animate(track, path=file, seconds=0.5, fps=10)
+    sn.view.animate(track, path=file, seconds=0.5, fps=10)
     with Image.open(file) as image:
         assert image.n_frames == 5  # type: ignore[attr-defined]
         first = np.asarray(image.convert("RGB"), np.float64)
@@ -50,7 +50,7 @@ def test_what_has_no_motion_turns() -> None:
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg")
 def test_a_film(track: sn.Motion, tmp_path: Path) -> None:
     file = tmp_path / "track.mp4"
-    sn.animate(track, path=file, seconds=0.4, fps=10)
+    sn.view.animate(track, path=file, seconds=0.4, fps=10)
     asked = ["-show_entries", "stream=nb_frames,pix_fmt,codec_name", "-of", "csv=p=0"]
     said = subprocess.run(["ffprobe", "-v", "error", *asked, str(file)], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == "h264,yuv420p,4"
@@ -58,8 +58,10 @@ def test_a_film(track: sn.Motion, tmp_path: Path) -> None:
 
 def test_without_ffmpeg_it_says_so(track: sn.Motion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda _: None)
-    with pytest.raises(sn.InputError, match=r"path: expected ffmpeg installed, or a name that ends in \.gif"):
-        sn.animate(track, path=tmp_path / "track.mp4")
+    with pytest.raises(
+        sn.InputError, match=r"path: needs the program ffmpeg; expected ffmpeg installed, or a name that ends in \.gif"
+    ):
+        sn.view.animate(track, path=tmp_path / "track.mp4")
 
 
 def test_when_ffmpeg_fails_it_says_what(track: sn.Motion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,7 +70,7 @@ def test_when_ffmpeg_fails_it_says_what(track: sn.Motion, tmp_path: Path, monkey
     tool.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     with pytest.raises(sn.InputError, match="ffmpeg: no such codec"):
-        sn.animate(track, path=tmp_path / "track.mp4", seconds=0.2, fps=10)
+        sn.view.animate(track, path=tmp_path / "track.mp4", seconds=0.2, fps=10)
 
 
 @pytest.mark.parametrize(
@@ -77,9 +79,9 @@ def test_when_ffmpeg_fails_it_says_what(track: sn.Motion, tmp_path: Path, monkey
         ("x.png", {}, r"path: expected a name that ends in \.gif, \.mp4"),
         ("x.gif", {"fps": 0}, "fps: expected"),
         ("x.gif", {"seconds": 0}, "seconds: expected"),
-        ("no/x.gif", {"seconds": 0.1, "fps": 10}, "path: expected a file that can be written"),
+        ("no/x.gif", {"seconds": 0.1, "fps": 10}, "path: cannot be written: "),
     ],
 )
 def test_wrong_arguments_are_named(tmp_path: Path, file: str, wrong: dict[str, float], message: str) -> None:
     with pytest.raises(sn.InputError, match=message):
-        sn.animate(ROBOT, path=tmp_path / file, **wrong)  # type: ignore[arg-type]
+        sn.view.animate(ROBOT, path=tmp_path / file, **wrong)  # type: ignore[arg-type]

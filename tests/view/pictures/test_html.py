@@ -75,7 +75,7 @@ def test_what_prints_itself_is_shown_so() -> None:
     assert text is not None
     assert "<img" not in text
     assert html_of(str(explanation)) in text
-    found = sn.reach(ROBOT, spacing=0.5 * ROBOT.mean_length, directions=1)
+    found = sn.studies.reach(ROBOT, spacing=0.5 * ROBOT.mean_length, directions=1)
     text = found._repr_html_()
     assert text is not None
     assert html_of(str(found)) in text

@@ -9,14 +9,14 @@ from tests.studies.workspace.maps import ROBOT, WALL
 
 
 def test_picture_and_page(tmp_path: Path) -> None:
-    sn.plot_reach(sn.reach(ROBOT, None, 60.0, 2), tmp_path / "map.png", at=(0, 0, 60))
+    sn.view.plot_reach(sn.studies.reach(ROBOT, None, 60.0, 2), tmp_path / "map.png", at=(0, 0, 60))
     assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
-    found = sn.reach(ROBOT, WALL, 60.0, 2)
-    sn.plot_reach(found, tmp_path / "map.html")
+    found = sn.studies.reach(ROBOT, WALL, 60.0, 2)
+    sn.view.plot_reach(found, tmp_path / "map.html")
     page = (tmp_path / "map.html").read_text(encoding="utf-8")
     assert "data:image/png" in page
     assert "reachable" in page
     with pytest.raises(sn.InputError, match="outside the map"):
-        sn.plot_reach(found, tmp_path / "map.png", at=(1e4, 0, 0))
+        sn.view.plot_reach(found, tmp_path / "map.png", at=(1e4, 0, 0))
     with pytest.raises(sn.InputError, match="ends in"):
-        sn.plot_reach(found, tmp_path / "map.doc")
+        sn.view.plot_reach(found, tmp_path / "map.doc")

@@ -41,7 +41,13 @@ class Derivatives:
     __slots__ = ("_chosen", "_configurations", "_moved", "_problem", "_status", "wrt")
 
     def __init__(
-        self, problem: Problem, q: Floats, wrt: tuple[Parameter, ...], moved: Floats, status: Floats, chosen: Any
+        self,
+        problem: Problem,
+        q: Floats,
+        wrt: tuple[Parameter, ...],
+        moved: Floats,
+        status: Floats,
+        chosen: Mapping[Parameter, Any],
     ) -> None:
         self._problem, self._configurations, self._moved, self._status = problem, q, moved, status
         self.wrt, self._chosen = wrt, chosen

@@ -95,7 +95,7 @@ search = search_by(follow)
 
 
 def _network(key: str, value: Any) -> Network | None:
-    checks.instance(key, value, Network | None, "a Network, as sn.train returns it")
+    checks.instance(key, value, Network | None, "a Network, as sn.methods.train returns it")
     return value
 
 

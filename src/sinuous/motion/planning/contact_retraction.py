@@ -12,7 +12,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.motion.configurations import random_configuration
-from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner
+from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.motion.planning.tree import Chain, Tree
 
 FIRST, LONGEST, SHORTEST = 0.1, 0.5, 0.01
@@ -87,7 +87,7 @@ class ContactRetractionTrees:
 
     def _room(self) -> float:
         """The room of the next steps, in radii: little mostly, none or more of it now and then."""
-        return (ROOMS[1], ROOMS[1], ROOMS[0], 0.0)[self._draws // 2 % 4]
+        return (CLEARANCES[1], CLEARANCES[1], CLEARANCES[0], 0.0)[self._draws // 2 % 4]
 
     def _grow_once(self, side: int, room: float) -> Chain | None:
         own, other = self._trees[side], self._trees[1 - side]

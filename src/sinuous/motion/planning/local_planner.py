@@ -20,10 +20,10 @@ from sinuous.solver.certificates.steps import Prover
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.solver import Solver
 
-ROOMS = (0.2, 0.05)
+CLEARANCES = (0.2, 0.05)
 """Room that retractions ask for, in radii of each segment: by so much thicker robots are solved."""
 
-END_ROOMS = (0.4, 0.2, 0.1, 0.05, 0.02)
+END_CLEARANCES = (0.4, 0.2, 0.1, 0.05, 0.02)
 """Room that the ends of a path are given, in radii of each segment: the most is tried first."""
 
 ENOUGH = 0.1
@@ -69,7 +69,7 @@ class LocalPlanner:
         """Return a configuration near one (n, 3) that may overlap: with room (radii), and the tip about where it is."""
         return self._solve(Target(self.robot.tip(q)[:3, 3]), q, room, LOOSE * max(self.robot.radii))
 
-    def with_room(self, q: Floats) -> Chain:
+    def with_clearance(self, q: Floats) -> Chain:
         """Return a configuration (n, 3) alone, or also one with more room, the motion to which is proved clear.
 
         It is alone where it has enough room, and where nothing near it has any.
@@ -77,7 +77,7 @@ class LocalPlanner:
         enough = self.retract(q, ENOUGH)
         if enough is not None and np.array_equal(enough, q):
             return [q]
-        for room in END_ROOMS:
+        for room in END_CLEARANCES:
             roomy = self.retract(q, room)
             if roomy is not None and self._close_prover.is_clear(q, roomy, self.deadline.left()):
                 return [q] if np.array_equal(roomy, q) else [q, roomy]
@@ -132,17 +132,17 @@ class QueryEnds:
     @property
     def start(self) -> Chain:
         """The chain of the start."""
-        return self.with_room(self._query.start)
+        return self.with_clearance(self._query.start)
 
     def goals(self, reached: Floats) -> list[Chain]:
         """Return the chains of all goals, after looking for more; see `Query`."""
-        return [self.with_room(q) for q in self._query.goals(reached)]
+        return [self.with_clearance(q) for q in self._query.goals(reached)]
 
-    def with_room(self, q: Floats) -> Chain:
+    def with_clearance(self, q: Floats) -> Chain:
         """Return the chain of any configuration (n, 3)."""
         key = q.tobytes()
         if key not in self._chains:
-            self._chains[key] = self.local.with_room(q)
+            self._chains[key] = self.local.with_clearance(q)
         return self._chains[key]
 
 

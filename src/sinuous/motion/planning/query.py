@@ -17,7 +17,7 @@ from sinuous.motion.configurations import distances
 from sinuous.motion.timing import largest
 from sinuous.problem.target import Target
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, passes
+from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, is_passable
 from sinuous.solver.solver import Solver
 
 GOALS_AT_ONCE = 8
@@ -241,7 +241,7 @@ class TimedQuery:
     def prove(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return what is proved of an edge (14,); `None` where it is not proved clear."""
         answer: Floats = self.prover.prove(np.stack([q0, q1]), 1.0, LOOSE_SECONDS, np.array([t0, t1]))[0]
-        return answer if passes(answer) else None
+        return answer if is_passable(answer) else None
 
     def prove_in_time(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return the same for an edge that may be too quick for the rates; `None` where it is."""

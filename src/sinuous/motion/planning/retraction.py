@@ -16,7 +16,7 @@ from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, within_limits
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
-from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner, QueryEnds, roots_of
+from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect, shortened
 from sinuous.motion.planning.tree import Chain
@@ -92,7 +92,7 @@ KINDS = (
 """What is tried first, and, where that is stuck, what goes on from there: all of them with most room, then with less.
 """
 
-WAYS = len(KINDS) * (len(ROOMS) + 1)
+WAYS = len(KINDS) * (len(CLEARANCES) + 1)
 """Kinds, each with every room."""
 
 
@@ -147,7 +147,7 @@ class Retraction:
         """Lead the tip to a place of the curve, if there is a proved motion."""
         local, q = self._local, self.knots[-1]
         kind = KINDS[(self._first + self._way) % len(KINDS)]
-        room = (*ROOMS, 0.0)[self._way // len(KINDS)]
+        room = (*CLEARANCES, 0.0)[self._way // len(KINDS)]
         begin = self._slid_back(self.left - along, kind.meets) if kind.slides else q
         new = local.lead(self._target(along, kind), begin, room)
         if new is None or not local.is_clear(q, new):

@@ -147,7 +147,7 @@ def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[Pr
     path = trees.grow(roots, seed, (first, last), deadline, query.shortcuts)
     ends.narrow = path is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last
     yield path
-    known = len(goals) if not any(len(ends.with_room(q)) > 1 for q in roots) else 0
+    known = len(goals) if not any(len(ends.with_clearance(q)) > 1 for q in roots) else 0
     for following in ROUNDS[1:]:
         first, last = last if known else 0, following
         chains = ends.goals(trees.reached)

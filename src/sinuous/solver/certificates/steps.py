@@ -63,7 +63,7 @@ class StepPiece(NamedTuple):
     aside: float
 
 
-class Ways:
+class LoadedShapes:
     """Loaded shapes of a robot at drives and between them; those at the last drives are kept.
 
     Parameters
@@ -93,7 +93,9 @@ class Ways:
         return found
 
 
-def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[StepPiece], Floats], end: float) -> Floats:
+def prove_loaded_step(
+    shapes: LoadedShapes, q0: Floats, q1: Floats, prove: Callable[[StepPiece], Floats], end: float
+) -> Floats:
     """Answer (14,) about a step: proved where every piece is, else `SAMPLED` where shapes are clear, else undecided.
 
     Parameters
@@ -104,13 +106,13 @@ def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[StepPiece], F
     end : float
         When the time is over, see `work_time`.
     """
-    one, other = ways.at(q0), ways.at(q1)
+    one, other = shapes.at(q0), shapes.at(q1)
     nothing: Floats = unproved(1)[0]
     if one.states is None or other.states is None:
         return nothing
     way = Way(one, other)
     done: list[tuple[float, float, Floats]] = []
-    left = [(0.0, 1.0, one, other)] if ways.bounded or one is other else []
+    left = [(0.0, 1.0, one, other)] if shapes.bounded or one is other else []
     bounded = bool(left)
     while left:
         begin, last, a, b = left.pop()
@@ -160,7 +162,7 @@ def _sampled(one: Rest, other: Rest, prove: Callable[[StepPiece], Floats]) -> Fl
     return answer
 
 
-def passes(answer: Floats) -> bool:
+def is_passable(answer: Floats) -> bool:
     """Whether a robot may go this way, as far as is known: it is proved clear (14,), or at least `SAMPLED`."""
     return bool(answer[VERDICT] in (CLEAR, SAMPLED))
 
@@ -273,7 +275,7 @@ class Prover:
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
-        self._ways = Ways(robot) if robot.hangs else None
+        self._ways = LoadedShapes(robot) if robot.hangs else None
         body = longest_body(robot) if robot.hangs else robot
         self._group, self._scene_group = robot_group(body), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
@@ -326,7 +328,7 @@ class Prover:
         return answers
 
     def _prove_under_load(
-        self, ways: Ways, knots: Floats, slack: float, seconds: float, times: Floats | None
+        self, ways: LoadedShapes, knots: Floats, slack: float, seconds: float, times: Floats | None
     ) -> Floats:
         """Prove the steps of a loaded body, each in as many pieces as it takes."""
         answers = unproved(len(knots) - 1)
@@ -341,7 +343,7 @@ class Prover:
                 left = max(0.0, end - work_time())
                 return self._prove_piece(piece, slack, left, when)
 
-            answers[i] = prove_way(ways, knots[i], knots[i + 1], clear, end)
+            answers[i] = prove_loaded_step(ways, knots[i], knots[i + 1], clear, end)
         return answers
 
     def _prove_piece(self, piece: StepPiece, slack: float, seconds: float, times: Floats | None) -> Floats:

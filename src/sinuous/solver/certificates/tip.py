@@ -7,7 +7,7 @@ from sinuous.kernels.between.tip import leave_line
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.statics.layout import TWIST
 from sinuous.model.robot import Robot, robot_group
-from sinuous.solver.certificates.steps import Ways
+from sinuous.solver.certificates.steps import LoadedShapes
 from sinuous.statics.between import Leave, leave
 from sinuous.statics.body import rolled
 from sinuous.statics.equilibrium import longest_body
@@ -27,7 +27,7 @@ class Tip:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._ways = Ways(robot) if robot.hangs else None
+        self._ways = LoadedShapes(robot) if robot.hangs else None
         body = longest_body(robot) if robot.hangs else robot
         self._group, self._q = robot_group(body), np.empty((len(body), 3))
         self._frames, self.line = np.empty((len(body) + 1, 12)), np.zeros((2, 3))
@@ -49,7 +49,7 @@ class Tip:
             return self._under_load(self._ways, ends, enough)
         return leave_line(self._group, ends, self.line, enough, self._q, self._frames)
 
-    def _under_load(self, ways: Ways, ends: Floats, enough: float) -> float:
+    def _under_load(self, ways: LoadedShapes, ends: Floats, enough: float) -> float:
         """The same for the loaded body; where nothing bounds the equilibria between, as far as the ends show it."""
         one, other = ways.at(ends[0]), ways.at(ends[1])
         if one.states is None or other.states is None:

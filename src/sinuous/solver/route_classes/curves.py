@@ -58,7 +58,7 @@ class Seen(NamedTuple):
     which: NDArray[np.int64]
 
 
-class ClassCurves:
+class RouteCurves:
     """The curves of one robot in one scene. Not to be shared between threads.
 
     Parameters

@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous.answer.route_class import SIDES, Passing, RouteClass
 from sinuous.base.checks import Floats
-from sinuous.solver.route_classes.curves import ClassCurves, across
+from sinuous.solver.route_classes.curves import RouteCurves, across
 
 LOOKS = 16
 """Directions across a curve in which an obstacle is looked for."""
@@ -16,7 +16,7 @@ SURROUNDED = 0.5
 """Share of these directions in which an obstacle is met, above which the curve leads through that obstacle."""
 
 
-def sort_out(curves: ClassCurves, own: Sequence[Floats]) -> list[int]:
+def group_alike(curves: RouteCurves, own: Sequence[Floats]) -> list[int]:
     """Return the class of each of m curves (N, 3): the number of the first curve of its class.
 
     Each curve is compared only with the first curve of each class, so that no two of these are alike. The result
@@ -33,7 +33,7 @@ def sort_out(curves: ClassCurves, own: Sequence[Floats]) -> list[int]:
     return found
 
 
-def name_classes(curves: ClassCurves, firsts: Sequence[Floats]) -> list[RouteClass]:
+def name_classes(curves: RouteCurves, firsts: Sequence[Floats]) -> list[RouteClass]:
     """Number classes in this order; say which obstacles the first curve (N, 3) of each passes on a side of its own."""
     named = []
     for i, own in enumerate(firsts):
@@ -43,7 +43,7 @@ def name_classes(curves: ClassCurves, firsts: Sequence[Floats]) -> list[RouteCla
     return named
 
 
-def _aside(curves: ClassCurves, own: Floats, others: Sequence[Floats]) -> dict[int, Floats]:
+def _aside(curves: RouteCurves, own: Floats, others: Sequence[Floats]) -> dict[int, Floats]:
     """Return the obstacles between a curve (N, 3) and others, each with the sum of unit vectors from the others."""
     found: dict[int, Floats] = {}
     for other in others:
@@ -55,7 +55,7 @@ def _aside(curves: ClassCurves, own: Floats, others: Sequence[Floats]) -> dict[i
     return found
 
 
-def _passing(curves: ClassCurves, own: Floats, which: int, across: Floats) -> tuple[int, Passing]:
+def _passing(curves: RouteCurves, own: Floats, which: int, across: Floats) -> tuple[int, Passing]:
     """Where a curve (N, 3) passes an obstacle, by number of the point, and on which side.
 
     Of the axes of the world that is the one along which the curve is both away from the obstacle and from the others.
@@ -70,7 +70,7 @@ def _passing(curves: ClassCurves, own: Floats, which: int, across: Floats) -> tu
     return nearest, Passing(curves.scene.name(which), side, (x, y, z))
 
 
-def _surrounds(curves: ClassCurves, own: Floats, at: int, which: int) -> bool:
+def _surrounds(curves: RouteCurves, own: Floats, at: int, which: int) -> bool:
     """Whether an obstacle is met in most directions across a curve (N, 3), from one of its points."""
     place, tangent = own[at], np.gradient(own, axis=0)[at]
     angles = 2.0 * np.pi / LOOKS * np.arange(LOOKS)

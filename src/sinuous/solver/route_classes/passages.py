@@ -16,12 +16,18 @@ from sinuous.problem.problem import Problem
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.polylines import lengths_along
-from sinuous.solver.route_classes.curves import ClassCurves
-from sinuous.solver.route_classes.screens import Passage, ScreenBounds, passages, refined, screen
-from sinuous.solver.routing.candidates import Candidate, Candidates
+from sinuous.solver.route_classes.blocking_surfaces import (
+    Passage,
+    SurfaceBounds,
+    make_blocking_surface,
+    passages,
+    refined,
+)
+from sinuous.solver.route_classes.curves import RouteCurves
+from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates
 from sinuous.solver.routing.growth import FIRST_WIDTH
 from sinuous.solver.routing.searches import Searches, SearchPlan
-from sinuous.solver.starts import Question, StartBatch
+from sinuous.solver.starts import IKQuery, StartBatch
 
 THICK = 0.5
 """Thickness of a screen, in edges of the cells."""
@@ -63,8 +69,8 @@ class Passages:
     def __init__(
         self,
         searches: Searches,
-        curves: ClassCurves,
-        question: Question,
+        curves: RouteCurves,
+        question: IKQuery,
         query: Floats,
         solved: Callable[[Floats], bool],
     ) -> None:
@@ -132,9 +138,9 @@ class Passages:
 
     def _along(self, route: Floats) -> Iterator[StartBatch]:
         """Yield configurations along one route (K, 3): laid, and grown."""
-        candidates = Candidates(self._searches, self._question, self._query)
-        yield from candidates.laid([route])
-        yield from candidates.grown(Candidate(route, clear=True, rank=1, weight=1), FIRST_WIDTH)
+        candidates = RouteCandidates(self._searches, self._question, self._query)
+        yield from candidates.fitted_chains([route])
+        yield from candidates.grown_chains(RouteCandidate(route, clear=True, rank=1, weight=1), FIRST_WIDTH)
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
         """Least distance of a route from the obstacles that concern it."""
@@ -162,17 +168,17 @@ class Passages:
             nearest = np.unravel_index(gaps.argmin(), gaps.shape)
             if gaps[nearest] < NEAR * radius and abs(other.axes[nearest[0]] @ passage.axes[nearest[1]]) > SAME:
                 return i
-        closing = screen(self._curves, passage, self._bounds) if self._curves.seconds() > 0.0 else None
+        closing = make_blocking_surface(self._curves, passage, self._bounds) if self._curves.seconds() > 0.0 else None
         if closing is None:
             return None
         self._screens.append((passage, closing))
         return len(self._screens) - 1
 
 
-def _bounds(query: Floats, plan: SearchPlan) -> ScreenBounds:
+def _bounds(query: Floats, plan: SearchPlan) -> SurfaceBounds:
     """What screens have to keep in the searches of a query (27,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell
-    return ScreenBounds(
+    return SurfaceBounds(
         ends, OFF_ENDS * (radius + edge), float(query[QUERY_LONGEST]), max(0.2 * radius, 1e-3 * edge), THICK * edge
     )

@@ -15,8 +15,14 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.solver.polylines import lengths_along
 from sinuous.solver.routing.growth import segments_of
-from sinuous.solver.routing.parts import before, beyond, laid, searched, segments_in
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.partial_problems import (
+    fit_first_segments,
+    problem_before,
+    problem_beyond,
+    search_part,
+    segments_in,
+)
+from sinuous.solver.routing.reversed_problem import Groups
 from sinuous.solver.starts import Deadline
 
 WIDE = 3.0
@@ -38,7 +44,7 @@ BARELY = 0.15
 """Share of a segment that may stick out of a long narrow place and still counts as in it."""
 
 
-class Half:
+class PartSearch:
     """One part of a robot, solved with more and more scattered starts.
 
     Parameters
@@ -62,11 +68,11 @@ class Half:
         self.nearest: Floats | None = None
         self.possible = True
 
-    def solved(self, starts: int, deadline: Deadline) -> Floats | None:
+    def solve(self, starts: int, deadline: Deadline) -> Floats | None:
         """Return a configuration (m, 3) that is proved, from at most so many starts in all."""
         own, self._starts = (self._starts, starts), max(starts, self._starts)
         if self._q is None and self.possible and own[0] < starts:
-            found = searched(self._groups, np.empty((0, self._n, 3)), own, deadline)
+            found = search_part(self._groups, np.empty((0, self._n, 3)), own, deadline)
             self.possible = found.code < t.OUT_OF_REACH
             if found.merit < self._least:
                 self._least, self.nearest = found.merit, found.q
@@ -75,7 +81,7 @@ class Half:
         return self._q
 
 
-class Halves:
+class BottleneckDecomposition:
     """A robot cut in two at the narrowest place of a route.
 
     The more segments are before the place, the harder the part before it is, and the easier that beyond, unless there
@@ -93,8 +99,8 @@ class Halves:
 
     def __init__(self, groups: Groups, legs: Floats, widths: Floats) -> None:
         self._groups, self._legs = groups, legs
-        self._heads: dict[int, Half] = {}
-        self._tails: dict[int, tuple[Floats, Half]] = {}
+        self._heads: dict[int, PartSearch] = {}
+        self._tails: dict[int, tuple[Floats, PartSearch]] = {}
         skipped = max(1 + TANGENT, round(ENDS * legs.shape[1]))
         looked = widths[:, skipped:-skipped]
         self._which = which = int(looked.min(axis=1).argmin())
@@ -144,15 +150,15 @@ class Halves:
         Where the second part is not solved, what came nearest is taken: the whole chain has more freedom.
         """
         if count not in self._heads:
-            self._heads[count] = Half(before(self._groups, self._row(count)))
-        head = self._heads[count].solved(starts, deadline)
+            self._heads[count] = PartSearch(problem_before(self._groups, self._row(count)))
+        head = self._heads[count].solve(starts, deadline)
         if head is None:
             return None, not self._heads[count].possible
         if count not in self._tails:
-            within = self._within(beyond(self._groups, head), deadline)
-            self._tails[count] = within, Half(beyond(self._groups, np.concatenate([head, within])))
+            within = self._within(problem_beyond(self._groups, head), deadline)
+            self._tails[count] = within, PartSearch(problem_beyond(self._groups, np.concatenate([head, within])))
         within, part = self._tails[count]
-        tail = part.solved(starts, deadline)
+        tail = part.solve(starts, deadline)
         tail = part.nearest if tail is None else tail
         return (None if tail is None else np.concatenate([head, within, tail])), True
 
@@ -164,7 +170,7 @@ class Halves:
         low, high = (segments_in(rest[0])[:-1, which] for which in (t.MIN_LENGTH, t.MAX_LENGTH))
         ends = np.cumsum(0.5 * (low + high))
         count = int(np.searchsorted(ends, lengths_along(line)[-1] + BARELY * high.mean()))
-        return laid(rest, count, line, max(0.0, deadline()))
+        return fit_first_segments(rest, count, line, max(0.0, deadline()))
 
     def _row(self, count: int) -> Floats:
         """The place and the tangent of the route there, as a target (15,) of the end of the first segments."""

@@ -11,9 +11,9 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH
-from sinuous.solver.routing.growth import Grown
-from sinuous.solver.routing.parts import beyond, ending, segments_in, solved
-from sinuous.solver.routing.reversed import Groups, joined, rooted
+from sinuous.solver.routing.growth import GrownChains
+from sinuous.solver.routing.partial_problems import problem_beyond, problem_ending_at, segments_in, solve_part
+from sinuous.solver.routing.reversed_problem import Groups, join_chains, problem_from_pose
 from sinuous.solver.starts import Deadline
 
 OPEN = 3.5
@@ -29,8 +29,8 @@ End = tuple[int, int]
 """A chain, by its number of segments and its own number."""
 
 
-def bridged(
-    groups: Groups, other: Groups, ahead: Grown, behind: Grown, width: int, deadline: Deadline
+def bridge_chains(
+    groups: Groups, other: Groups, ahead: GrownChains, behind: GrownChains, width: int, deadline: Deadline
 ) -> Iterator[Floats]:
     """Yield chains (n, 3) of a part from the base, a bridge that scattered starts solve, and a part to the target.
 
@@ -57,15 +57,15 @@ def bridged(
         if deadline() <= 0.0:
             return
         (head, _), (tail, root) = ahead.chain(*one), behind.chain(*two)
-        rest = beyond(groups, head)
+        rest = problem_beyond(groups, head)
         if len(tail) > 0:
-            rest = ending(rest, n - len(head) - len(tail), behind.frames[two])
-        bridge = solved(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
+            rest = problem_ending_at(rest, n - len(head) - len(tail), behind.frames[two])
+        bridge = solve_part(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
         if bridge is not None:
-            yield joined(groups, np.concatenate([head, bridge]), rooted(other, root), tail)
+            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, root), tail)
 
 
-def _ends(grown: Grown, most: int) -> list[End]:
+def _ends(grown: GrownChains, most: int) -> list[End]:
     """Chains beyond which a bridge may begin: those that end in the open, those that they continue, and the root."""
     if not grown.open:
         return [(0, 0)]

@@ -24,14 +24,14 @@ from sinuous.kernels.tables import (
 )
 from sinuous.solver.attempts import EDGES, SIDE_TUBES
 from sinuous.solver.polylines import lengths_along, respaced
-from sinuous.solver.routing.bottlenecks import Halves
-from sinuous.solver.routing.chains import TANGENT, Chains
-from sinuous.solver.routing.detours import led_aside
-from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, arriving, divided, leg_queries
+from sinuous.solver.routing.bottlenecks import BottleneckDecomposition
+from sinuous.solver.routing.chains import TANGENT, JoinedChains
+from sinuous.solver.routing.detours import lengthen_route
+from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, divide_route, leg_queries, set_route_end
 from sinuous.solver.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.routing.terminal_poses import roots
-from sinuous.solver.routing.tubes import out_of, tube_around, within
-from sinuous.solver.starts import Question, StartBatch
+from sinuous.solver.routing.terminal_poses import find_terminal_poses
+from sinuous.solver.routing.tubes import chains_out_of_tube, find_tube_around, line_to_target_in_tube
+from sinuous.solver.starts import IKQuery, StartBatch
 
 CUT = 0.9
 """Distance from the obstacles, in radii of the body, below which a route over coarse cells may lead through a wall."""
@@ -56,7 +56,7 @@ TABLES = 2
 """Sizes of tables that one search tries, from its own on."""
 
 
-class Candidate(NamedTuple):
+class RouteCandidate(NamedTuple):
     """A route, along which chains are made.
 
     Attributes
@@ -76,7 +76,7 @@ class Candidate(NamedTuple):
     weight: int
 
 
-class Candidates:
+class RouteCandidates:
     """The routes of one question.
 
     Parameters
@@ -96,39 +96,39 @@ class Candidates:
         Whether the base was found to lie in a tube that does not open.
     """
 
-    def __init__(self, searches: Searches, question: Question, query: Floats, without: Collection[str] = ()) -> None:
+    def __init__(self, searches: Searches, question: IKQuery, query: Floats, without: Collection[str] = ()) -> None:
         self.searches, self.question, self.query = searches, question, query
-        self.known: list[Candidate] = []
+        self.known: list[RouteCandidate] = []
         self.enclosed = False
         self._without, self._problem, self._deadline = without, question.problem, question.deadline
         self._groups = searches.groups(question.problem)
-        self._halves: dict[int, Halves] = {}
-        self._chains: dict[int, Chains] = {}
+        self._halves: dict[int, BottleneckDecomposition] = {}
+        self._chains: dict[int, JoinedChains] = {}
         self._legs: dict[int, Floats | None] = {}
         self._too_small: dict[float, int] = {}
         self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
 
-    def in_tube(self) -> Iterator[StartBatch]:
+    def chains_in_base_tube(self) -> Iterator[StartBatch]:
         """Yield chains along the tube that the base lies in, where there is one."""
         if self._groups[0][1] > 0.0:
             return  # limits of actuators join what is in the tube and what is not
-        tube = tube_around(self._groups[1], self.query, self._deadline())
+        tube = find_tube_around(self._groups[1], self.query, self._deadline())
         self.enclosed = tube is not None and not tube.open
-        line = None if tube is None else within(tube, self.query)
+        line = None if tube is None else line_to_target_in_tube(tube, self.query)
         if line is not None:
             laid = self.searches.fit(self._problem, [line], self._deadline)
-            yield along(laid, (line,)[: len(laid)])
+            yield starts_along(laid, (line,)[: len(laid)])
         elif tube is not None and tube.open:
-            for chain, route in out_of(tube, self._groups, self._deadline):
-                yield along(chain[None], (route,))
+            for chain, route in chains_out_of_tube(tube, self._groups, self._deadline):
+                yield starts_along(chain[None], (route,))
 
-    def around_edges(self, query: Floats) -> Floats | None:
+    def route_around_edges(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) around edges; `None` where none is found."""
         off = EDGES in self._without or self._deadline() <= 0.0
         return None if off else self.searches.by_edges(self._problem, query, self._deadline())
 
-    def through_side_tubes(self, query: Floats) -> Floats | None:
+    def route_through_side_tubes(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) through tubes that open beside edges; `None` where none is found.
 
         Where the base lies in a closed tube, that one leads on.
@@ -136,7 +136,7 @@ class Candidates:
         off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
-    def over_cells_once(self, plan: SearchPlan) -> FoundRoutes:
+    def search_cells(self, plan: SearchPlan) -> FoundRoutes:
         """Search as a plan says; where a table is too small for a first route, with the next one at once.
 
         Returns what was found, with the cells of all tables, and without the routes that the same cells gave before.
@@ -157,7 +157,7 @@ class Candidates:
         self._told[plan.cell] = max(told, len(found.routes))
         return found._replace(routes=found.routes[told:], cells=cells)
 
-    def note(self, route: Floats, finest: bool) -> Candidate | None:
+    def add_route(self, route: Floats, finest: bool) -> RouteCandidate | None:
         """Take a route as a candidate; `None`: one like it is known.
 
         `finest`: it leads around edges, or over the finest cells, and needs no look whether it is clear.
@@ -169,7 +169,7 @@ class Candidates:
                 return None
         clear = finest or self._clear(route, self.query)
         weight = 1 + (not clear) + sum(other.clear >= clear for other in self.known)
-        self.known.append(Candidate(route, clear, 1 + len(self.known), weight))
+        self.known.append(RouteCandidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
 
     @property
@@ -177,7 +177,7 @@ class Candidates:
         """Whether the backbone ends away from the target, and it is not said where."""
         return bool(self.query[QUERY_GOAL_RADIUS] > 0.0)
 
-    def to_root(self, number: int) -> Floats | None:
+    def route_to_terminal_pose(self, number: int) -> Floats | None:
         """Return a route (K, 3) to a pose in which the backbone may end: number `number`, those with most room first.
 
         Where a tool leaves open where that is, a route to the target ends somewhere about it, also beyond a wall. A
@@ -187,62 +187,62 @@ class Candidates:
             return None
         query, root = self.query.copy(), self._roots[number]
         query[QUERY_GOAL_RADIUS] = 0.0
-        arriving(query, root[POSE_POSITION:], -root[TANGENT])
+        set_route_end(query, root[POSE_POSITION:], -root[TANGENT])
         return self._leg(query)
 
     @cached_property
     def _roots(self) -> Floats:
         """Poses (r, 12) in which the backbone may end, the best first, as the first route arrives; see `roots`."""
-        return roots(self._groups, self.known[0].route)
+        return find_terminal_poses(self._groups, self.known[0].route)
 
-    def to_be_stowed(self, route: Floats) -> bool:
+    def is_longer_than(self, route: Floats) -> bool:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
         return bool(self.query[QUERY_SHORTEST] > STOWED * lengths_along(route)[-1])
 
-    def laid(self, routes: list[Floats]) -> Iterator[StartBatch]:
+    def fitted_chains(self, routes: list[Floats]) -> Iterator[StartBatch]:
         """Yield configurations along routes (K, 3)."""
         fits = self.searches.fit(self._problem, routes, self._deadline)
         new = np.array([self._is_new(q) for q in fits], bool)
-        yield along(fits[new], tuple(compress(routes, new)))
+        yield starts_along(fits[new], tuple(compress(routes, new)))
 
-    def grown(self, candidate: Candidate, width: int) -> Iterator[StartBatch]:
+    def grown_chains(self, candidate: RouteCandidate, width: int) -> Iterator[StartBatch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
         legs = self._legs_of(candidate)
         if legs is None or self._deadline() <= 0.0:
             return
         yield self._nothing()
         if candidate.rank not in self._chains:
-            self._chains[candidate.rank] = Chains(self._groups, legs, self._deadline)
-        for chain in self._chains[candidate.rank].of_width(width):
+            self._chains[candidate.rank] = JoinedChains(self._groups, legs, self._deadline)
+        for chain in self._chains[candidate.rank].chains_of_width(width):
             if self._is_new(chain):
-                yield along(chain[None], (candidate.route,))
+                yield starts_along(chain[None], (candidate.route,))
 
-    def detour(self, candidate: Candidate, number: int) -> Iterator[StartBatch]:
+    def detour_chains(self, candidate: RouteCandidate, number: int) -> Iterator[StartBatch]:
         """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""
         legs = self._legs_of(candidate)
-        longer = None if legs is None else led_aside(self._groups, legs, number, self._deadline)
+        longer = None if legs is None else lengthen_route(self._groups, legs, number, self._deadline)
         if longer is None or self._deadline() <= 0.0:
             return
         yield self._nothing()
         route = np.concatenate([longer[0], *longer[1:, 1:]])
-        for chain in Chains(self._groups, longer, self._deadline).past_all(FIRST_WIDTH):
+        for chain in JoinedChains(self._groups, longer, self._deadline).chains_past_all_targets(FIRST_WIDTH):
             if self._is_new(chain):
-                yield along(chain[None], (route,))
+                yield starts_along(chain[None], (route,))
 
-    def halves(self, candidate: Candidate, starts: int) -> Iterator[StartBatch]:
+    def bottleneck_chains(self, candidate: RouteCandidate, starts: int) -> Iterator[StartBatch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self._legs_of(candidate)
         if legs is None or self._deadline() <= 0.0 or not candidate.clear:
             return
         if candidate.rank not in self._halves:
             widths = np.stack([self.searches.widths_across(self._problem, leg) for leg in legs])
-            self._halves[candidate.rank] = Halves(self._groups, legs, widths)
+            self._halves[candidate.rank] = BottleneckDecomposition(self._groups, legs, widths)
         if not self._halves[candidate.rank].any:
             return
         yield self._nothing()
         for chain in self._halves[candidate.rank].chains(starts, self._deadline):
             if self._is_new(chain):
-                yield along(chain[None], (candidate.route,))
+                yield starts_along(chain[None], (candidate.route,))
 
     @property
     def any_clear(self) -> bool:
@@ -262,7 +262,7 @@ class Candidates:
 
     def _nothing(self) -> StartBatch:
         """A batch without any start."""
-        return along(np.empty((0, len(self._problem.robot), 3)), ())
+        return starts_along(np.empty((0, len(self._problem.robot), 3)), ())
 
     def _is_new(self, chain: Floats) -> bool:
         """Say whether a chain (n, 3) did not come before."""
@@ -271,14 +271,14 @@ class Candidates:
         self._tried.add(key)
         return new
 
-    def _legs_of(self, candidate: Candidate) -> Floats | None:
+    def _legs_of(self, candidate: RouteCandidate) -> Floats | None:
         """Return the legs (l, K, 3) of a route from target to target; `None` where there is no route to one of them."""
         if candidate.rank not in self._legs:
             self._legs[candidate.rank] = self._made_legs(candidate)
         return self._legs[candidate.rank]
 
-    def _made_legs(self, candidate: Candidate) -> Floats | None:
-        legs = divided(self._groups, candidate.route, NEAR * self.query[QUERY_RADIUS])
+    def _made_legs(self, candidate: RouteCandidate) -> Floats | None:
+        legs = divide_route(self._groups, candidate.route, NEAR * self.query[QUERY_RADIUS])
         if legs is not None:
             return legs
         return self._found_legs
@@ -299,8 +299,8 @@ class Candidates:
 
         Over cells the first that is clear; where none is, the last.
         """
-        leg = self.around_edges(query)
-        leg = self.through_side_tubes(query) if leg is None else leg
+        leg = self.route_around_edges(query)
+        leg = self.route_through_side_tubes(query) if leg is None else leg
         for plan in self.searches.leg_plans if leg is None else ():
             found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
             leg = found.routes[0] if found.routes else leg
@@ -309,7 +309,9 @@ class Candidates:
         return leg
 
 
-def along(initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None) -> StartBatch:
+def starts_along(
+    initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None
+) -> StartBatch:
     """Configurations along routes, which are frozen."""
     for route in routes:
         route.setflags(write=False)

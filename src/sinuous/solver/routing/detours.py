@@ -13,8 +13,8 @@ from sinuous.kernels.growing.detours import ENOUGH, NUMBERS, TURNS, detours_size
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.solver.polylines import lengths_along, respaced
 from sinuous.solver.routing.growth import LEG_POINTS, segments_of
-from sinuous.solver.routing.parts import segments_in
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.partial_problems import segments_in
+from sinuous.solver.routing.reversed_problem import Groups
 from sinuous.solver.starts import Deadline
 
 POINTS = 64
@@ -24,7 +24,7 @@ GOLDEN = 0.618034
 """Share of what a leg may be longer by which one detour differs from the next."""
 
 
-def led_aside(groups: Groups, legs: Floats, number: int, deadline: Deadline) -> Floats | None:
+def lengthen_route(groups: Groups, legs: Floats, number: int, deadline: Deadline) -> Floats | None:
     """Return the legs (l, K, 3) of a route, each as long as some of its segments may be; `None`: none becomes longer.
 
     Parameters

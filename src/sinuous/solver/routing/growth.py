@@ -31,7 +31,7 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
 )
 from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.reversed_problem import Groups
 from sinuous.solver.starts import Deadline
 
 FIRST_WIDTH, LAST_WIDTH = 4, 1024
@@ -79,23 +79,23 @@ def leg_queries(groups: Groups) -> list[Floats]:
         route_query(robot, scene, settings, targets[target : target + 1].copy(), query)
         queries.append(query)
     for last, query in zip(queries[-2::-1], queries[:0:-1], strict=True):
-        departing(query, last[QUERY_GOAL : QUERY_GOAL + 3], -last[QUERY_BACK : QUERY_BACK + 3])
+        set_route_start(query, last[QUERY_GOAL : QUERY_GOAL + 3], -last[QUERY_BACK : QUERY_BACK + 3])
         query[[QUERY_SHORTEST, QUERY_LONGEST]] -= last[[QUERY_SHORTEST, QUERY_LONGEST]]
     return queries
 
 
-def departing(query: Floats, place: Floats, along: Floats) -> None:
+def set_route_start(query: Floats, place: Floats, along: Floats) -> None:
     """Let the route of a query begin at a place (3,) with a unit tangent (3,), without what the base asks for."""
     query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_AXIS : QUERY_AXIS + 3] = place, along
     query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
 
 
-def arriving(query: Floats, place: Floats, along: Floats) -> None:
+def set_route_end(query: Floats, place: Floats, along: Floats) -> None:
     """Let the route of a query end at a place (3,) with a unit tangent (3,)."""
     query[QUERY_GOAL : QUERY_GOAL + 3], query[QUERY_BACK : QUERY_BACK + 3] = place, -along
 
 
-def divided(groups: Groups, route: Floats, near: float) -> Floats | None:
+def divide_route(groups: Groups, route: Floats, near: float) -> Floats | None:
     """Return the legs (l, K, 3) of a route (K, 3), from target to target, where it leads past all of them this near.
 
     Then no route has to be searched for from one to the next.
@@ -113,7 +113,7 @@ def divided(groups: Groups, route: Floats, near: float) -> Floats | None:
     return np.stack([*legs, respaced(points, LEG_POINTS)])
 
 
-class Grown:
+class GrownChains:
     """Chains of every number of segments, from one end on.
 
     Parameters
@@ -163,7 +163,7 @@ class Grown:
         self._rest[:, 2] = groups[0][ROBOT_HEADER:][: SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)[:, MIN_LENGTH]
 
     @property
-    def wholes(self) -> int:
+    def complete_count(self) -> int:
         """How many chains get to the last target."""
         return int(self.counts[self.segments])
 
@@ -187,7 +187,7 @@ class Grown:
             i = self.parent(at, i)
         return q, self.frames[0, i]
 
-    def whole(self, i: int) -> tuple[Floats, Floats]:
+    def complete_chain(self, i: int) -> tuple[Floats, Floats]:
         """Return chain (n, 3) number `i` of those that get to the last target, and the pose in which it begins.
 
         Segments beyond that target are as short as they can be.
@@ -196,7 +196,7 @@ class Grown:
         return np.concatenate([q, self._rest[self.segments :]]), root
 
 
-def settled(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:
+def settle_chains(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:
     """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
     robot, scene, _, targets = groups
     workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))

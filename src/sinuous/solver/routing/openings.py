@@ -15,7 +15,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes import find_tubes
 from sinuous.solver.polylines import lengths_along, respaced
-from sinuous.solver.routing.growth import arriving, departing
+from sinuous.solver.routing.growth import set_route_end, set_route_start
 
 TUBES, POINTS = 16, 4096
 """Most tubes, and most points of all their axes."""
@@ -127,9 +127,9 @@ def _asked(query: Floats, path: _Path) -> Floats:
     asked = query.copy()
     if path.lines:
         last = path.lines[-1]
-        departing(asked, last[-1], _unit(last[-1] - last[-1 - AHEAD]))
+        set_route_start(asked, last[-1], _unit(last[-1] - last[-1 - AHEAD]))
     if path.tube >= 0:
-        arriving(asked, path.axis[0], _unit(path.axis[AHEAD] - path.axis[0]))
+        set_route_end(asked, path.axis[0], _unit(path.axis[AHEAD] - path.axis[0]))
         asked[t.QUERY_GOAL_RADIUS] = 0.0
         to_mouth = np.linalg.norm(path.axis[0] - asked[ORIGIN])
         asked[t.QUERY_OTHER_LENGTH] = max(0.0, asked[t.QUERY_OTHER_LENGTH] - (path.bound - path.gone - to_mouth))

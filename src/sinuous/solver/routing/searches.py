@@ -23,16 +23,16 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.route_classes.curves import ClassCurves
+from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.routing.bottlenecks import WIDE
 from sinuous.solver.routing.buffers import BufferPool
-from sinuous.solver.routing.detours import led_aside
+from sinuous.solver.routing.detours import lengthen_route
 from sinuous.solver.routing.edges import SharpWalls, rims_of, walls_of
-from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, Grown, query_of, settled
+from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, GrownChains, query_of, settle_chains
 from sinuous.solver.routing.openings import route_through, tubes_beside
-from sinuous.solver.routing.parts import beyond, fitted, segments_in
-from sinuous.solver.routing.reversed import Groups, turned_back
-from sinuous.solver.routing.tubes import Tube, out_of, tube_around
+from sinuous.solver.routing.partial_problems import fit_chain, problem_beyond, segments_in
+from sinuous.solver.routing.reversed_problem import Groups, reverse_chain
+from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around
 from sinuous.solver.starts import Deadline
 
 COARSE = 64
@@ -254,7 +254,7 @@ class Searches:
             left = deadline()
             if left <= 0.0:
                 break
-            fits.append(fitted(groups, route, left))
+            fits.append(fit_chain(groups, route, left))
         return np.array(fits).reshape(-1, len(self.robot), 3)
 
     def load(self, *, anew: bool = False) -> None:
@@ -273,16 +273,16 @@ class Searches:
             self.widths_across(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
-            Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
-            led_aside(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
-            next(settled(groups, still[None], lambda: 1.0))
-            turned_back(groups, groups, still)
+            GrownChains(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
+            lengthen_route(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
+            next(settle_chains(groups, still[None], lambda: 1.0))
+            reverse_chain(groups, groups, still)
             if query is not None:
-                tube_around(problem.scene._kernel_group, query, 0.0)
-            next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
-            beyond(groups, still[:1])
+                find_tube_around(problem.scene._kernel_group, query, 0.0)
+            next(chains_out_of_tube(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
+            problem_beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
-            ClassCurves(self.robot, problem.scene).load()
+            RouteCurves(self.robot, problem.scene).load()
 
     def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""

@@ -14,8 +14,8 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.model.poses import least_rotation
-from sinuous.solver.routing.parts import segments_in
-from sinuous.solver.routing.reversed import FLIP, Groups
+from sinuous.solver.routing.partial_problems import segments_in
+from sinuous.solver.routing.reversed_problem import FLIP, Groups
 
 MOST = 12
 """Roots at most."""
@@ -48,7 +48,7 @@ GOLDEN = 0.618034
 """Share of a turn between neighbours that have one angle each."""
 
 
-def roots(groups: Groups, route: Floats) -> Floats:
+def find_terminal_poses(groups: Groups, route: Floats) -> Floats:
     """Return poses (r, 12) in which chains from the target may begin, the best first.
 
     There is none where the tip is not asked to be somewhere, or where the route (K, 3) has no direction there.

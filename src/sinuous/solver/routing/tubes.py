@@ -15,8 +15,15 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes import BRANCH, END, MOUTH, follow_tube
 from sinuous.solver.polylines import lengths_along, points_at, respaced
-from sinuous.solver.routing.parts import backbone_of, beyond, first, fitted, searched, segments_in
-from sinuous.solver.routing.reversed import Groups
+from sinuous.solver.routing.partial_problems import (
+    backbone_of,
+    first_segments,
+    fit_chain,
+    problem_beyond,
+    search_part,
+    segments_in,
+)
+from sinuous.solver.routing.reversed_problem import Groups
 from sinuous.solver.starts import Deadline
 
 POINTS = 1000
@@ -64,14 +71,14 @@ class Tube(NamedTuple):
         return self.ended == MOUTH
 
 
-def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
+def find_tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
     """Return the tube that the base lies in, from what a route has to keep (27,); `None` where there is none."""
     radius, longest = query[t.QUERY_RADIUS], query[t.QUERY_LONGEST]
     if radius <= 0.0:
         return None
     spacing = max(radius, longest / POINTS)
     tube = _followed(scene, query, spacing, seconds)
-    if tube is not None and tube.ended == END and within(tube, query) is None:
+    if tube is not None and tube.ended == END and line_to_target_in_tube(tube, query) is None:
         tube = _followed(scene, query, FINER * spacing, seconds)  # it may bend too much for the first steps
     return tube
 
@@ -88,7 +95,7 @@ def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> T
     return Tube(known, ended)
 
 
-def within(tube: Tube, query: Floats) -> Floats | None:
+def line_to_target_in_tube(tube: Tube, query: Floats) -> Floats | None:
     """Return the line (K, 3) along the axis to a target that lies in the tube; `None` where it does not."""
     goal = query[t.QUERY_GOAL : t.QUERY_GOAL + 3]
     gaps = np.linalg.norm(tube.axis - goal, axis=1)
@@ -99,13 +106,13 @@ def within(tube: Tube, query: Floats) -> Floats | None:
     return _spaced(np.vstack([tube.axis[:at], goal]))
 
 
-def out_of(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
+def chains_out_of_tube(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (n, 3) that lead out of a tube, and the routes (K, 3) along which they lie."""
-    for head, line in heads(tube, groups, deadline):
+    for head, line in chains_in_tube(tube, groups, deadline):
         yield _joined(groups, head, line, deadline)
 
 
-def heads(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
+def chains_in_tube(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (m, 3) of the segments that a tube holds, and the lines (K, 3) along which they lie.
 
     First with the one that it holds only in part, then without.
@@ -117,18 +124,21 @@ def heads(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floa
     inside = 1 + int(np.searchsorted(ends, length))
     for count in (inside, inside - 1) if inside <= n else ():
         if 0 < count < n and deadline() > 0.0:
-            line = lengthened(tube.axis, ends[count - 1])
-            yield fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, deadline())), line
+            line = lengthen_axis(tube.axis, ends[count - 1])
+            yield (
+                fit_chain((first_segments(robot, count), scene, settings, targets[:0]), line, max(0.0, deadline())),
+                line,
+            )
 
 
 def _joined(groups: Groups, head: Floats, line: Floats, deadline: Deadline) -> tuple[Floats, Floats]:
     """A chain that begins with segments (m, 3) along a line (K, 3), and goes from there to the targets; its route."""
-    rest = beyond(groups, head)
-    q = searched(rest, np.empty((0, int(rest[0][0]), 3)), (0, STARTS), deadline).q
+    rest = problem_beyond(groups, head)
+    q = search_part(rest, np.empty((0, int(rest[0][0]), 3)), (0, STARTS), deadline).q
     return np.concatenate([head, q]), np.concatenate([line[:-1], backbone_of(rest, q)])
 
 
-def lengthened(axis: Floats, length: float) -> Floats:
+def lengthen_axis(axis: Floats, length: float) -> Floats:
     """The axis (K, 3) made so long: cut, or gone on straight."""
     along = lengths_along(axis)
     inside = axis[along < length]

@@ -255,7 +255,7 @@ class Calibration(ShortRepr):
         if self.undetermined:
             more = len(self.undetermined) - MOST_SHOWN
             names = ", ".join(self.undetermined[:MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
-            lines.append(f"not determined by these rows: {names}; measure next what sinuous.suggest says")
+            lines.append(f"not determined by these rows: {names}; measure next what sinuous.studies.suggest says")
         return lines + [f"note: {note}" for note in self.notes]
 
     def to_dict(self) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.answer.observed import rotation_of
+from sinuous.answer.observer import rotation_of
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot

@@ -103,7 +103,7 @@ def read(
     groups: Sequence[object] | NDArray[Any] | None,
     unit: Number,
 ) -> Measurements:
-    """Check what was measured; see `sinuous.calibrate`."""
+    """Check what was measured; see `sinuous.studies.calibrate`."""
     refuse_loose(robot)
     values = _numbers("actuators", actuators, (None, len(robot.drive)))
     given = _numbers("measured", measured, None)

@@ -15,7 +15,7 @@ from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, random_configuration, violated_by
 from sinuous.motion.plan import Workspace, Workspaces
-from sinuous.motion.planning.find import find_path
+from sinuous.motion.planning.planners import find_path
 from sinuous.motion.planning.query import Deadline, Query
 from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene

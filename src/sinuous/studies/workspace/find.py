@@ -20,7 +20,7 @@ from sinuous.kernels.compiling.tiers import code_first
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.certificates.steps import Ways
+from sinuous.solver.certificates.steps import LoadedShapes
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import only_reading
 from sinuous.solver.options import SolveArguments, refuse_unknown
@@ -344,7 +344,7 @@ def _blame(work: ReachWork, codes: Codes, alone: ReachAnswers) -> NDArray[np.int
 def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
-    ways, body = (Ways(robot), longest_body(robot)) if robot.hangs else (None, robot)
+    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.hangs else (None, robot)
     radii = np.repeat(np.array(body.needed_radii), SAMPLES)
     for first in range(0, len(q), BODIES_TOGETHER):
         some = q[first : first + BODIES_TOGETHER].astype(np.float64)

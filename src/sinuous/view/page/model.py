@@ -22,7 +22,7 @@ from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment, straight
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
-from sinuous.motion.paced import paced
+from sinuous.motion.pace import pace_motion
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
@@ -479,7 +479,7 @@ class PageModel:
         rates.check(self.robot)
         self.job = changed(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
-            self.show_motion(paced(self.motion, rates))
+            self.show_motion(pace_motion(self.motion, rates))
 
     def offer(self, solutions: list[Solution]) -> None:
         """Show distinct solutions to choose from, the first of them chosen."""

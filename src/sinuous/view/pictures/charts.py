@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sinuous.studies.calibration.calibration import Calibration
-    from sinuous.studies.design.design import Design
+    from sinuous.studies.designing.design import Design
     from sinuous.studies.tasks.assess import Assessment
 
 MOST_LABELS = 12

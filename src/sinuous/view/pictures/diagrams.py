@@ -13,7 +13,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.methods.registry import options_of
 from sinuous.motion.motion import Motion
-from sinuous.solver.solver import SolvesAgain
+from sinuous.solver.solver import KeptOptions
 from sinuous.view.display.curves import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
 from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
 from sinuous.view.pictures.files import need_matplotlib
@@ -144,7 +144,7 @@ def _draw_convergence(axes: Any, answer: Solution) -> None:
 
 def _counts_iterations(solution: Solution) -> bool:
     """Whether its method can be stopped after any number of iterations, and it is known with which options it ran."""
-    return isinstance(solution._resolver, SolvesAgain) and hasattr(
+    return isinstance(solution._resolver, KeptOptions) and hasattr(
         options_of(solution._resolver.options.method), "iterations"
     )
 
@@ -155,7 +155,7 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     The problem is solved again and again, each time with one iteration more; NaN where no target asks for it.
     """
     again = solution._resolver
-    assert isinstance(again, SolvesAgain)
+    assert isinstance(again, KeptOptions)
     options: Any = options_of(again.options.method)
     given = solution._given.reshape(-1, *solution.q.shape)
     found: list[tuple[float | None, float | None]] = []

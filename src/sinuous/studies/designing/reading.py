@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from sinuous.base import checks
 from sinuous.base.errors import InputError
-from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
+from sinuous.files.nouns import known_entries
 from sinuous.files.problem_file import Setting, read_question, setting_of_values
 from sinuous.model.robot import Robot
 from sinuous.studies.tasks.tasks import Cover, Follow, Meet, Move

@@ -12,8 +12,8 @@ from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver
-from sinuous.studies.design.fields import Space
-from sinuous.studies.design.objectives import Objective, of_answers, of_robot
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.objectives import Objective, of_answers, of_robot
 from sinuous.studies.tasks.tasks import Done, Meet, Task
 
 SOLVED = "solved"

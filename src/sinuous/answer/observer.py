@@ -62,7 +62,7 @@ class Reading(NamedTuple):
     rotation: Floats | None
 
 
-def observe(
+def update_observer(
     robot: Robot,
     q: Floats,
     before: Observed | None,
@@ -97,7 +97,7 @@ def observe(
     return Observed(reading.shares, shifts, turn, past)
 
 
-def corrected(robot: Robot, target: Target, observed: Observed) -> Target:
+def correct_targets(robot: Robot, target: Target, observed: Observed) -> Target:
     """The target for the model with which the real place meets `target`."""
     n = len(robot)
     segment = n if target.segment is None else target.segment

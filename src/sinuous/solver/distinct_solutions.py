@@ -14,12 +14,12 @@ from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
-from sinuous.solver.certificates.steps import Ways
-from sinuous.solver.route_classes.curves import ClassCurves
-from sinuous.solver.route_classes.naming import name_classes, sort_out
+from sinuous.solver.certificates.steps import LoadedShapes
+from sinuous.solver.route_classes.curves import RouteCurves
+from sinuous.solver.route_classes.naming import group_alike, name_classes
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.search import Clock, Search
-from sinuous.solver.starts import Deadline, Question, Scattered, StartBatch
+from sinuous.solver.starts import Deadline, IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import Strategy
 from sinuous.statics.equilibrium import longest_body
 
@@ -44,7 +44,7 @@ CLASS_PATIENCE = 400
 CANDIDATES = 4
 """Distinct solutions of a class that are kept, the best ones."""
 
-Dislike = Callable[[list[Floats]], Floats]
+PreferenceCost = Callable[[list[Floats]], Floats]
 """A number (m,) for each of m configurations (n, 3): what is smaller is better."""
 
 
@@ -52,7 +52,7 @@ Body = Callable[[Floats], Floats]
 """The configuration of the body, of one (n, 3) of the robot: the same, or arcs (N, 3) of a loaded one."""
 
 
-def disliking(robot: Robot, reference: Floats | None) -> Dislike:
+def preference_cost(robot: Robot, reference: Floats | None) -> PreferenceCost:
     """Return by what several solutions are ordered: how much they bend, or how far they are from a reference (n, 3).
 
     That is the sum of squared bends (rad), or of squared differences, lengths in mean lengths of a segment.
@@ -69,7 +69,7 @@ def disliking(robot: Robot, reference: Floats | None) -> Dislike:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class DistinctOptions:
     """What several solutions are to be.
 
     Attributes
@@ -91,7 +91,7 @@ class Wanted:
     seconds: float
 
 
-class Classes:
+class RouteClasses:
     """Solutions by their classes of routes, of each the best ones.
 
     Parameters
@@ -109,7 +109,7 @@ class Classes:
         Of every class the best solutions, best first.
     """
 
-    def __init__(self, curves: ClassCurves, count: int, dislike: Dislike, body: Body = lambda q: q) -> None:
+    def __init__(self, curves: RouteCurves, count: int, dislike: PreferenceCost, body: Body = lambda q: q) -> None:
         self._curves, self._body, self._count, self._dislike = curves, body, count, dislike
         self._firsts: list[Floats] = []
         self.members: list[list[Outcome]] = []
@@ -139,7 +139,7 @@ class Classes:
         return True
 
 
-class Distinct(Search):
+class DistinctSearch(Search):
     """Follows every start to its own solution, and stops when enough distinct ones are found, or no more seem left.
 
     Parameters
@@ -169,7 +169,7 @@ class Distinct(Search):
         max_starts: int,
         seconds: float,
         clock: Clock = work_time,
-        classes: Classes | None = None,
+        classes: RouteClasses | None = None,
     ) -> None:
         super().__init__(max_starts, seconds, clock)
         self._count, self._apart, self._shape, self.classes = count, apart, shape, classes
@@ -214,7 +214,7 @@ def _distances(shapes: Floats, shape: Floats) -> Floats:
     return np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
 
 
-class Several:
+class DistinctSolutions:
     """The search for several solutions of one problem; its time begins when it is made.
 
     Parameters
@@ -224,14 +224,14 @@ class Several:
     dislike : callable
     """
 
-    def __init__(self, problem: Problem, wanted: Wanted, dislike: Dislike) -> None:
+    def __init__(self, problem: Problem, wanted: DistinctOptions, dislike: PreferenceCost) -> None:
         self._wanted, self._dislike, self._end = wanted, dislike, math.inf
         compares = len(problem.scene) > 0 or wanted.by == BY_ROUTE
         robot = problem.robot
-        ways = Ways(robot) if robot.hangs else None
+        ways = LoadedShapes(robot) if robot.hangs else None
         body = robot if ways is None else longest_body(robot)
         self._body: Body = (lambda q: q) if ways is None else lambda q: ways.at(q).arcs
-        self._curves = ClassCurves(body, problem.scene, self._seconds_left) if compares else None
+        self._curves = RouteCurves(body, problem.scene, self._seconds_left) if compares else None
         if self._curves is not None:
             self._curves.load()
 
@@ -243,16 +243,16 @@ class Several:
         seconds = wanted.seconds if self._curves is None else SEARCHING * wanted.seconds
         classes = None
         if self._curves is not None and wanted.by == BY_ROUTE:
-            classes = Classes(self._curves, wanted.count, dislike, self._body)
+            classes = RouteClasses(self._curves, wanted.count, dislike, self._body)
         count = CANDIDATES * wanted.count
-        self.search = Distinct(count, wanted.apart, shape, wanted.max_starts, seconds, classes=classes)
+        self.search = DistinctSearch(count, wanted.apart, shape, wanted.max_starts, seconds, classes=classes)
 
-    def batches(self, strategy: Strategy, question: Question) -> Iterator[StartBatch]:
+    def batches(self, strategy: Strategy, question: IKQuery) -> Iterator[StartBatch]:
         """Yield the starts of `solve` up to a first solution, then those of the strategy for several.
 
         By route these have, before its routes, those through different passages, too.
         """
-        searches, scattered = strategy.searches, strategy.scattered(question)
+        searches, scattered = strategy.searches, strategy.random_restarts(question)
         yield strategy.opening(question)
         if searches is not None and not self.search.found:
             yield from self._for_one(strategy, question._replace(several=False), scattered)
@@ -261,7 +261,7 @@ class Several:
             passages = partial(Passages, searches, self._curves, solved=self.search.classes.has)
         yield from strategy.batches(question, scattered, passages)
 
-    def _for_one(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[StartBatch]:
+    def _for_one(self, strategy: Strategy, question: IKQuery, scattered: RandomRestarts) -> Iterator[StartBatch]:
         """Yield starts as `solve` follows them, one by one, until one is solved, or a share of time or starts is spent.
 
         What leads to one solution soonest is left out, or put off, where others are looked for beside it.
@@ -272,8 +272,8 @@ class Several:
             for part in (batch,) if batch.closed is not None else batch.parts(lambda: 1):
                 yield part
                 if self.search.found or question.deadline() <= seconds or self.search.starts_left <= starts:
-                    if part.source == Scattered.name:
-                        scattered.go_back(part.own[1])
+                    if part.source == RandomRestarts.name:
+                        scattered.continue_from(part.own[1])
                     return
 
     def best(self) -> list[tuple[Outcome, RouteClass | None]]:
@@ -287,7 +287,7 @@ class Several:
         if curves is None:
             return [(outcome, None) for outcome in found]
         tight = [curves.of(self._body(outcome.q)) for outcome in found]
-        same = sort_out(curves, tight)
+        same = group_alike(curves, tight)
         if classes is not None:
             kept = [i for i, first in enumerate(same) if i == first][:count]
             found, tight, same = [found[i] for i in kept], [tight[i] for i in kept], list(range(len(kept)))

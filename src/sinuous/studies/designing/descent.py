@@ -22,8 +22,8 @@ from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem
 from sinuous.studies.batch.tables.layout import Block
 from sinuous.studies.batch.work import Chunk
-from sinuous.studies.design.judge import Judge, Judged
-from sinuous.studies.design.objectives import Objective, of_robot
+from sinuous.studies.designing.judge import Judge, Judged
+from sinuous.studies.designing.objectives import Objective, of_robot
 from sinuous.studies.tasks.tasks import Meet
 
 DERIVED = ("length", "bend", "travel", "tension", "clearance")

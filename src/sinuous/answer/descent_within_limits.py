@@ -39,7 +39,7 @@ STEP_SECONDS = 1e-3
 """About how long the first step takes."""
 
 
-def at_rest(problem: Problem, q: Floats, left: Callable[[], float] = lambda: math.inf) -> Floats:
+def descend_within_limits(problem: Problem, q: Floats, left: Callable[[], float] = lambda: math.inf) -> Floats:
     """Return a configuration (n, 3) within the limits, near `q`, where the targets are missed by as little as possible.
 
     Obstacles are not looked at. `left` says how many seconds there are: a step is begun where it should end in time.

@@ -24,7 +24,7 @@ class FoundSolution(Protocol):
 
 
 @dataclass(frozen=True)
-class ReSolver:
+class SolveAgain:
     """Solves problems with the options of an earlier solve; small, and can be pickled.
 
     Attributes
@@ -61,7 +61,7 @@ class ReSolver:
         raise NotImplementedError
 
 
-class LoadedResult(ReSolver):
+class UnknownOptions(SolveAgain):
     """Stands in where a solution was read from a file, which does not say with which options it was found."""
 
     def chooses(self, robot: Robot, clearance: float) -> bool:

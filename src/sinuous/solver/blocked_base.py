@@ -39,10 +39,10 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
             return False
     leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
     rounding = ROUNDING * robot.mean_length + float(scene.table[:, ROUNDOFF].max())
-    return bool(scene.at_most(leaves) + sway(robot.mount, ramps) < radius - rounding)
+    return bool(scene.at_most(leaves) + bound_sway(robot.mount, ramps) < radius - rounding)
 
 
-def sway(mount: float, ramps: Sequence[Ramp]) -> float:
+def bound_sway(mount: float, ramps: Sequence[Ramp]) -> float:
     """Bound how far the backbone at arc length `mount` can be from where it would be without any bend.
 
     A tangent that has turned by the angle a differs from the straight one by at most 2 sin(a / 2). The bound is the

@@ -27,7 +27,7 @@ PATIENCE = 8.0
 """How many times as long as the straight way the robot may be on its way after all obstacles have come to rest."""
 
 
-def paced(motion: Motion, rates: Rates | None, duration: float | None = None, *, asked: bool = False) -> Motion:
+def pace_motion(motion: Motion, rates: Rates | None, duration: float | None = None, *, asked: bool = False) -> Motion:
     """Return a motion with times in which it keeps its rates; the same one where there is nothing to keep.
 
     Parameters
@@ -143,4 +143,4 @@ class Pace(NamedTuple):
 
     def kept(self, motion: Motion) -> Motion:
         """Return the motion in times that keep the rates."""
-        return paced(motion, self.rates, self.duration, asked=self.timed)
+        return pace_motion(motion, self.rates, self.duration, asked=self.timed)

@@ -11,7 +11,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
-from sinuous.studies.design.objectives import Objective
+from sinuous.studies.designing.objectives import Objective
 
 
 class FoundRobot(NamedTuple):

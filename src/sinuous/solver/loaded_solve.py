@@ -106,7 +106,7 @@ def errors_of(shape: Rest, targets: tuple[Target, ...], unit: float) -> tuple[Fl
     return np.concatenate(parts), off, turn
 
 
-class UnderLoad:
+class LoadCorrection:
     """Corrects drives of a robot under load.
 
     Parameters
@@ -163,13 +163,15 @@ class UnderLoad:
         return outcome._replace(q=shape.q.copy(), code=code)
 
 
-def given(q: Floats) -> Outcome:
+def unsolved_start(q: Floats) -> Outcome:
     """Return a start that is given (n, 3), of which nothing is known."""
     unknown = [float(each) for each in (FAILED, 0, 1, k.GIVEN)]
     return Outcome.from_record(q, [*unknown, *[math.inf] * 4, 0.0, math.inf, 0.0])
 
 
-def corrections(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float) -> Iterator[Outcome]:
+def correct_starts(
+    own: LoadCorrection, problem: Problem, starts: Iterator[Outcome], seconds: float
+) -> Iterator[Outcome]:
     """Correct start after start until the time is over, and yield what each comes to, proved or not.
 
     Parameters
@@ -184,18 +186,18 @@ def corrections(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], sec
     """
     end = work_time() + seconds
     for count, start in enumerate(starts, 1):
-        yield corrected(own, problem, start, end - work_time())
+        yield correct_start(own, problem, start, end - work_time())
         if count >= STARTS or work_time() >= end:
             return
 
 
-def corrected(own: UnderLoad, problem: Problem, start: Outcome, seconds: float) -> Outcome:
+def correct_start(own: LoadCorrection, problem: Problem, start: Outcome, seconds: float) -> Outcome:
     """Correct one start, and say what it comes to."""
     from sinuous.kernels.solve.loaded import OFF, ROUNDS, TURN  # noqa: PLC0415
 
     shape, record = own.correct(start.q, problem)
     if shape is None:
-        found = given(start.q)
+        found = unsolved_start(start.q)
     else:
         found = own.judge(shape, problem, seconds)
         found = found._replace(position_error=float(record[OFF]), angle_error=float(record[TURN]))
@@ -203,10 +205,12 @@ def corrected(own: UnderLoad, problem: Problem, start: Outcome, seconds: float) 
     return found._replace(source=start.source, route=start.route, iterations=iterations, starts=1)
 
 
-def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
-    """Correct starts until the first whose loaded body is proved; `most`: so many at most. See `corrections`."""
+def solve_under_load(
+    own: LoadCorrection, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int
+) -> Outcome:
+    """Correct starts until the first whose loaded body is proved; `most`: so many at most. See `correct_starts`."""
     began, best, count, iterations = work_time(), None, 0, 0
-    for found in corrections(own, problem, starts, seconds):
+    for found in correct_starts(own, problem, starts, seconds):
         count, iterations = count + 1, iterations + found.iterations
         if best is None or found.code == SOLVED or found.merit < best.merit:
             best = found
@@ -214,7 +218,7 @@ def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome]
             break
     assert best is not None
     if math.isinf(best.position_error):  # no start has an equilibrium: a straight body may
-        best = corrected(own, problem, given(straight(problem.robot.segments)), seconds)
+        best = correct_start(own, problem, unsolved_start(straight(problem.robot.segments)), seconds)
     spent = work_time() - began
     code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

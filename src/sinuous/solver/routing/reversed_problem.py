@@ -17,7 +17,7 @@ FLIP = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
 
-def turned(groups: Groups, root: Floats) -> Groups:
+def reverse_problem(groups: Groups, root: Floats) -> Groups:
     """Return the groups of the problem the other way round, of chains that begin with the pose `root` (12,).
 
     Where the target asks for a rotation, the base is a rotation to end with. Of an elbow whose rotation is asked for
@@ -51,23 +51,23 @@ def turned(groups: Groups, root: Floats) -> Groups:
     return other, scene, told, np.vstack([elbows, row])
 
 
-def rooted(groups: Groups, root: Floats) -> Groups:
+def problem_from_pose(groups: Groups, root: Floats) -> Groups:
     """Return the same problem for a robot that begins with the pose `root` (12,)."""
     robot = groups[0].copy()
     robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH] = root
     return (robot, *groups[1:])
 
 
-def turned_back(groups: Groups, other: Groups, chain: Floats) -> Floats:
+def reverse_chain(groups: Groups, other: Groups, chain: Floats) -> Floats:
     """Return the configuration (n, 3) of a chain (n, 3) of the problem the other way round."""
     q = np.empty_like(chain)
     turn_round(groups[0], other[0], chain, q)
     return q
 
 
-def joined(groups: Groups, head: Floats, other: Groups, tail: Floats) -> Floats:
+def join_chains(groups: Groups, head: Floats, other: Groups, tail: Floats) -> Floats:
     """Return the chain (n, 3) of one part (k, 3), and a part (n - k, 3) of the other problem, which it meets."""
     frames = np.empty((1, len(head) + 1, t.POSE_WIDTH))
     base = groups[0][-2 * t.POSE_WIDTH : -t.POSE_WIDTH]
     frames_of(head[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
-    return np.concatenate([head, turned_back(rooted(groups, frames[0, -1]), other, tail)])
+    return np.concatenate([head, reverse_chain(problem_from_pose(groups, frames[0, -1]), other, tail)])

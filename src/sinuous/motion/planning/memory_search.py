@@ -44,7 +44,7 @@ Link = tuple[int, Chain]
 """A shape, by its number, and the configurations of a clear path that leads to it, without the shape itself."""
 
 
-class Walks:
+class MemorySearch:
     """Finds paths for a robot in a scene along the motions of a graph, one after the other.
 
     Parameters
@@ -164,9 +164,9 @@ class Walks:
         return any_
 
 
-def walks_in(
-    memory: Memory | None, robot: Robot, scene: Snapshot, trees: RRTConnect, before: Walks | None
-) -> Walks | None:
+def search_memory(
+    memory: Memory | None, robot: Robot, scene: Snapshot, trees: RRTConnect, before: MemorySearch | None
+) -> MemorySearch | None:
     """Return what walks along the motions of a memory in a scene: `before`, while both are the same.
 
     There is none where a memory holds no motions, nor under load, for which none of them was proved.
@@ -175,7 +175,7 @@ def walks_in(
     if graph is None or not len(graph):
         return None
     same = before is not None and before.graph is graph and before.scene is scene
-    return before if same else Walks(robot, scene, graph, trees)
+    return before if same else MemorySearch(robot, scene, graph, trees)
 
 
 def remember(memory: Memory | None, robot: Robot, path: ProvedPath | None) -> None:
@@ -184,7 +184,7 @@ def remember(memory: Memory | None, robot: Robot, path: ProvedPath | None) -> No
         memory._learn_way(path.q)
 
 
-def load_walk(robot: Robot, scene: Snapshot) -> None:
+def load_memory_search(robot: Robot, scene: Snapshot) -> None:
     """Compile what walks, or load it."""
     nothing = np.empty((0, len(robot), 3)), np.empty((0, len(robot), POSE_SIZE)), np.empty((0, 2), np.int64)
-    Walks(robot, scene, Graph(robot, *nothing), RRTConnect(robot, scene))
+    MemorySearch(robot, scene, Graph(robot, *nothing), RRTConnect(robot, scene))

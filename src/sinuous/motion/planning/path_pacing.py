@@ -63,7 +63,7 @@ class _Reached(NamedTuple):
     far: int
 
 
-def pace(query: TimedQuery, path: Floats) -> ProvedPath | None:
+def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
     """Pace a path of configurations (p, n, 3) so that every step is clear; `None` where that was not found.
 
     Where accelerations are limited, the speed of neighbouring steps differs by no more than these allow in the mean of

@@ -24,12 +24,12 @@ from sinuous.solver.solver import Solver
 from sinuous.studies.batch.checkpoint import Checkpoint, InMemory, hash_of, problem_record
 from sinuous.studies.batch.dispatch import all_done, begin
 from sinuous.studies.batch.tables.layout import Block
-from sinuous.studies.design.descent import Judging, can_descend
-from sinuous.studies.design.design import Change, Cut, Design, FoundRobot
-from sinuous.studies.design.fields import Space
-from sinuous.studies.design.judge import Judge
-from sinuous.studies.design.objectives import Objective, read_objectives
-from sinuous.studies.design.search import Drawn, RobotCandidates, RobotSearch, front
+from sinuous.studies.designing.descent import Judging, can_descend
+from sinuous.studies.designing.design import Change, Cut, Design, FoundRobot
+from sinuous.studies.designing.fields import Space
+from sinuous.studies.designing.judge import Judge
+from sinuous.studies.designing.objectives import Objective, read_objectives
+from sinuous.studies.designing.search import Drawn, RobotCandidates, RobotSearch, front
 from sinuous.studies.tasks.tasks import Meet, read_tasks
 
 ROBOTS = 2000

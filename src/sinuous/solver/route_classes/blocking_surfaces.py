@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.solver.polylines import lengths_along, points_at
-from sinuous.solver.route_classes.curves import ClassCurves, across
+from sinuous.solver.route_classes.curves import RouteCurves, across
 from sinuous.solver.starts import Deadline
 
 RAYS = 256
@@ -71,7 +71,7 @@ class Passage(NamedTuple):
     room: float
 
 
-class ScreenBounds(NamedTuple):
+class SurfaceBounds(NamedTuple):
     """What a screen has to keep.
 
     Attributes
@@ -102,7 +102,7 @@ def refined(route: Floats, spacing: float) -> Floats:
     return points_at(route, along, wanted)
 
 
-def passages(route: Floats, distances: Floats, bounds: ScreenBounds) -> list[Passage]:
+def passages(route: Floats, distances: Floats, bounds: SurfaceBounds) -> list[Passage]:
     """Return where a route (k, 3) passes what is nearest to it, the narrowest passage first.
 
     `distances` (k,) of its points to the obstacles; between two passages, which are some way apart, they are larger.
@@ -135,7 +135,7 @@ def _about(distances: Floats, at: int, most: int) -> list[int]:
     return sorted({round(i) for i in np.linspace(first, last, PLACES).tolist()})
 
 
-def screen(curves: ClassCurves, passage: Passage, bounds: ScreenBounds) -> Mesh | None:
+def make_blocking_surface(curves: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> Mesh | None:
     """Return a screen that closes a passage: a fan of triangles, as far as is seen from a point of the route.
 
     `None`: the time of the curves did not suffice.
@@ -161,7 +161,7 @@ def screen(curves: ClassCurves, passage: Passage, bounds: ScreenBounds) -> Mesh 
     return Mesh(np.vstack([place, rim]), faces, thickness=bounds.thickness)
 
 
-def _narrowest(curves: ClassCurves, places: Floats, normals: Floats, bounds: ScreenBounds) -> tuple[Floats, Floats]:
+def _narrowest(curves: RouteCurves, places: Floats, normals: Floats, bounds: SurfaceBounds) -> tuple[Floats, Floats]:
     """Of planes (m, 3), (m, 3) return the one, place and normal, in which least is seen from the place."""
     lengths = _stars(curves, places, normals, FEW_RAYS, bounds)[1]
     least = int((lengths * lengths).sum(axis=1).argmin())
@@ -180,7 +180,7 @@ def _tilted(axes: Floats, tilts: tuple[float, ...]) -> Floats:
 
 
 def _stars(
-    curves: ClassCurves, places: Floats, normals: Floats, count: int, bounds: ScreenBounds
+    curves: RouteCurves, places: Floats, normals: Floats, count: int, bounds: SurfaceBounds
 ) -> tuple[Floats, Floats]:
     """Directions (m, count, 3) across axes (m, 3), and how far is seen from places (m, 3) in them (m, count)."""
     angles = 2.0 * np.pi / count * np.arange(count)

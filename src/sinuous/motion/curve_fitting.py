@@ -43,7 +43,7 @@ def depths_of(robot: Robot) -> tuple[float, float]:
     return low, high
 
 
-def lay(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) -> Floats:
+def fit_chains_along(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) -> Floats:
     """Configurations (T, n, 3) within the limits of segments, along the curve, with the tip at `depths` (T,).
 
     From configurations `near` them every step is taken, so that they depend smoothly on all that is given; otherwise
@@ -51,7 +51,7 @@ def lay(robot: Robot, curve: Curve, depths: Floats, near: Floats | None = None) 
     """
     q = _first(robot, curve, depths) if near is None else within_limits(robot, near)
     if robot.hangs:
-        q = lay(robot.changed(gravity=None, payload=None), curve, depths) if near is None else q
+        q = fit_chains_along(robot.changed(gravity=None, payload=None), curve, depths) if near is None else q
         rests = np.array([Rest(robot, each).states is not None for each in q], bool)
         q[rests] = _laid(_LoadedChains(robot), curve, depths[rests], q[rests], near is not None)
         return q

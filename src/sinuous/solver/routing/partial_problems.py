@@ -15,7 +15,7 @@ from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import Outcome
 from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.reversed import FLIP, Groups
+from sinuous.solver.routing.reversed_problem import FLIP, Groups
 from sinuous.solver.starts import Deadline
 
 NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
@@ -34,14 +34,14 @@ LOOSE, SLANT = 0.25, 0.08
 """How far from a gate the part before it may end: in radii of the body, and in rad."""
 
 
-def up_to(groups: Groups, count: int) -> Groups:
+def problem_up_to(groups: Groups, count: int) -> Groups:
     """Return the problem of the first `count` segments, without a tool, and of the targets that concern them."""
     robot, scene, settings, targets = groups
     told = _scaled(settings, segments_in(robot)[:count])
-    return first(robot, count), scene, told, targets[_segments(groups) < count]
+    return first_segments(robot, count), scene, told, targets[_segments(groups) < count]
 
 
-def along_tangent(groups: Groups, tangent: Floats) -> Groups:
+def with_end_tangent(groups: Groups, tangent: Floats) -> Groups:
     """Return the problem to end with a unit tangent (3,), where no target says how."""
     targets = groups[3].copy()
     open_rows = (_segments(groups) == groups[0][0] - 1.0) & (targets[:, t.ORIENTATION] == t.FREE)
@@ -49,9 +49,9 @@ def along_tangent(groups: Groups, tangent: Floats) -> Groups:
     return (*groups[:3], targets)
 
 
-def before(groups: Groups, row: Floats) -> Groups:
+def problem_before(groups: Groups, row: Floats) -> Groups:
     """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
-    robot, scene, told, own = up_to(groups, int(row[t.TARGET_SEGMENT]) + 1)
+    robot, scene, told, own = problem_up_to(groups, int(row[t.TARGET_SEGMENT]) + 1)
     last = row.copy()
     last[t.TARGET_SEGMENT] = -1.0
     told[t.POSITION_TOLERANCE] = max(told[t.POSITION_TOLERANCE], LOOSE * ball_radius(segments_in(groups[0])))
@@ -59,7 +59,7 @@ def before(groups: Groups, row: Floats) -> Groups:
     return robot, scene, told, np.vstack([own, last])
 
 
-def ending(groups: Groups, count: int, end: Floats) -> Groups:
+def problem_ending_at(groups: Groups, count: int, end: Floats) -> Groups:
     """Return the problem of the first `count` segments, to end against a pose (12,), as exactly as the target asks for.
 
     It is turned about its tangent as the pose is only where the target of the tip is a rotation.
@@ -72,13 +72,13 @@ def ending(groups: Groups, count: int, end: Floats) -> Groups:
         row[t.ORIENTATION], row[t.GOAL : t.GOAL + 9] = t.ROTATION, against.ravel()
     else:
         row[t.ORIENTATION], row[t.GOAL : t.GOAL + 3] = t.DIRECTION, against[:, 2]
-    part = before(groups, row)
+    part = problem_before(groups, row)
     tolerances = [t.POSITION_TOLERANCE, t.ANGLE_TOLERANCE]
     part[2][tolerances] = groups[2][tolerances]
     return part
 
 
-def beyond(groups: Groups, chain: Floats) -> Groups:
+def problem_beyond(groups: Groups, chain: Floats) -> Groups:
     """Return the problem of what is left of a robot, from where the chain (m, 3) of its first segments ends."""
     robot, scene, settings, targets = groups
     count = len(chain)
@@ -87,45 +87,47 @@ def beyond(groups: Groups, chain: Floats) -> Groups:
     own[:, t.TARGET_SEGMENT] = np.where(own[:, t.TARGET_SEGMENT] < 0.0, -1.0, own[:, t.TARGET_SEGMENT] - count)
     told = _scaled(settings, segments[count:])
     told[t.MOUNT] = max(0.0, told[t.MOUNT] - chain[:, 2].sum())
-    return _robot(robot, count, len(segments), end_of(groups, chain), tool), scene, told, own
+    return _robot(robot, count, len(segments), end_pose(groups, chain), tool), scene, told, own
 
 
-def end_of(groups: Groups, chain: Floats) -> Floats:
+def end_pose(groups: Groups, chain: Floats) -> Floats:
     """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
     base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, t.POSE_WIDTH))
     frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     return frames[0, -1]
 
 
-def searched(groups: Groups, chains: Floats, own: tuple[int, int], deadline: Deadline) -> Outcome:
+def search_part(groups: Groups, chains: Floats, own: tuple[int, int], deadline: Deadline) -> Outcome:
     """Follow chains (g, n, 3), then own starts, from the first up to, without it, the last: see `search`."""
     (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
     best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
     return Outcome(best, *search(*groups, chains, (*own, SEED, max(0.0, deadline())), workspace, best))
 
 
-def solved(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
+def solve_part(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
     """Return a configuration (n, 3) that is proved, from chains (g, n, 3) and scattered starts, or `None`."""
-    found = searched(groups, chains, (0, starts), deadline)
+    found = search_part(groups, chains, (0, starts), deadline)
     return found.q if found.code == t.SOLVED else None
 
 
-def first(robot: Floats, count: int) -> Floats:
+def first_segments(robot: Floats, count: int) -> Floats:
     """Return the group of a robot of the first `count` segments, without a tool."""
     _, base, _ = _split(robot)
     return _robot(robot, 0, count, base, NO_TOOL)
 
 
-def laid(groups: Groups, count: int, line: Floats, seconds: float) -> Floats:
+def fit_first_segments(groups: Groups, count: int, line: Floats, seconds: float) -> Floats:
     """Return the chain (m, 3) of the first `count` segments along a line (K, 3), that begins where the robot does."""
     robot, scene, settings, targets = groups
     if count == 0:
         return np.empty((0, 3))
-    route = respaced(np.vstack([begin(groups), line[1:]]), max(FEWEST, len(line)))
-    return fitted((first(robot, count), scene, settings, targets[_segments(groups) < count]), route, seconds)
+    route = respaced(np.vstack([base_position(groups), line[1:]]), max(FEWEST, len(line)))
+    return fit_chain(
+        (first_segments(robot, count), scene, settings, targets[_segments(groups) < count]), route, seconds
+    )
 
 
-def fitted(groups: Groups, route: Floats, seconds: float) -> Floats:
+def fit_chain(groups: Groups, route: Floats, seconds: float) -> Floats:
     """Return the chain (n, 3) of a robot along a route (K, 3)."""
     robot, scene, _, targets = groups
     n, actuators = (int(number) for number in robot[:2])
@@ -149,7 +151,7 @@ def segments_in(robot: Floats) -> Floats:
     return _split(robot)[0]
 
 
-def begin(groups: Groups) -> Floats:
+def base_position(groups: Groups) -> Floats:
     """Where the backbone begins (3,)."""
     return _split(groups[0])[1][t.POSE_POSITION :]
 

@@ -10,7 +10,7 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import overlap_at
 from sinuous.motion.planning.local_planner import QueryEnds
-from sinuous.motion.planning.pacing import pace
+from sinuous.motion.planning.path_pacing import pace_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.retraction import retraction
 from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees, rrt_connect
@@ -102,7 +102,7 @@ def _straight(query: TimedQuery) -> ProvedPath | None:
 def _paced(query: TimedQuery) -> ProvedPath | None:
     """Pace one path after the other; `None` where none can be, or the time is over."""
     for q in _untimed_paths(query):
-        path = pace(query, q)
+        path = pace_path(query, q)
         if path is not None or query.deadline.left() <= 0.0:
             return path
     return None
@@ -144,7 +144,7 @@ def _grown(query: TimedQuery) -> ProvedPath | None:
             return path
         if path is not None:
             moves = np.abs(np.diff(path.q, axis=0)).max(axis=(1, 2)) > 0.0
-            path = pace(query, path.q[np.append(True, moves)])
+            path = pace_path(query, path.q[np.append(True, moves)])
         seed = (seed + 1) % 2**31
     return path
 

@@ -1,0 +1,110 @@
+"""Commands about a robot in a place: batch, explore, reach. What ends a batch: tests/studies/batch/test_deaths.py."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.studies.exploring.explore import _ExplorationRun
+from tests.cli.conftest import Run
+from tests.studies.batch.questions import BALL, ROBOT, points, write_csv
+from tests.studies.workspace.maps import ROBOT as MAPPED
+from tests.studies.workspace.maps import WALL
+
+BATCH = "batch arm.yaml --targets good.csv"
+EXPLORE = "explore narrow.yaml --memory arm.npz --rounds 1 --max-starts 4"
+REACH = "reach mapped.yaml --spacing 60 --directions 6"
+NARROW = """
+robot: {segments: {count: 2, length: [0.8, 1.2], max_bend: 2.0, radius: 0.05}}
+scene: [{sphere: {center: [0.6, 0, 1.2], radius: 0.3}}]
+start: [[0, 0, 1], [0, 0.4, 1]]
+target: {position: [-0.6, 0.2, 1.7]}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _files(run: Run) -> None:
+    sn.Job(ROBOT, sn.Target((0, 0, 150)), [BALL], tolerance=sn.Tolerance(0.5)).save("arm.yaml")
+    write_csv(Path("in.csv"), points(12))
+    write_csv(Path("good.csv"), np.array([[0.0, 10.0, 160.0], [20.0, 0.0, 150.0]]))
+    Path("narrow.yaml").write_text(NARROW)
+    MAPPED.save("robot.yaml")
+    sn.Job(MAPPED, sn.Target((0, 0, 100)), WALL).save("mapped.yaml")
+
+
+def interrupt(patch: pytest.MonkeyPatch, owner: object, name: str) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    patch.setattr(owner, name, interrupted)
+
+
+def test_all_rows_of_a_table_are_solved(run: Run) -> None:
+    told = run(f"{BATCH} --out out.csv").out
+    assert told.startswith("arm.yaml: 2 rows: 2 solved")
+    assert "out.csv" in told
+    assert run(f"{BATCH} --out out.csv --json").results[0]["before"] == 2
+    fast = "--out out.npz --max-starts 4 --no-routes"
+    assert "invalid    rows 4" in run(f"batch arm.yaml --targets in.csv {fast}", 1).out
+
+
+def test_a_robot_alone_and_a_problem_without_targets_will_do(run: Run) -> None:
+    ROBOT.save("alone.yaml")
+    Path("bare.yaml").write_text("robot: alone.yaml\nstart: [[0, 0, 50], [0, 0, 50], [0, 0, 50]]\n", encoding="utf-8")
+    for file in ("alone.yaml", "bare.yaml"):
+        run(f"batch {file} --targets good.csv --out {file}.csv")
+
+
+def test_shards_are_joined_by_the_command_without_one(run: Run) -> None:
+    for shard in ("2/2", "1/2"):
+        run(f"{BATCH} --out out.csv --chunk 1 --shard {shard}")
+        assert not Path("out.csv").exists()
+    assert run(f"{BATCH} --out out.csv --chunk 1 --json").results[0]["before"] == 2
+
+
+def test_other_ways_to_solve_give_the_same_file(run: Run) -> None:
+    for name, options in {"a": "--workers 1", "b": "--chunk 1", "c": "--warm --engine threads"}.items():
+        run(f"{BATCH} --out {name}.csv {options}")
+    assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes()
+
+
+def test_an_address_where_no_scheduler_is(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sinuous.studies.batch.cluster.PATIENCE", 1.0)
+    said = run(f"{BATCH} --out out.csv --dask tcp://127.0.0.1:9", 2).err
+    assert "the address of a scheduler that runs, got 'tcp://127.0.0.1:9'" in said
+
+
+def test_a_memory_is_filled_and_a_plan_walks_in_it(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = run(EXPLORE).out
+    assert told.startswith("narrow.yaml: ")
+    assert " motions, " in told
+    with monkeypatch.context() as patch:
+        interrupt(patch, _ExplorationRun, "round")
+        told = run(EXPLORE, 130).err
+    assert told == "sinuous: interrupted; rounds that were done are in arm.npz, the same command goes on\n"
+    (values,) = run(f"{EXPLORE} --json --workers 1").results
+    memory = sn.Memory.load("arm.npz")
+    assert (values["rounds"], values["shapes"], values["motions"]) == (2, len(memory), len(memory.edges))
+    run("plan narrow.yaml --memory arm.npz")
+    assert sn.Memory.load("arm.npz").fingerprint == memory.fingerprint  # nothing had to be searched
+
+
+def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        interrupt(patch, sn.studies.Reach, "save")
+        told = run(f"{REACH} --out map.npz", 130).err
+    assert told == "sinuous: interrupted; what was found is kept, the same command goes on\n"
+    assert run(f"{REACH} --directions 3 --out map.npz", 2).err.startswith("--directions: ")
+    with monkeypatch.context() as patch:
+        interrupt(patch, sn.Solver, "solve_many")
+        said = run(f"{REACH} --out map.npz --plot map.html").out  # all is there
+        assert run(REACH, 130).err == "sinuous: interrupted; nothing is written\n"
+    assert said.startswith("mapped.yaml: 5 x 5 x 5 voxels of 60, 6 directions each")
+    found = sn.studies.Reach.load("map.npz")
+    assert found.voxels.shape == (5, 5, 5)
+    assert Path("map.html").exists()
+    told = json.loads(run(f"{REACH} --json --workers 1").out)
+    assert told["volumes"]["reachable"]["found"] == found.volume().found
+    run("reach robot.yaml --spacing 60 --directions 1 --max-starts 3")

@@ -15,16 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.problems import among_spheres, arm, free_configurations, random_configurations
-from sinuous.answer.status import Status
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.scene import Scene
-from sinuous.solver.solver import Solver
 from sinuous.studies.batch.cluster import NO_PAGE, distributed
 from sinuous.studies.batch.solve import solve_batch
 from sinuous.studies.workspace.find import reach
@@ -52,15 +49,15 @@ ENGINES = "engines, free poses and 40 spheres, chunks of 10,000, the better of t
 TURNS = 3
 
 MAP = "map of the workspace, 5 segments among 40 spheres, 26 directions a voxel, 2 threads"
-PROOFS = {Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED}
+PROOFS = {sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED}
 
 
-def spheres(plan: Plan) -> Scene:
+def spheres(plan: Plan) -> sn.Scene:
     """The obstacles that the robot works among."""
     return among_spheres(ROBOT, SPHERES, 1, plan.rng(30)).scene
 
 
-def tips(robot: Robot, count: int, rng: np.random.Generator) -> Floats:
+def tips(robot: sn.Robot, count: int, rng: np.random.Generator) -> Floats:
     """Poses (count, 4, 4) of the tips of random shapes."""
     return np.asarray(robot.tip(random_configurations(robot, count, rng)))
 
@@ -231,9 +228,9 @@ def _refuted(found: Reach, tips: Floats, count: int, rng: np.random.Generator) -
     return int(((far <= 1e-4 * ROBOT.mean_length) & (turned <= 1e-3)).any(axis=1).sum())
 
 
-def _denied(scene: Scene, tips: Floats) -> int:
+def _denied(scene: sn.Scene, tips: Floats) -> int:
     """How many tips of clear shapes the calls that a map is made of prove to be impossible."""
-    solver = Solver(ROBOT, scene, max_starts=1, routes=False)
+    solver = sn.Solver(ROBOT, scene, max_starts=1, routes=False)
     denied = 0
     for directions in (tips[:, :3, 2], None):
         many = solver.solve_many(positions=tips[:, :3, 3], directions=directions)

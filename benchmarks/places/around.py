@@ -6,14 +6,13 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import cKDTree
 
+import sinuous as sn
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, lengthened
 from benchmarks.places.parts.surfaces import WALL, Surface, around, hollow, joined, loft, plate, solid
 from benchmarks.places.place import Sketch
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Cylinder, Obstacle, Sphere
+from sinuous.scene.obstacles import Obstacle
 
 LEAST_RADIUS, MOST_RADIUS = 1.5, 5.0
 LEAST_GAP, MOST_GAP = 0.15, 10.0
@@ -29,7 +28,7 @@ def spheres(count: int, seed: int, rng: Generator) -> Sketch:
     radius = min(robot.radii)
     q = draw_shape(robot, 3.0 * radius, rng)
     curve = curve_of(robot, q, 20)
-    found: list[Sphere] = []
+    found: list[sn.Sphere] = []
     while len(found) < count:
         ball = _beside(robot, curve, rng)
         if np.linalg.norm(curve.points - ball.center, axis=-1).min() >= ball.radius + (1.0 + LEAST_GAP) * radius:
@@ -37,12 +36,12 @@ def spheres(count: int, seed: int, rng: Generator) -> Sketch:
     return Sketch(robot, found, q)
 
 
-def _beside(robot: Robot, curve: Curve, rng: Generator) -> Sphere:
+def _beside(robot: sn.Robot, curve: Curve, rng: Generator) -> sn.Sphere:
     unit = min(robot.radii)
     size = unit * rng.uniform(LEAST_RADIUS, MOST_RADIUS)
     gap = unit * (LEAST_GAP + (MOST_GAP - LEAST_GAP) * rng.random() ** 3)
     place = curve.points[rng.integers(len(curve.points))]
-    return Sphere(place + (size + unit + gap) * _direction(rng), size)
+    return sn.Sphere(place + (size + unit + gap) * _direction(rng), size)
 
 
 def _direction(rng: Generator) -> Floats:
@@ -86,7 +85,7 @@ def plates(seed: int, rng: Generator) -> Sketch | None:
     curve = curve_of(robot, q, 40)
     count = int(rng.integers(PLATE_FEWEST, PLATE_MOST + 1))
     shares = 0.2 + 0.7 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count
-    found: list[Mesh] = []
+    found: list[sn.Mesh] = []
     for share in shares:
         pose = curve.poses[round(share * (len(curve.poses) - 1))]
         half = largest_half(curve, pose, radius)
@@ -153,9 +152,9 @@ def drum(seed: int, rng: Generator) -> Sketch | None:
     return Sketch(robot, obstacles, q)
 
 
-def _hub(center: Floats, axis: Floats, radius: float, middle: float, pitch: float, rows: int) -> Cylinder:
+def _hub(center: Floats, axis: Floats, radius: float, middle: float, pitch: float, rows: int) -> sn.Cylinder:
     half = (abs(middle) + rows * pitch) * axis
-    return Cylinder(center - half, center + half, radius, name="drum")
+    return sn.Cylinder(center - half, center + half, radius, name="drum")
 
 
 def _blade(
@@ -209,8 +208,8 @@ def shelf(seed: int, rng: Generator) -> Sketch:
     high = np.array([*(low[:2] + counts * pitch), low[2] + sizes[2]])
     rotation = tip[:3, :3]
 
-    def board_between(a: Floats, b: Floats, name: str) -> Box:
-        return Box(tip[:3, 3] + rotation @ (0.5 * (a + b)), b - a, rotation, name=name)
+    def board_between(a: Floats, b: Floats, name: str) -> sn.Box:
+        return sn.Box(tip[:3, 3] + rotation @ (0.5 * (a + b)), b - a, rotation, name=name)
 
     half = 0.5 * board
     back = np.array([*(low[:2] - half), high[2]]), np.array([*(high[:2] + half), high[2] + board])

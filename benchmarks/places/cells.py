@@ -6,26 +6,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.places.around import largest_half
 from benchmarks.places.parts.shapes import curve_of, draw_shape
 from benchmarks.places.parts.surfaces import Surface, ring_loft, solid
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
-from sinuous.model.poses import pose
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box
 
 
-def box_between(frame: Floats, low: Floats, high: Floats, name: str) -> Box:
+def box_between(frame: Floats, low: Floats, high: Floats, name: str) -> sn.Box:
     """Return the box from corner `low` (3,) to corner `high` (3,) of a frame (4, 4)."""
     middle = frame[:3, 3] + frame[:3, :3] @ (0.5 * (low + high))
-    return Box(middle, high - low, frame[:3, :3], name=name)
+    return sn.Box(middle, high - low, frame[:3, :3], name=name)
 
 
-def walls_around(frame: Floats, low: Floats, high: Floats, wall: float, name: str) -> list[Box]:
+def walls_around(frame: Floats, low: Floats, high: Floats, wall: float, name: str) -> list[sn.Box]:
     """Return four walls along the z axis of a frame, outside of the box from `low` (3,) to `high` (3,)."""
     a, b = low - np.array([wall, wall, 0.0]), high + np.array([wall, wall, 0.0])
     sides = (
@@ -37,13 +33,13 @@ def walls_around(frame: Floats, low: Floats, high: Floats, wall: float, name: st
     return [box_between(frame, np.array(c), np.array(d), f"{name} {i + 1}") for i, (c, d) in enumerate(sides)]
 
 
-def channel(frame: Floats, half: float, length: float, wall: float, name: str = "wall") -> list[Box]:
+def channel(frame: Floats, half: float, length: float, wall: float, name: str = "wall") -> list[sn.Box]:
     """Return four walls around the z axis of a frame (4, 4), `2 * half` apart, from its origin on."""
     low, high = np.array([-half, -half, 0.0]), np.array([half, half, length])
     return walls_around(frame, low, high, wall, name)
 
 
-def wall_with_door(frame: Floats, low: Floats, high: Floats, door: Floats, name: str) -> list[Box]:
+def wall_with_door(frame: Floats, low: Floats, high: Floats, door: Floats, name: str) -> list[sn.Box]:
     """Return the box from `low` (3,) to `high` (3,) but for a door right through it along z.
 
     `door` (2, 2) are the corners of the door in x and y.
@@ -124,17 +120,17 @@ class Cell(NamedTuple):
     half: Floats
     wall: float
 
-    def boxes(self, name: str) -> list[Box]:
+    def boxes(self, name: str) -> list[sn.Box]:
         """Return its walls."""
         return [*self.shell(name), *self.front(name)]
 
-    def shell(self, name: str) -> list[Box]:
+    def shell(self, name: str) -> list[sn.Box]:
         """Return all walls but the one with the door."""
         floor = self.low - np.array([0.0, 0.0, self.wall]), np.append(self.high[:2], self.low[2])
         around = self.low - np.array([0.0, 0.0, self.wall]), self.high
         return [*walls_around(self.frame, *around, self.wall, name), box_between(self.frame, *floor, f"{name} back")]
 
-    def front(self, name: str) -> list[Box]:
+    def front(self, name: str) -> list[sn.Box]:
         """Return the wall with the door."""
         low, high = self.low - self.wall, self.high + self.wall
         low[2] = self.high[2]
@@ -148,7 +144,7 @@ class Cell(NamedTuple):
         return bool((ahead | (local < low).any(axis=1) | (local[:, :2] > high[:2]).any(axis=1)).all())
 
 
-def line_of(robot: Robot, q: Floats) -> Line:
+def line_of(robot: sn.Robot, q: Floats) -> Line:
     """Return the hidden shape as a line."""
     poses = curve_of(robot, q, SAMPLES).poses
     return Line(poses, (poses[-1] @ robot.tool)[:3, 3], max(robot.radii))
@@ -164,7 +160,7 @@ def doorway(at: Floats, rng: Generator, inwards: bool = False) -> Floats:
     """Return the frame (4, 4) of a door that a shape goes through at the frame `at`; z leads out of the cell."""
     lean, roll = rng.uniform(0.0, TILT), rng.uniform(0.0, 2.0 * math.pi)
     normal = np.array([math.sin(lean) * math.cos(roll), math.sin(lean) * math.sin(roll), math.cos(lean)])
-    turn = pose(direction=-normal if inwards else normal)
+    turn = sn.pose(direction=-normal if inwards else normal)
     spin = rng.uniform(0.0, 2.0 * math.pi)
     spun = np.eye(4)
     spun[:2, :2] = [[math.cos(spin), -math.sin(spin)], [math.sin(spin), math.cos(spin)]]
@@ -218,13 +214,13 @@ SLIT = (0.5, 0.9)
 """Half of the narrower side of a door that is too narrow, in the smallest radius of the body."""
 
 
-def door_out(robot: Robot, rng: Generator) -> Sketch | None:
+def door_out(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell with one door, the target outside."""
     q, line, k = _drawn(robot, rng)
     return _cell_at_base(robot, q, line, k, rng)
 
 
-def door_in(robot: Robot, rng: Generator) -> Sketch | None:
+def door_in(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the target into a cell with one door, the base outside."""
     q, line, k = _drawn(robot, rng)
     frame = doorway(line.poses[k], rng, inwards=True)
@@ -234,7 +230,7 @@ def door_in(robot: Robot, rng: Generator) -> Sketch | None:
     return sketch_of(robot, cell.boxes("cell"), q, rng)
 
 
-def door_beside(robot: Robot, rng: Generator) -> Sketch | None:
+def door_beside(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell whose door is beside or behind it: the tangent forbids the shortest route."""
     for _ in range(SHAPES):
         q, line, _ = _drawn(robot, rng)
@@ -248,7 +244,7 @@ def door_beside(robot: Robot, rng: Generator) -> Sketch | None:
     return None
 
 
-def folded(robot: Robot, rng: Generator) -> Sketch | None:
+def folded(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Fold most of the robot into the cell at its base."""
     q, line, k = _drawn(robot, rng, FOLDED)
     points = line.before(k)
@@ -258,7 +254,7 @@ def folded(robot: Robot, rng: Generator) -> Sketch | None:
     return _cell_at_base(robot, q, line, k, rng)
 
 
-def hall(robot: Robot, rng: Generator) -> Sketch | None:
+def hall(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell so large that a search which looks everywhere has much to look at."""
     q, line, k = _drawn(robot, rng)
     frame, radius = doorway(line.poses[k], rng), line.radius
@@ -271,7 +267,7 @@ def hall(robot: Robot, rng: Generator) -> Sketch | None:
     return sketch_of(robot, large.boxes("hall"), q, rng) if large.keeps_out(line.after(k), radius) else None
 
 
-def two_doors(robot: Robot, rng: Generator) -> Sketch | None:
+def two_doors(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put base and target into two cells whose common wall has two doors, of which one is too narrow."""
     q, line, k = _drawn(robot, rng)
     frame, half = doorway(line.poses[k], rng), draw_half(line.radius, rng)
@@ -284,14 +280,14 @@ def two_doors(robot: Robot, rng: Generator) -> Sketch | None:
     return None if common is None else sketch_of(robot, common, q, rng)
 
 
-def _drawn(robot: Robot, rng: Generator, share: tuple[float, float] = SHARE) -> tuple[Floats, Line, int]:
+def _drawn(robot: sn.Robot, rng: Generator, share: tuple[float, float] = SHARE) -> tuple[Floats, Line, int]:
     """Draw a shape, and the number of the frame where it goes through a wall."""
     q = draw_shape(robot, DOOR_APART * max(robot.radii), rng)
     line = line_of(robot, q)
     return q, line, round(rng.uniform(*share) * (len(line.poses) - 1))
 
 
-def _cell_at_base(robot: Robot, q: Floats, line: Line, k: int, rng: Generator) -> Sketch | None:
+def _cell_at_base(robot: sn.Robot, q: Floats, line: Line, k: int, rng: Generator) -> Sketch | None:
     frame = doorway(line.poses[k], rng)
     cell = cell_around(line.before(k), frame, draw_half(line.radius, rng), line.radius, rng)
     if cell is None or not cell.keeps_out(line.after(k), line.radius):
@@ -299,7 +295,7 @@ def _cell_at_base(robot: Robot, q: Floats, line: Line, k: int, rng: Generator) -
     return sketch_of(robot, cell.boxes("cell"), q, rng)
 
 
-def common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[Box] | None:
+def common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[sn.Box] | None:
     """Walls of two cells on both sides of a wall with the door of the first, and a slit beside it.
 
     `None` where no room is left for the slit.
@@ -354,12 +350,12 @@ INNER, OUTER = (0.15, 0.4), (0.55, 0.8)
 """Where the shape leaves the inner and the outer cell, of its length."""
 
 
-def keyholes(robot: Robot, rng: Generator) -> Sketch | None:
+def keyholes(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put thick walls across the shape, each with an opening like a keyhole."""
     radius = max(robot.radii)
     q = draw_shape(robot, KEYHOLE_APART * radius, rng)
     curve, count = curve_of(robot, q, 40), int(rng.integers(WALLS[0], WALLS[1] + 1))
-    walls: list[Mesh] = []
+    walls: list[sn.Mesh] = []
     for share in 0.2 + 0.7 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count:
         at = doorway(curve.poses[round(share * (len(curve.poses) - 1))], rng)
         half = largest_half(curve, at, radius)
@@ -370,7 +366,7 @@ def keyholes(robot: Robot, rng: Generator) -> Sketch | None:
     return sketch_of(robot, walls, q, rng)
 
 
-def nested(robot: Robot, rng: Generator) -> Sketch | None:
+def nested(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell within a larger cell, each with a door of its own; the target is outside."""
     q = draw_shape(robot, KEYHOLE_APART * max(robot.radii), rng)
     line = line_of(robot, q)
@@ -445,43 +441,43 @@ def small_world(seed: int, rng: Generator) -> Sketch | None:
     return sketch_of(robot, [*doors, *_boxes(line, rng)], q, rng)
 
 
-def any_robot(rng: Generator) -> Robot:
+def any_robot(rng: Generator) -> sn.Robot:
     """Draw a robot of any size, alike or different segments, some with an insertion stage or a mount."""
     unit = 10.0 ** rng.uniform(-2.0, 2.0)
     radius = unit * rng.uniform(*WORLD_THICKNESS)
     max_bend, stretch = rng.uniform(*BEND), rng.choice([0.0, STRETCH]) * rng.random()
     lengths = unit * (1.0 + rng.choice([0.0, 0.4]) * rng.uniform(-1.0, 1.0, int(rng.integers(*COUNT))))
-    segments = [Segment((length * (1.0 - stretch), length), max_bend, radius=radius) for length in lengths]
+    segments = [sn.Segment((length * (1.0 - stretch), length), max_bend, radius=radius) for length in lengths]
     if rng.random() < 0.25:
-        segments.insert(0, Segment((0.0, unit * rng.uniform(0.5, 2.0)), 0.0, radius=radius))
+        segments.insert(0, sn.Segment((0.0, unit * rng.uniform(0.5, 2.0)), 0.0, radius=radius))
     mount = rng.choice([0.0, 0.0, MOUNT]) * unit * rng.random()
-    return Robot(segments, mount=mount, base=pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
+    return sn.Robot(segments, mount=mount, base=sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
 
 
-def any_shape(robot: Robot, rng: Generator) -> Floats:
+def any_shape(robot: sn.Robot, rng: Generator) -> Floats:
     """Draw a configuration (n, 3) evenly within its limits."""
     low, high, bends = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
     turn, size = 2.0 * np.pi * rng.random(len(robot)), bends * np.sqrt(rng.random(len(robot)))
     return np.stack([size * np.cos(turn), size * np.sin(turn), rng.uniform(low, high)], axis=-1)
 
 
-def _wall(frame: Floats, half: Floats, radius: float, rng: Generator) -> list[Box]:
+def _wall(frame: Floats, half: Floats, radius: float, rng: Generator) -> list[sn.Box]:
     """Return a wall of any size around a door."""
     low, high = -half - radius * rng.uniform(*WALL_SIZE, 2), half + radius * rng.uniform(*WALL_SIZE, 2)
     thick = 0.5 * radius * rng.uniform(0.4, 2.0)
     return wall_with_door(frame, np.append(low, -thick), np.append(high, thick), np.array([-half, half]), "wall")
 
 
-def _boxes(line: Line, rng: Generator) -> list[Box]:
+def _boxes(line: Line, rng: Generator) -> list[sn.Box]:
     """Return boxes that leave the shape alone."""
     points = line.poses[:, :3, 3]
     local = in_frame(line.poses[0], points)
     extent = np.ptp(local, axis=0)
     size = float(np.linalg.norm(extent))
-    found = list[Box]()
+    found = list[sn.Box]()
     for _ in range(int(rng.integers(0, MOST_BOXES + 1))):
         center = points[rng.integers(len(points))] + 0.4 * size * rng.normal(size=3)
-        box = Box(center, size * rng.uniform(*BOX_SIZE, 3) ** 2, rng.normal(size=4), name=f"box {len(found) + 1}")
+        box = sn.Box(center, size * rng.uniform(*BOX_SIZE, 3) ** 2, rng.normal(size=4), name=f"box {len(found) + 1}")
         if measure(box, points).min() > LEEWAY * line.radius:
             found.append(box)
     return found

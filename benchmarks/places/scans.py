@@ -6,15 +6,12 @@ import math
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.places.parts.surfaces import Faces, Surface, joined, solid
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.obstacles import arc, obstacle_surface
 
 THICKNESS = 0.15
@@ -41,33 +38,33 @@ def scan(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
         return None
     radius = min(sketch.robot.radii)
     room = (ROOM + THICKNESS + NOISE) * radius
-    if least_clearance(sketch.robot, Scene(sketch.obstacles), sketch.q[None], room)[0] < room:
+    if least_clearance(sketch.robot, sn.Scene(sketch.obstacles), sketch.q[None], room)[0] < room:
         return None
     points = np.concatenate([_on(triangles(obstacle), LATTICE * radius) for obstacle in sketch.obstacles])
     points = _thinned(points, CELL * radius)
     noise = rng.uniform(-1.0, 1.0, points.shape) * NOISE * radius / math.sqrt(3.0)
-    return sketch._replace(obstacles=[PointCloud(points + noise, THICKNESS * radius, name="scan")])
+    return sketch._replace(obstacles=[sn.PointCloud(points + noise, THICKNESS * radius, name="scan")])
 
 
 def triangles(obstacle: Obstacle) -> Floats:
     """Corners (f, 3, 3) of triangles that cover the surface of an obstacle, or nearly so where it is round."""
-    if isinstance(obstacle, Mesh):
+    if isinstance(obstacle, sn.Mesh):
         corners: Floats = obstacle.vertices[obstacle.faces]
         return corners
-    if isinstance(obstacle, Sphere | Capsule | Cylinder):
+    if isinstance(obstacle, sn.Sphere | sn.Capsule | sn.Cylinder):
         facets = _of_revolution(obstacle)
     else:
         facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE).facets
     return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
 
 
-def _of_revolution(obstacle: Sphere | Capsule | Cylinder) -> Floats:
+def _of_revolution(obstacle: sn.Sphere | sn.Capsule | sn.Cylinder) -> Floats:
     """Facets (f, 4, 3) of what is round. The places are what they are to the last bit, also where a circle closes."""
     center, rotation, half, _ = obstacle.frame
     shift, quarter = np.array([0.0, half[2]]), 0.5 * math.pi
-    if isinstance(obstacle, Sphere):
+    if isinstance(obstacle, sn.Sphere):
         profile = arc(obstacle.radius, -quarter, quarter, 13)
-    elif isinstance(obstacle, Cylinder):
+    elif isinstance(obstacle, sn.Cylinder):
         wall = [[obstacle.radius, height] for height in np.linspace(-half[2], half[2], WALL + 1)]
         profile = np.array([-shift, *wall, shift])
     else:
@@ -125,16 +122,16 @@ def meshed(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
     sketch = draw(seed, rng)
     if sketch is None:
         return None
-    boxes = [o for o in sketch.obstacles if isinstance(o, Box)]
-    others = [o for o in sketch.obstacles if not isinstance(o, Box)]
+    boxes = [o for o in sketch.obstacles if isinstance(o, sn.Box)]
+    others = [o for o in sketch.obstacles if not isinstance(o, sn.Box)]
     return sketch._replace(obstacles=[one_mesh(boxes, sketch.robot), *others])
 
 
-def one_mesh(boxes: list[Box], robot: Robot) -> Mesh:
+def one_mesh(boxes: list[sn.Box], robot: sn.Robot) -> sn.Mesh:
     """Return boxes as one mesh."""
     gap = GAP * min(robot.radii)
     return solid(joined([_surface(box, gap) for box in boxes]), "walls")
 
 
-def _surface(box: Box, gap: float) -> Surface:
+def _surface(box: sn.Box, gap: float) -> Surface:
     return Surface((CORNERS * (box.size - 2.0 * gap)) @ box.rotation.T + box.center, FACES)

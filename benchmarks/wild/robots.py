@@ -6,14 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.kinematics import bend_caps
 from benchmarks.judges.self_collision import surely_clear
 from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
-from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.poses import pose
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 
 SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
 """Ranges of the number of segments, each without its end."""
@@ -30,7 +27,7 @@ DRAWS = 16
 """Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""
 
 
-def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[Robot, Floats]:
+def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[sn.Robot, Floats]:
     """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves.
 
     `scales` are the powers of ten between which a segment is long.
@@ -40,17 +37,17 @@ def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = 
     segments = _segments(size, unit, rng)
     place: dict[str, Any] = {
         "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
-        "base": pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
-        "tool": pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
+        "base": sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
+        "tool": sn.pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
     }
-    robot = Robot(segments, **place)
+    robot = sn.Robot(segments, **place)
     q = shapes_of(robot, count, rng)
     if len(q) and rng.random() < 0.15:
-        robot = Robot(_driven(segments, q, unit, rng), **place)
+        robot = sn.Robot(_driven(segments, q, unit, rng), **place)
     return robot, q
 
 
-def _segments(size: int, unit: float, rng: Generator) -> list[Segment]:
+def _segments(size: int, unit: float, rng: Generator) -> list[sn.Segment]:
     """Segments all alike, or each of its own sort; at least one can bend."""
     thin = rng.random() < 0.1
     radius = 0.0 if thin else unit * 10.0 ** rng.uniform(-3.0, -0.6)
@@ -60,30 +57,30 @@ def _segments(size: int, unit: float, rng: Generator) -> list[Segment]:
     first = _bending(unit, widest, radius, rng)
     drawn = [first if alike else _any(unit, widest, radius, rng) for _ in range(size - 1)] + [first]
     if size > 1 and rng.random() < 0.15:
-        drawn[0] = Segment((0.0, unit * rng.uniform(0.5, 3.0)), 0.0, None, radius)  # an insertion stage
+        drawn[0] = sn.Segment((0.0, unit * rng.uniform(0.5, 3.0)), 0.0, None, radius)  # an insertion stage
     if not tapered:
         return drawn
     return [each.changed(radius=each.radius * rng.uniform(0.5, 1.0)) for each in drawn]
 
 
-def _any(unit: float, widest: float, radius: float, rng: Generator) -> Segment:
+def _any(unit: float, widest: float, radius: float, rng: Generator) -> sn.Segment:
     """Draw a segment that bends, a rigid link, or a straight one that stretches."""
     own = unit * rng.uniform(0.5, 1.5)
     kind = rng.choice(["bending", "rigid", "straight"], p=[0.82, 0.12, 0.06])
     if kind == "rigid":
-        return Segment((own, own), 0.0, None, radius)
+        return sn.Segment((own, own), 0.0, None, radius)
     if kind == "straight":
-        return Segment((0.3 * own, own), 0.0, None, radius)
+        return sn.Segment((0.3 * own, own), 0.0, None, radius)
     return _bending(own, widest * rng.uniform(0.5, 1.0), radius, rng)
 
 
-def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> Segment:
+def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> sn.Segment:
     low = own * rng.choice([1.0, rng.uniform(0.5, 0.95), 0.0], p=[0.5, 0.42, 0.08])
     curvature = rng.uniform(1.0, 6.0) / own if rng.random() < 0.25 else None
-    return Segment((low, own), max_bend, curvature, radius)
+    return sn.Segment((low, own), max_bend, curvature, radius)
 
 
-def shapes_of(robot: Robot, count: int, rng: Generator) -> Floats:
+def shapes_of(robot: sn.Robot, count: int, rng: Generator) -> Floats:
     """Return shapes that are surely clear of themselves; those that fail are drawn anew, each time more gently bent."""
     found = np.empty((0, len(robot), 3))
     most = 1.0
@@ -96,7 +93,7 @@ def shapes_of(robot: Robot, count: int, rng: Generator) -> Floats:
     return found
 
 
-def _draw(robot: Robot, count: int, most: float, rng: Generator) -> Floats:
+def _draw(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
     """Draw shapes that use `most` of the bends they may have; a few segments are at the limit of their length."""
     low, high = np.array([segment.length for segment in robot.segments]).T
     size = count, len(robot)
@@ -111,7 +108,7 @@ def _draw(robot: Robot, count: int, most: float, rng: Generator) -> Floats:
     return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
 
 
-def _driven(segments: list[Segment], q: Floats, unit: float, rng: Generator) -> list[Segment]:
+def _driven(segments: list[sn.Segment], q: Floats, unit: float, rng: Generator) -> list[sn.Segment]:
     """Give some segments tendons, or some chambers, with limits that the shapes (m, n, 3) just keep."""
     by_tendons = rng.random() < 0.6
     driven = []
@@ -125,11 +122,11 @@ def _driven(segments: list[Segment], q: Floats, unit: float, rng: Generator) -> 
         if by_tendons:
             pulled = q[:, : k + 1, :2].sum(axis=1) @ arms
             limits = min(0.0, slack * pulled.min()), max(0.0, slack * pulled.max())
-            driven[k] = segment.changed(tendons=Tendons(3, arm, first, displacement=limits))
+            driven[k] = segment.changed(tendons=sn.Tendons(3, arm, first, displacement=limits))
             continue
         lengths = q[:, k, 2:] - q[:, k, :2] @ arms
         middle, extent = 0.5 * (lengths.min() + lengths.max()), slack * 0.5 * (lengths.max() - lengths.min())
         if lengths.min() >= 0.0:
             limits = max(0.0, middle - extent), middle + extent
-            driven[k] = segment.changed(chambers=Chambers(3, arm, first, length=limits))
+            driven[k] = segment.changed(chambers=sn.Chambers(3, arm, first, length=limits))
     return driven

@@ -22,8 +22,8 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.problems import among_spheres, arm, free_configurations, random_configurations
 from sinuous.base.checks import Floats
-from sinuous.studies.batch.cluster import NO_PAGE, distributed
 from sinuous.studies.batch.solve import solve_batch
+from sinuous.studies.runs.cluster import NO_PAGE, distributed
 from sinuous.studies.workspace.find import reach
 from sinuous.studies.workspace.reach import Reach, Verdict
 

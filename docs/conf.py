@@ -28,7 +28,7 @@ source_suffix = {
 
 myst_enable_extensions = ["colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
-suppress_warnings = ["myst.xref_missing_lexer"]
+suppress_warnings = ["myst.xref_missing_lexer", "myst.header"]
 
 default_role = "code"
 autodoc_member_order = "bysource"

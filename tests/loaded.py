@@ -3,7 +3,7 @@
 import sinuous as sn
 import sinuous.cli.warm_steps
 import tests.benchmarks.solvers.test_parallel
-import tests.studies.batch.poison
+import tests.studies.runs.poison
 from tests.studies.batch.questions import BALL, OPTIONS, ROBOT
 
 __all__ = ["sinuous", "tests"]

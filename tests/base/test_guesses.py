@@ -30,13 +30,6 @@ def test_a_pose_is_a_target() -> None:
     refused_each("position", ([1, 2], [[1, 2, 3]] * 4, np.eye(3)), sn.Target, "3 finite numbers")
 
 
-def test_a_quaternion_has_an_order() -> None:
-    guess: Any = sn.Target
-    refused("quaternion", lambda: guess(PLACE, quaternion=(1, 0, 0, 0)), "rotation=(w, x, y, z) or xyzw=(x, y, z, w)")
-    with pytest.raises(TypeError, match="colour"):
-        guess(PLACE, colour="red")
-
-
 @with_each("place", [PLACE, PLACE.tolist(), tuple(PLACE), TURNED, TURNED.tolist()])
 def test_a_place_is_a_target_wherever_one_is_asked_for(place: Any) -> None:
     target, solver = sn.Target(place), sn.Solver(ROBOT, seed=1)

@@ -72,7 +72,7 @@ def test_an_unknown_method_is_refused(name: Any) -> None:
 
 
 def test_an_unknown_option_is_answered_with_all_that_there_are() -> None:
-    refused("speed", lambda: SolveOptions.of({"speed": 1}), *SolveOptions.__dataclass_fields__)
+    refused("colour", lambda: SolveOptions.of({"colour": 1}), *SolveOptions.__dataclass_fields__)
 
 
 @pytest.mark.parametrize(

@@ -8,28 +8,27 @@ import pytest
 
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compiling.helpers import cores
-from sinuous.solver.thread_pool import Crew
-from tests.cases import with_each
+from sinuous.solver.thread_pool import share_jobs
 from tests.kernels.test_clock import work
 
 
-@with_each("workers", [1, 2, 5])
-@with_each("alone", [0.0, 1e-3, 60.0])
+@pytest.mark.parametrize("workers", [1, 2, 5])
+@pytest.mark.parametrize("alone", [0.0, 1e-3, 60.0])
 def test_every_job_is_done_once(workers: int, alone: float) -> None:
     done: list[int] = []
-    Crew[int](done.append, workers).share(range(200), alone)
+    share_jobs(done.append, range(200), workers, alone)
     assert sorted(done) == list(range(200))
 
 
 def test_there_are_as_many_threads_as_asked_for() -> None:
     """All of them at once: each waits for the others."""
     everybody = threading.Barrier(3)
-    Crew[int](lambda _: everybody.wait(60.0), 3).share(range(3), alone=0.0)
+    share_jobs(lambda _: everybody.wait(60.0), range(3), 3, alone=0.0)
 
 
 def test_the_caller_is_alone_with_what_is_soon_done() -> None:
     threads: set[int] = set()
-    Crew[int](lambda _: threads.add(threading.get_ident()), 4).share(range(20), alone=60.0)
+    share_jobs(lambda _: threads.add(threading.get_ident()), range(20), 4, alone=60.0)
     assert threads == {threading.get_ident()}
 
 
@@ -44,7 +43,7 @@ def test_what_a_job_raises_is_raised(bad: int) -> None:
         time.sleep(1e-3)
 
     with pytest.raises(ValueError, match=f"job {bad}"):
-        Crew(job, 2).share(range(10_000), alone=0.0)
+        share_jobs(job, range(10_000), 2, alone=0.0)
     assert len(begun) < 5_000
 
 
@@ -62,7 +61,7 @@ def test_helpers_stop_in_compiled_code() -> None:
 
     work(np.zeros(CLOCK_SIZE, np.int64), 0.0, 1)  # compiles it
     with pytest.raises(KeyboardInterrupt):
-        Crew(job, 3).share(range(1000), alone=0.0)
+        share_jobs(job, range(1000), 3, alone=0.0)
     assert threading.active_count() == before
 
 

@@ -44,6 +44,7 @@ def entrance(
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         value = getattr(import_module(of_name[name]), name)
         import_module("sinuous.base.signatures").make_readable(value)
+        value = import_module("sinuous.base.keywords").explain_keywords(value)
         setattr(sys.modules[package], name, value)
         return value
 

@@ -5,7 +5,7 @@ import reprlib
 import sys
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 if TYPE_CHECKING:  # numpy takes long to import, and `sinuous --help` does without it
     import numpy as np
@@ -58,18 +58,18 @@ class InputError(ValueError):
         self.expected = expected
         self.file = file
 
-    def within(self, outer: str) -> "InputError":
+    def within(self, outer: str) -> Self:
         """Return the same error, seen from the key that contains this one; a file's keys stay that file's."""
         if self.file is not None or not outer:
             return self
         inner = self.key if self.key.startswith("[") or not self.key else f".{self.key}"
-        return InputError(f"{outer}{inner}", self.problem, self.value, self.expected)
+        return type(self)(f"{outer}{inner}", self.problem, self.value, self.expected)
 
-    def in_file(self, file: object) -> "InputError":
+    def in_file(self, file: object) -> Self:
         """Return the same error with the name of the file it is in, unless it names one already."""
         if self.file is not None:
             return self
-        return InputError(self.key, self.problem, self.value, self.expected, str(file))
+        return type(self)(self.key, self.problem, self.value, self.expected, str(file))
 
     @property
     def row(self) -> tuple[str, int] | None:
@@ -78,7 +78,11 @@ class InputError(ValueError):
         return None if found is None else (found[1], int(found[2]))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return InputError, (self.key, self.problem, self.value, self.expected, self.file)
+        return type(self), (self.key, self.problem, self.value, self.expected, self.file)
+
+
+class UnknownOptionError(InputError, TypeError):
+    """An argument that a function does not have: for Python a `TypeError`, and said in the same line as in a file."""
 
 
 class SuspiciousInput(UserWarning):

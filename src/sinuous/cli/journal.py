@@ -20,7 +20,7 @@ from sinuous.cli.options import Solving, as_typed
 from sinuous.files.problem_file import ProblemFile
 from sinuous.problem.target import target_table
 from sinuous.solver.options import SolveOptions
-from sinuous.studies.batch.checkpoint import Checkpoint, hash_of, problem_record
+from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
 
 EVERY = 1.0
 """Seconds of work that may be lost when a process is killed."""

@@ -14,6 +14,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import warn_of
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.reprs import call
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
@@ -34,7 +35,7 @@ from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Prover, Steps, load_motions
-from sinuous.solver.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.solver import Initial, Solver
 
 TIME = 5.0
@@ -168,7 +169,7 @@ class Planner:
 
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
         given: dict[str, Any] = dict(options)
-        refuse_unknown(given, PlanArguments)
+        refuse_unknown(given, PlanArguments.__annotations__)
         checks.instance("robot", robot, Robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
         self._pace = Pace.of(robot, **{key: given.pop(key) for key in ("rates", "duration", "begin") if key in given})

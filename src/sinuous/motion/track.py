@@ -8,6 +8,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Shortest, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
@@ -21,7 +22,7 @@ from sinuous.problem.problem import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
-from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Initial, Solver
 
 WISHED_CLEARANCE = 0.02
@@ -105,7 +106,7 @@ def track(
     InputError
         When an argument is not what it should be; nothing is solved then.
     """
-    refuse_unknown(options, TrackArguments, *(track.__kwdefaults__ or ()))
+    refuse_unknown(options, TrackArguments.__annotations__)
     given: dict[str, Any] = dict(options)
     path = read_target_sets(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)

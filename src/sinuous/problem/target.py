@@ -13,7 +13,6 @@ from sinuous.base.arguments import Number, Orientation, Orientations, Rows, Vect
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
-from sinuous.base.guesses import QUATERNION, answers_guesses
 from sinuous.kernels.packing import read_only, target_parts, target_row, target_rows
 from sinuous.model.names import any_segment, segment_number
 from sinuous.model.poses import any_rotation, any_rotations, as_pose, is_pose
@@ -178,7 +177,6 @@ class Target(Frozen):
     _tables: ClassVar[frozenset[str]] = frozenset({"_table"})
     _asked: ClassVar[frozenset[str]] = frozenset({"rotation"})
 
-    @answers_guesses(quaternion=QUATERNION)
     def __init__(
         self,
         position: Vector | Rows | None = None,

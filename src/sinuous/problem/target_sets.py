@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
@@ -104,9 +105,7 @@ def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Ma
     InputError
         That names the element, or says what is missing, not known, or said twice.
     """
-    unknown = next((key for key in arrays if key not in KEYS), None)
-    if unknown is not None:
-        raise InputError(unknown, "is not known", arrays[unknown], "one of " + ", ".join(KEYS))
+    refuse_unknown(arrays, KEYS)
     given = [key for key in KEYS if arrays.get(key) is not None]
     if targets is None:
         if not given:

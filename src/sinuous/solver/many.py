@@ -19,7 +19,7 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.solver.search import UNDECIDED
 from sinuous.solver.strategy import Strategy
-from sinuous.solver.thread_pool import Crew
+from sinuous.solver.thread_pool import share_jobs
 
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
@@ -87,7 +87,7 @@ class Many:
 
         least = AMONG_OBSTACLES if len(self._questions.scene) else FREE
         most = min(TOGETHER, len(self._answers) // (PARTS * self._workers))
-        Crew(begin, self._workers).share(_chunks(self._questions.target_sets.runs(), least, most))
+        share_jobs(begin, _chunks(self._questions.target_sets.runs(), least, most), self._workers)
 
     def decide(self, code: int) -> None:
         """Give every question the same verdict."""
@@ -105,7 +105,7 @@ class Many:
                 self._beyond[i] = Beyond(best.cell, best.route)
             self._advance(1)
 
-        Crew(one, self._workers).share(self._open(self._answers), alone=0.0)
+        share_jobs(one, self._open(self._answers), self._workers, alone=0.0)
 
     def learn(self) -> None:
         """Keep what is solved for later questions, in the order of the targets, where there is a memory."""

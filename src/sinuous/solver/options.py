@@ -6,8 +6,8 @@ from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
-from sinuous.base.errors import GUESS, InputError
-from sinuous.base.words import suggested
+from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.methods import registry
 from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Preferences
@@ -122,7 +122,7 @@ class SolveOptions:
         ------
         InputError
         """
-        refuse_unknown(given, cls)
+        refuse_unknown(given, cls.__annotations__)
         return cls(**given)
 
 
@@ -131,29 +131,3 @@ def _each(key: str, value: OneEach | None) -> OneEach | None:
     if isinstance(value, Mapping):
         return {str(name): checks.number(f"{key}.{name}", each, low=0.0) for name, each in value.items()}
     return None if value is None else checks.one_each(key, value, None, "segment")
-
-
-MEANT = {
-    "obstacles": "scene, the obstacles as a list or a Scene",
-    "world": "scene, the obstacles as a list or a Scene",
-    "guess": "initial, the configuration to begin from",
-    "q0": "initial, the configuration to begin from",
-    "timeout": "time, the budget in seconds",
-    "rates": "rates in the call that needs them, solver.step(..., rates=) or motion.timed(rates)",
-    "radius": "the radius of the robot's segments, or clearance, a distance that is kept besides",
-}
-"""What is meant by options that are often guessed, and whose names are unlike."""
-
-
-def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
-    """Refuse options that a call does not have; `known` declares those that it has, and all of them are listed.
-
-    Raises
-    ------
-    InputError
-    """
-    names = (*more, *known.__annotations__)
-    for key, value in given.items():
-        if key not in names:
-            expected = f"{GUESS}{MEANT[key]}?" if key in MEANT else suggested(key, names)
-            raise InputError(key, "unknown option", value, expected)

@@ -55,7 +55,7 @@ from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solver.starts import IKQuery, StartBatch
 from sinuous.solver.strategy import Strategy
-from sinuous.solver.thread_pool import Crew
+from sinuous.solver.thread_pool import share_jobs
 
 FEW = 10
 """Starts under load where the robot without load is proved to have no solution, which says nothing of the other."""
@@ -282,7 +282,7 @@ class Solver:
             self._loaded_outcome(load, questions.problem(i), given, seconds).write(answers[i])
             bar.advance(1)
 
-        Crew(one, workers).share(range(len(answers)))
+        share_jobs(one, range(len(answers)), workers)
         return Solutions(questions, answers, self._resolver)
 
     def _all_under_load(

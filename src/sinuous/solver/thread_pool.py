@@ -1,98 +1,99 @@
-"""Jobs that threads share: compiled code runs without the interpreter's lock, so each has a core to itself."""
+"""Threads whose work can be cancelled, also in compiled code, which runs without the interpreter's lock.
+
+A thread is cancelled by an exception that is raised in it: `kernels.clock` ends compiled code for it within 50 ms, and
+the search around that code, which is Python, ends too. A flag that the clock read would end the compiled code alone.
+"""
 
 import ctypes
 from collections import deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
-from threading import Lock, Thread, get_ident
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from threading import Lock, get_ident
 from time import perf_counter
-from typing import Generic, TypeVar
+from typing import Any, TypeVar
 
 Job = TypeVar("Job")
 
-SOON = 2e-4
+ALONE = 2e-4
 """Seconds for which the caller works alone: beginning a thread takes half as long."""
 
 
-class DismissedError(BaseException):
-    """Raised in a helper that need not go on."""
+class CancelledThreadError(BaseException):
+    """Raised in a thread whose work is not wanted any more."""
 
 
-def dismiss(threads: Iterable[int]) -> None:
-    """Raise `DismissedError` in threads of these numbers, wherever they are, also in compiled code."""
-    for thread in threads:
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(DismissedError))
+class CancellableThreads(ThreadPoolExecutor):
+    """A pool of threads; an exception in the block of its `with` statement cancels what they do."""
+
+    def __init__(self, workers: int) -> None:
+        super().__init__(workers)
+        self._lock, self._busy = Lock(), set[int]()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Have a function called in a thread."""
+        return super().submit(self._call, fn, *args, **kwargs)
+
+    def _call(self, fn: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+        """Call a function in a thread that may be cancelled as long as its number is in `_busy`."""
+        with self._lock:
+            self._busy.add(get_ident())
+        try:
+            return fn(*args, **kwargs)
+        finally:
+            with self._lock:
+                self._busy.discard(get_ident())
+
+    def cancel(self) -> None:
+        """Begin nothing more, and stop the threads wherever they are."""
+        self.shutdown(wait=False, cancel_futures=True)
+        with self._lock:
+            for thread in self._busy:
+                error = ctypes.py_object(CancelledThreadError)
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), error)
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if kind is not None:
+            self.cancel()
+        self.shutdown(wait=True)
 
 
-class Crew(Generic[Job]):
-    """The caller's thread and helpers, who take one job after the other until none is left.
+def share_jobs(work: Callable[[Job], object], jobs: Iterable[Job], workers: int, alone: float = ALONE) -> None:
+    """Do jobs in the caller's thread and, where some are left after so many seconds, in others beside it.
 
-    What one of them raises ends the work: no further job is begun, helpers are told to stop, wherever they are, also in
-    compiled code (see `kernels.clock`), and the caller raises it. So does an interrupt, which the caller alone hears.
+    What one of them raises ends the work, and is raised here.
 
     Parameters
     ----------
     work : callable
         Does a job.
+    jobs : iterable
     workers : int
         Most threads, that of the caller among them.
+    alone : float
+        Seconds.
     """
+    left, end = deque(jobs), perf_counter() + alone
 
-    def __init__(self, work: Callable[[Job], object], workers: int) -> None:
-        self._work, self._workers = work, workers
-        self._jobs: deque[Job] = deque()
-        self._busy: set[int] = set()
-        self._lock = Lock()
-        self._raised: list[BaseException] = []
-
-    def share(self, jobs: Iterable[Job], alone: float = SOON) -> None:
-        """Do jobs: the caller begins, and helpers join when some are left after so many seconds."""
-        self._jobs.extend(jobs)
-        end = perf_counter() + alone
-        while self._jobs and (self._workers == 1 or perf_counter() < end):
-            self._work(self._jobs.popleft())
-        threads = [Thread(target=self._help, daemon=True) for _ in range(min(self._workers - 1, len(self._jobs) - 1))]
-        try:
-            for thread in threads:
-                thread.start()
-            self._toil()
-            for thread in threads:
-                thread.join()
-        except BaseException:
-            self._dismiss()
-            for thread in threads:
-                if thread.ident is not None:
-                    thread.join()
-            raise
-        if self._raised:
-            raise self._raised[0]
-
-    def _toil(self) -> None:
+    def take_jobs() -> None:
         while True:
             try:
-                job = self._jobs.popleft()
+                job = left.popleft()
             except IndexError:
                 return
-            self._work(job)
-
-    def _help(self) -> None:
-        """Toil in a thread of its own; to be dismissed as long as its number is in `_busy`."""
-        with suppress(DismissedError):
-            with self._lock:
-                self._busy.add(get_ident())
             try:
-                self._toil()
-            except DismissedError:
+                work(job)
+            except BaseException:
+                left.clear()
                 raise
-            except BaseException as error:
-                self._raised.append(error)
-                self._jobs.clear()
-            with self._lock:
-                self._busy.discard(get_ident())
 
-    def _dismiss(self) -> None:
-        """Leave no job, and stop the helpers at what they are doing."""
-        self._jobs.clear()
-        with self._lock:
-            dismiss(self._busy)
-            self._busy.clear()
+    while left and (workers == 1 or perf_counter() < end):
+        work(left.popleft())
+    helpers = min(workers - 1, len(left) - 1)
+    if helpers < 1:
+        take_jobs()
+        return
+    with CancellableThreads(helpers) as pool:
+        futures = [pool.submit(take_jobs) for _ in range(helpers)]
+        take_jobs()
+        for future in wait(futures, return_when=FIRST_EXCEPTION).done:
+            future.result()

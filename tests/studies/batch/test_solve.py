@@ -12,7 +12,6 @@ import sinuous as sn
 from sinuous.studies.batch.batch import Batch
 from sinuous.studies.batch.solve import owns
 from sinuous.studies.batch.tables.layout import STATUSES
-from tests.cases import with_each
 from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
 
 COUNT = 130
@@ -27,8 +26,8 @@ def results(file: Path) -> dict[str, Any]:
         return {name: data[name] for name in data.files}
 
 
-@with_each("workers", [1, 3])
-@with_each("chunk", [7, 50, 1000])
+@pytest.mark.parametrize("workers", [1, 3])
+@pytest.mark.parametrize("chunk", [7, 50, 1000])
 def test_it_is_a_loop_to_the_last_bit(workers: int, chunk: int) -> None:
     batch = solve({"positions": points(COUNT)}, workers=workers, chunk=chunk)
     expected, rows = loop(COUNT)
@@ -152,7 +151,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("options", "key"),
     [
         ({"chunk": 0}, "chunk"),

@@ -13,7 +13,6 @@ from benchmarks.judges.motions import wrong_in
 from sinuous.scene.scene import Scene
 from sinuous.solver.options import SolveOptions
 from sinuous.studies.exploring.explorer import Explorer
-from tests.cases import with_each
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), max_bend=2.0, radius=0.05)
 HANGING = sn.Robot(
@@ -120,7 +119,7 @@ def test_starts_are_joined_and_a_worker_travels(two: sn.studies.Exploration) -> 
     assert pickle.loads(pickle.dumps(explorer)).robot.equals(ROBOT)
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("options", "told"),
     [
         ({"starts": [[9, 0, 1], [0, 0, 1]]}, r"starts\[0\]: "),

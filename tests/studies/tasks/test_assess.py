@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
 
 ROBOT = sn.Robot.uniform(3, length=(45, 70), max_bend=1.5, radius=4, name="three")
 OTHER = ROBOT.changed(name="thick", segments=[sn.Segment((45, 70), max_bend=1.5, radius=8)] * 3)
@@ -78,7 +77,7 @@ def test_a_sweep_is_assessed_and_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "robots.png").read_bytes().startswith(b"\x89PNG")
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("robot", "tasks", "told"),
     [
         (ROBOT, {"a": 7}, r"^tasks\['a'\]: expected a Target"),

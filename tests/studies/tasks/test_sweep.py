@@ -5,7 +5,6 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
 
 ROBOT = sn.Robot.uniform(3, length=(45, 70), max_bend=1.5, radius=4, tendons=sn.Tendons(3, radius=4))
 
@@ -16,7 +15,7 @@ def test_every_combination_is_there_in_order() -> None:
     assert [(len(robot), robot.radii[0]) for robot in robots.values()] == [(2, 1.0), (2, 2.5), (5, 1.0), (5, 2.5)]
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("field", "value", "changed"),
     [
         ("segments.length", [30, 40], lambda r: r.segments[2].length == (30.0, 40.0)),
@@ -39,7 +38,7 @@ def test_its_own_value_changes_nothing() -> None:
     assert robot.equals(ROBOT)
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("fields", "told"),
     [
         ({"colour": ["red"]}, "colour"),

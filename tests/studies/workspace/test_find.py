@@ -9,7 +9,6 @@ import pytest
 import sinuous as sn
 from sinuous.studies.workspace import find
 from sinuous.studies.workspace.reach import Verdict
-from tests.cases import with_each
 from tests.studies.workspace.maps import ROBOT, WALL, made
 
 
@@ -150,7 +149,7 @@ def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: di
         made(**(box | options))
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("options", "key"),
     [
         ({"spacing": 0.0}, "spacing"),

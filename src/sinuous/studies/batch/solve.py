@@ -10,22 +10,23 @@ from typing import Any, Unpack
 from sinuous.base import checks
 from sinuous.base.arguments import Rows, Truth, Whole
 from sinuous.base.errors import InputError, UnfinishedError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.model.robot import Robot
 from sinuous.problem.target import GoalArrays
 from sinuous.scene.scene import SceneLike
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import only_reading
-from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
-from sinuous.studies.batch.batch import Answers, Batch, Failed, Results
-from sinuous.studies.batch.checkpoint import hash_of, problem_record
-from sinuous.studies.batch.dispatch import Dispatcher, begin
-from sinuous.studies.batch.engines import LostError
+from sinuous.studies.batch.batch import Answers, Batch
+from sinuous.studies.batch.results import Results
 from sinuous.studies.batch.tables.kinds import check_results, open_source
-from sinuous.studies.batch.tables.layout import Block
 from sinuous.studies.batch.tables.source import Source
-from sinuous.studies.batch.work import Chunk, ChunkSolver
+from sinuous.studies.batch.work import ChunkSolver
+from sinuous.studies.runs.checkpoint import hash_of, problem_record
+from sinuous.studies.runs.engine import Failure, LostError
+from sinuous.studies.runs.open_engine import open_engine
 
 STARTS, TIME = 100, 0.1
 """Most starts of a target, by default."""
@@ -116,7 +117,7 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    refuse_unknown(options, SolveArguments, *(solve_batch.__kwdefaults__ or ()))
+    refuse_unknown(options, SolveArguments.__annotations__)
     given: dict[str, Any] = {"max_starts": STARTS, "time": TIME, **options}
     near, size = checks.truth("warm", warm), checks.integer("chunk", chunk, 1, MOST_CHUNK)
     count, part = read_workers(workers), None if shard is None else _shard(shard)
@@ -143,31 +144,23 @@ def solve_batch(
             todo = [number for number in results.open() if owns(part, number)]
             with _explained(results):
                 began = clock.perf_counter()
-                failed = _solve(results, todo, source, work, engine, count, shown) if todo else []
-                batch = results.end(failed, clock.perf_counter() - began, whole=part is None)
+                failures = _solve(results, todo, source, engine, work, count, shown) if todo else []
+                batch = results.end(failures, clock.perf_counter() - began, whole=part is None)
     found = batch.results if file is None else file
     return batch if found is None else replace(batch, _answers=Answers(work, targets, fingerprint, size, found))
 
 
 def _solve(
-    results: Results, todo: list[int], source: Source, work: ChunkSolver, engine: object, workers: int, shown: bool
-) -> list[Failed]:
+    results: Results, todo: list[int], source: Source, engine: object, work: ChunkSolver, workers: int, shown: bool
+) -> list[Failure]:
     """Solve chunks by an engine; return those that were given up."""
-
-    def keep(chunk: Chunk, block: Block) -> None:
-        results.write(chunk.number, block)
-        bar.advance(len(block["row"]))
-
-    def chunks() -> Iterator[Chunk]:
-        for number in todo:
-            first, last = results.span(number)
-            yield Chunk(number, first, source.read(first, last))
-
     rows = sum(last - first for first, last in map(results.span, todo))
-    with ProgressBar(rows if shown else 0, logged=shown) as bar, begin(engine, work, workers) as crew:
-        dispatcher = Dispatcher(crew, chunks(), keep)
-        dispatcher.run()
-    return dispatcher.failed
+    tasks = ((number, source.read(*results.span(number))) for number in todo)
+    with ProgressBar(rows if shown else 0, logged=shown) as bar, open_engine(engine, work, workers) as crew:
+        for number, block in crew.run(tasks):
+            results.write(number, block)
+            bar.advance(len(block["row"]))
+    return crew.failures
 
 
 @contextmanager

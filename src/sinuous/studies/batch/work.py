@@ -1,7 +1,7 @@
 """What becomes of a chunk: targets are solved, or derived; of other rows it is said that they are none."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,26 +29,8 @@ RUN = 8
 """Neighbours along the curve of which the first is solved by itself, and the others from its solution."""
 
 
-class Chunk(NamedTuple):
-    """A chunk of targets.
-
-    Attributes
-    ----------
-    number : int
-        Number of the chunk.
-    first : int
-        Its first row, 0 = first of all.
-    raw : dict
-        Rows by the names of `GoalArrays`, not checked yet.
-    """
-
-    number: int
-    first: int
-    raw: Raw
-
-
 class ChunkSolver:
-    """Solves chunks; may be pickled and sent to workers.
+    """Solves chunks of rows; may be pickled and sent to workers.
 
     Parameters
     ----------
@@ -68,11 +50,11 @@ class ChunkSolver:
         self._solver.solve_many(positions=np.empty((0, 3)), initial=self._initial, workers=1)
         return self
 
-    def __call__(self, chunk: Chunk) -> Block:
-        """Solve a chunk in this thread alone."""
-        count = len(next(iter(chunk.raw.values())))
-        block = self.layout.nothing(chunk.first, count, INVALID)
-        rows, goals = valid(chunk.raw)
+    def __call__(self, raw: Raw) -> Block:
+        """Solve rows by the names of `GoalArrays`, which are not checked yet, in this thread alone."""
+        count = len(next(iter(raw.values())))
+        block = self.layout.nothing(0, count, INVALID)
+        rows, goals = valid(raw)
         if not len(rows):
             return block
         for part, initial in self._parts(goals, block["q"], rows):

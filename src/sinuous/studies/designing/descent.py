@@ -20,10 +20,9 @@ from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem
-from sinuous.studies.batch.tables.layout import Block
-from sinuous.studies.batch.work import Chunk
 from sinuous.studies.designing.judge import Judge, Judged
 from sinuous.studies.designing.objectives import Objective, of_robot
+from sinuous.studies.runs.engine import Arrays
 from sinuous.studies.tasks.tasks import Meet
 
 DERIVED = ("length", "bend", "travel", "tension", "clearance")
@@ -107,7 +106,7 @@ def descend(judge: Judge, combination: tuple[Any, ...], shares: Floats, begin: F
 
 
 class Judging:
-    """Judges chunks of robots, and leads some of them down; may be pickled and sent to workers, as a `ChunkSolver`.
+    """Judges chunks of robots, and leads some of them down; may be pickled and sent to workers.
 
     Parameters
     ----------
@@ -115,19 +114,18 @@ class Judging:
     """
 
     def __init__(self, judge: Judge) -> None:
-        self.judge = judge
+        self.judge, self.scene = judge, judge.scene
 
     def prepare(self) -> "Judging":
         """Compile, or load, what judging needs."""
         self.judge.solver(self.judge.space.template)
         return self
 
-    def __call__(self, chunk: Chunk) -> Block:
-        """Judge the robots of a chunk, which is a part of `search.Drawn`, and what `judge` is told.
+    def __call__(self, raw: Arrays) -> Arrays:
+        """Judge some robots, which are a part of `search.Drawn`, and what `judge` is told.
 
         Where one is a source of others, it is replaced by what a descent from it leads to.
         """
-        raw = chunk.raw
         told = raw["bounds"], raw["order"].tolist(), bool(raw["stops"])
         ended = []
         for i, shares, begin, source, which in zip(

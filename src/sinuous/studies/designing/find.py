@@ -5,6 +5,7 @@ import pickle
 import time as clock
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -21,15 +22,15 @@ from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
-from sinuous.studies.batch.checkpoint import Checkpoint, InMemory, hash_of, problem_record
-from sinuous.studies.batch.dispatch import all_done, begin
-from sinuous.studies.batch.tables.layout import Block
 from sinuous.studies.designing.descent import Judging, can_descend
 from sinuous.studies.designing.design import Change, Cut, Design, FoundRobot
 from sinuous.studies.designing.fields import Space
 from sinuous.studies.designing.judge import Judge
 from sinuous.studies.designing.objectives import Objective, read_objectives
 from sinuous.studies.designing.search import Drawn, RobotCandidates, RobotSearch, front
+from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
+from sinuous.studies.runs.engine import Arrays, Engine
+from sinuous.studies.runs.open_engine import open_engine
 from sinuous.studies.tasks.tasks import Meet, read_tasks
 
 ROBOTS = 2000
@@ -136,38 +137,35 @@ def design(
 class _DesignRun:
     """A search under way: generations are judged by an engine, and kept."""
 
-    def __init__(self, judge: Judge, search: RobotSearch, kept: InMemory | Checkpoint, advance: Any) -> None:
+    def __init__(self, judge: Judge, search: RobotSearch, kept: Checkpoint, advance: Any) -> None:
         self._judge, self._search, self.kept, self._advance = judge, search, kept, advance
         self._found: list[RobotCandidates] = []
 
     def until(self, count: int, end: float, engine: Any, workers: int) -> RobotCandidates:
         """Judge generations until there are `count` robots, or the time is over."""
         self.kept.open()
-        known = set(self.kept.done())
-        number = 0
-        with begin(engine, Judging(self._judge), workers) as ready:
+        known = len(self.kept.done())
+        with open_engine(engine, Judging(self._judge), workers) as ready:
             while sum(int(each.tried.sum()) for each in self._found) < count:
+                number = len(self._found)
+                if number >= max(1, known) and clock.perf_counter() >= end:
+                    break
                 drawn = self._search.generation(number, self._found)
-                if number not in known:
-                    if number and clock.perf_counter() >= end:
-                        break
-                    self.kept.write(number, self._judged(ready, drawn, workers))
-                rows = self.kept.read(number)
+                rows = self.kept.once(number, partial(self._judged, ready, drawn, workers))
                 own = {name: rows[name] for name in RobotCandidates._fields if name not in ("combination", "source")}
                 self._found.append(RobotCandidates(combination=drawn.combination, source=drawn.source, **own))
                 self._advance(int(rows["tried"].sum()))
-                number += 1
         return RobotCandidates.joined(self._found)
 
-    def _judged(self, engine: Any, drawn: Drawn, workers: int) -> Block:
+    def _judged(self, engine: Engine, drawn: Drawn, workers: int) -> Arrays:
         """Have a generation judged, in chunks for all workers."""
         told, count = self._known(), len(drawn.combination)
         parts = np.array_split(np.arange(count), min(count, 4 * workers))
         chunks = ({**told, **{name: each[part] for name, each in drawn._asdict().items()}} for part in parts)
-        blocks = all_done(engine, chunks, "a robot could not be judged")
+        blocks = engine.results(chunks, "a robot could not be judged")
         return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
 
-    def _known(self) -> Block:
+    def _known(self) -> Arrays:
         """What judges are told of the generations before: see `Judge.judge`."""
         count, objectives = len(self._judge.tasks), len(self._judge.minimise)
         bounds, order, stops = np.full(objectives, np.inf), np.arange(count), False
@@ -180,10 +178,10 @@ class _DesignRun:
         return {"bounds": bounds, "order": order, "stops": np.array(stops)}
 
 
-def _kept(judge: Judge, out: str | Path | None) -> InMemory | Checkpoint:
+def _kept(judge: Judge, out: str | Path | None) -> Checkpoint:
     """Where generations are kept."""
     if out is None:
-        return InMemory()
+        return Checkpoint(None, {}, "this design")
     solver = judge.solver(judge.space.template)
     record = {
         **problem_record(judge.space.template, judge.scene.snapshot(), solver.options),

@@ -19,6 +19,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, warn_of
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import duration
@@ -30,13 +31,13 @@ from sinuous.problem.suspicions import suspicions
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import Explored, Memory
-from sinuous.solver.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.shapes import Graph
 from sinuous.solver.shapes import Whole as Numbers
-from sinuous.studies.batch.checkpoint import hash_of
-from sinuous.studies.batch.dispatch import all_done, begin
-from sinuous.studies.batch.tables.layout import Block
 from sinuous.studies.exploring.explorer import Explorer, TaskKind
+from sinuous.studies.runs.checkpoint import hash_of
+from sinuous.studies.runs.engine import Arrays, Engine
+from sinuous.studies.runs.open_engine import open_engine
 from sinuous.studies.workspace.reach import reach_of
 
 MOST_PARTS = 20
@@ -195,7 +196,7 @@ def explore(
     """
     began = clock.perf_counter()
     checks.instance("robot", robot, Robot, "a Robot")
-    refuse_unknown(options, SolveArguments, *(explore.__kwdefaults__ or ()))
+    refuse_unknown(options, SolveArguments.__annotations__)
     given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
     place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
     memory = given.pop("memory", None)
@@ -215,7 +216,7 @@ def explore(
     explorer = Explorer(chosen.demanded_of(robot), Scene.of(snapshot), chosen)
     count = read_workers(workers)
     with (
-        begin(engine, explorer, count) as ready,
+        open_engine(engine, explorer, count) as ready,
         ProgressBar(math.ceil(seconds) if checks.truth("progress", progress) else 0) as bar,
     ):
         run = _ExplorationRun(explorer, kept, near, ready)
@@ -251,7 +252,7 @@ class _ExplorationRun:
         Whether there was no room for what was found.
     """
 
-    def __init__(self, explorer: Explorer, memory: Memory, spacing: float, engine: Any) -> None:
+    def __init__(self, explorer: Explorer, memory: Memory, spacing: float, engine: Engine) -> None:
         self._explorer, self._memory, self._spacing, self._engine = explorer, memory, spacing, engine
         self._robot, self._reach = explorer.robot, reach_of(explorer.robot)
         self.full = False
@@ -286,13 +287,13 @@ class _ExplorationRun:
         self._memory._explored = known._replace(rounds=known.rounds + 1, tests=tests)
         return not self.full
 
-    def _keep(self, block: Block) -> None:
+    def _keep(self, block: Arrays) -> None:
         """Keep what a chunk found; its own numbers, from -1 down, go on from those that are kept."""
         shapes = self._memory._shapes
         edges = np.where(block["edges"] < 0, len(shapes) - 1 - block["edges"], block["edges"])
         self.full |= shapes.add(block["q"], edges) < len(block["q"])
 
-    def _tests(self, graph: Graph, tasks: Block, blocks: list[Block]) -> list[tuple[int, int]]:
+    def _tests(self, graph: Graph, tasks: Arrays, blocks: list[Arrays]) -> list[tuple[int, int]]:
         """Say of positions anywhere that were met whether they were covered before, and joined by one motion."""
         own = np.concatenate([block["own"] for block in blocks])
         largest = graph.parts == 0
@@ -306,12 +307,12 @@ class _ExplorationRun:
 
     def _clear(self, pairs: Floats) -> Any:
         """Say of pairs (m, 2, n, 3) of shapes between which the motion is proved clear."""
-        chunks: list[Block] = [{"pairs": pairs[at : at + PAIRS]} for at in range(0, len(pairs), PAIRS)]
+        chunks: list[Arrays] = [{"pairs": pairs[at : at + PAIRS]} for at in range(0, len(pairs), PAIRS)]
         return np.concatenate([np.empty(0, np.bool_), *(block["clear"] for block in self._done(chunks))])
 
-    def _done(self, chunks: list[Block]) -> list[Block]:
+    def _done(self, chunks: list[Arrays]) -> list[Arrays]:
         """Have chunks done by the workers."""
-        return all_done(self._engine, chunks, "a part of the place could not be explored")
+        return self._engine.results(chunks, "a part of the place could not be explored")
 
 
 class _Draws:
@@ -321,7 +322,7 @@ class _Draws:
         self._robot, self._graph, self._reach, self._spacing = robot, graph, reach, spacing
         self._rng = np.random.default_rng(seeds)
 
-    def tasks(self) -> Block:
+    def tasks(self) -> Arrays:
         """Return what the tasks are: arrays with one row a task."""
         n, count, rng = len(self._robot), len(self._graph), self._rng
         kinds = np.full(ROUND if count else EVEN, TaskKind.EVEN)

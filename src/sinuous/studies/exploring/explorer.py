@@ -22,8 +22,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.shapes import Whole
 from sinuous.solver.solver import Solver
-from sinuous.studies.batch.tables.layout import Block
-from sinuous.studies.batch.work import Chunk
+from sinuous.studies.runs.engine import Arrays
 
 PATIENCE = 20.0
 """Seconds of one attempt, after which it is given up whatever was to be done."""
@@ -58,7 +57,7 @@ class TaskKind(IntEnum):
 
 
 class Explorer:
-    """Does tasks; may be pickled and sent to workers, as `sinuous.studies.batch.work.ChunkSolver` is.
+    """Does tasks; may be pickled and sent to workers.
 
     Parameters
     ----------
@@ -87,14 +86,14 @@ class Explorer:
             work.trees.load()
         return self
 
-    def __call__(self, chunk: Chunk) -> Block:
+    def __call__(self, tasks: Arrays) -> Arrays:
         """Do the tasks of a chunk, or prove the motions between pairs of shapes."""
         with self._workspaces.lent(self.scene.snapshot()) as work:
-            if "pairs" in chunk.raw:
-                return {"clear": np.array([work.prover.is_clear(*pair) for pair in chunk.raw["pairs"]], np.bool_)}
+            if "pairs" in tasks:
+                return {"clear": np.array([work.prover.is_clear(*pair) for pair in tasks["pairs"]], np.bool_)}
             found = _Found(len(self.robot))
-            for i in range(len(chunk.raw["kind"])):
-                task = {name: values[i] for name, values in chunk.raw.items()}
+            for i in range(len(tasks["kind"])):
+                task = {name: values[i] for name, values in tasks.items()}
                 found.own.append(self._do(work, found, task))
             return found.block()
 
@@ -204,7 +203,7 @@ class _Found:
         way = [own, *(first - i for i in range(len(q) - 2)), last]
         self.edges += pairwise(way)
 
-    def block(self) -> Block:
+    def block(self) -> Arrays:
         """Return what travels."""
         edges = np.array(self.edges, np.int64).reshape(-1, 2)
         return {"q": np.concatenate(self._q), "edges": edges, "own": np.array(self.own, np.int64)}

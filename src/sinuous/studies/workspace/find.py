@@ -6,6 +6,7 @@ threads do: the calls of a solver always come in the same order, and a checkpoin
 """
 
 import time as clock
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.base.checks import Floats
+from sinuous.base.keywords import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.model.robot import Robot
@@ -23,10 +25,11 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LoadedShapes
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import only_reading
-from sinuous.solver.options import SolveArguments, refuse_unknown
+from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import longest_body
-from sinuous.studies.batch.checkpoint import Checkpoint, hash_of, problem_record
+from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
+from sinuous.studies.runs.engine import Arrays
 from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, directions_of, reach_of, verdicts_of
 
 Numbers = NDArray[np.int64]
@@ -50,26 +53,23 @@ class Calls:
     ----------
     workers : int
         Most threads.
-    checkpoint : Checkpoint, optional
+    checkpoint : Checkpoint
         Holds the calls that were made, by their numbers.
     """
 
-    def __init__(self, workers: int, checkpoint: Checkpoint | None = None) -> None:
+    def __init__(self, workers: int, checkpoint: Checkpoint) -> None:
         self._workers, self._checkpoint = workers, checkpoint
-        self._made = set[int]() if checkpoint is None else set(checkpoint.done())
-        self._next = 0
+        self._numbers = count()
 
     def solve(self, solver: Solver, **goals: Any) -> tuple[Codes, NDArray[np.float32]]:
         """Return the verdicts (m,) of a call, and its configurations (m, n, 3) in single precision."""
-        number, self._next = self._next, self._next + 1
-        if self._checkpoint is not None and number in self._made:
-            call = self._checkpoint.read(number)
-            return call["codes"], call["q"]
-        found = solver.solve_many(workers=self._workers, **goals)
-        codes, q = verdicts_of(found), found.q.astype(np.float32)
-        if self._checkpoint is not None:
-            self._checkpoint.write(number, {"codes": codes, "q": q})
-        return codes, q
+
+        def make() -> Arrays:
+            found = solver.solve_many(workers=self._workers, **goals)
+            return {"codes": verdicts_of(found), "q": found.q.astype(np.float32)}
+
+        call = self._checkpoint.once(next(self._numbers), make)
+        return call["codes"], call["q"]
 
 
 class ReachAnswers(NamedTuple):
@@ -147,7 +147,7 @@ class Rounds:
     def _candidates(self, tried: NDArray[np.uint8]) -> tuple[Numbers, Numbers]:
         """Questions that are open and may begin from a neighbour, and which neighbour that is."""
         codes = self.answers.codes
-        count = codes.shape[1]
+        ways = codes.shape[1]
         places, directions = np.nonzero((codes >= Verdict.OBSTACLE) & (tried < TRIES))
         beside = self._work.neighbours[places]
         solved = (beside >= 0) & (codes[beside, directions[:, None]] == Verdict.SOLVED)
@@ -155,7 +155,7 @@ class Rounds:
         wanted = solved & (rank == tried[places, directions][:, None])
         some = wanted.any(axis=1)
         near = beside[some, wanted[some].argmax(axis=1)]
-        return places[some] * count + directions[some], near * count + directions[some]
+        return places[some] * ways + directions[some], near * ways + directions[some]
 
     def _solve(self, asked: Numbers, initial: NDArray[np.float32] | None) -> None:
         place, direction = np.divmod(asked, len(self._work.directions))
@@ -233,16 +233,15 @@ def reach(
         problem, grid or version.
     """
     began = clock.perf_counter()
-    refuse_unknown(options, SolveArguments, "spacing", "directions", *(reach.__kwdefaults__ or ()))
+    refuse_unknown(options, SolveArguments.__annotations__)
     checks.instance("robot", robot, Robot, "a Robot")
-    count, shown = read_workers(workers), checks.truth("progress", progress)
+    threads, shown = read_workers(workers), checks.truth("progress", progress)
     voxels, axes, place = Voxels.about(robot, spacing, low, high), directions_of(directions), as_scene(scene)
     given = only_reading({"max_starts": 1, "routes": False, **options})
     free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
-    checkpoint = None if out is None else Checkpoint(Path(out), _record(solver, voxels, axes), "this map")
-    if checkpoint is not None:
-        checkpoint.open()
-    calls = Calls(count, checkpoint)
+    checkpoint = Checkpoint(None if out is None else Path(out), _record(solver, voxels, axes), "this map")
+    checkpoint.open()
+    calls = Calls(threads, checkpoint)
     with code_first():
         taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]
@@ -265,7 +264,7 @@ def reach(
         farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
-    if out is not None and checkpoint is not None:
+    if out is not None:
         found.save(out)
         checkpoint.remove()
     return found

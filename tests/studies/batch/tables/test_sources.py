@@ -13,7 +13,6 @@ from pyarrow import parquet
 import sinuous as sn
 from sinuous.studies.batch.tables.kinds import open_source
 from sinuous.studies.batch.work import valid
-from tests.cases import with_each
 from tests.studies.batch.questions import write_csv
 
 ROWS = np.random.default_rng(0).normal(size=(23, 7))
@@ -144,7 +143,7 @@ def test_nothing_is_unpickled(tmp_path: Path) -> None:
         open_source(tmp_path / "other.npz")
 
 
-@with_each(
+@pytest.mark.parametrize(
     ("targets", "told"),
     [
         ({"position": [[0, 0, 1]]}, "position: "),

@@ -10,6 +10,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
 
@@ -80,9 +81,7 @@ class ArraySource(Source):
     """Arrays by the names of `GoalArrays`; rows with NaN are let through, to be reported."""
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
-        unknown = next((key for key in arrays if key not in KEYS), None)
-        if unknown is not None:
-            raise InputError(unknown, "is not known", arrays[unknown], "one of " + ", ".join(KEYS))
+        refuse_unknown(arrays, KEYS)
         given = {key: value for key, value in arrays.items() if value is not None}
         turns = [key for key in given if key != "positions"]
         if not given or len(turns) > 1:

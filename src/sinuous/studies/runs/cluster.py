@@ -8,9 +8,8 @@ from uuid import uuid4
 
 from sinuous.base import checks
 from sinuous.base.errors import InputError
-from sinuous.studies.batch.engines import PER_WORKER, Engine, LostError, pickled
-from sinuous.studies.batch.tables.layout import Block
-from sinuous.studies.batch.work import Chunk, ChunkSolver
+from sinuous.studies.runs.engine import Arrays, Engine, LostError, Work
+from sinuous.studies.runs.engines import PER_WORKER, pickled
 
 LOCAL = "local"
 """In the place of an address: workers on this machine."""
@@ -43,10 +42,10 @@ def distributed() -> Any:
     return checks.needed("distributed", "cluster", "dask", "dask")
 
 
-def _solve(name: str, chunk: Chunk) -> Block:
-    """In a worker: solve a chunk with the work that it has."""
-    work: ChunkSolver = distributed().get_worker().plugins[name].work
-    return work(chunk)
+def _do(name: str, task: Arrays) -> Arrays:
+    """In a worker: do a task with the work that it has."""
+    work: Work = distributed().get_worker().plugins[name].work
+    return work(task)
 
 
 def _plugin(data: bytes, name: str) -> Any:
@@ -57,7 +56,7 @@ def _plugin(data: bytes, name: str) -> Any:
 
         def __init__(self) -> None:
             self.name, self.data = name, data
-            self.work: ChunkSolver | None = None
+            self.work: Work | None = None
 
         def setup(self, worker: Any) -> None:
             """Unpickle the work."""
@@ -72,7 +71,7 @@ class Dask(Engine):
 
     Parameters
     ----------
-    work : ChunkSolver
+    work : Work
     where : str or Client
         Address of a scheduler, `local`, or a client, which is left to the caller.
     workers : int
@@ -81,7 +80,8 @@ class Dask(Engine):
 
     gone = "the Dask scheduler is gone"
 
-    def __init__(self, work: ChunkSolver, where: Any, workers: int) -> None:
+    def __init__(self, work: Work, where: Any, workers: int) -> None:
+        super().__init__()
         module = distributed()
         data = pickled(work)
         self._own: list[Any] = []
@@ -111,11 +111,11 @@ class Dask(Engine):
         self._own.insert(0, client)
         return client
 
-    def submit(self, chunk: Chunk) -> "Future[Block]":
-        """Hand a chunk to a worker; a worker that dies is replaced by another one, up to three times."""
+    def submit(self, task: Arrays) -> "Future[Arrays]":
+        """Hand a task to a worker; a worker that dies is replaced by another one, up to three times."""
         if self._client.status != "running":
             raise LostError(self.gone)
-        return self._pool.submit(_solve, self._name, chunk)
+        return self._pool.submit(_do, self._name, task)
 
     def restart(self) -> None:
         """Refuse: without a scheduler all is lost."""

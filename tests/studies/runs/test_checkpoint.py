@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
-from sinuous.studies.batch.checkpoint import Checkpoint, InMemory
+from sinuous.studies.runs.checkpoint import Checkpoint
 
 CHUNK: dict[str, Any] = {"q": np.arange(6.0).reshape(2, 3), "text": np.array(["a", "größe"]), "none": np.empty((0, 3))}
 
@@ -21,7 +21,7 @@ def begun(folder: Path, **record: Any) -> Checkpoint:
 
 @pytest.mark.parametrize("in_memory", [True, False])
 def test_what_is_written_is_read(in_memory: bool, tmp_path: Path) -> None:
-    chunks = InMemory() if in_memory else begun(tmp_path)
+    chunks = Checkpoint(None, {}, "this run") if in_memory else begun(tmp_path)
     for number in (12, 3, 1_234_567_890):
         chunks.write(number, CHUNK)
     assert chunks.done() == [3, 12, 1_234_567_890]
@@ -45,6 +45,7 @@ def test_a_chunk_is_there_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytes
     checkpoint = begun(tmp_path)
     checkpoint.write(0, CHUNK)
     checkpoint.write(1, CHUNK)
+    assert checkpoint.folder is not None
     file = checkpoint.folder / "chunk-0000000.npz"
     file.write_bytes(file.read_bytes()[:100])
 
@@ -56,6 +57,20 @@ def test_a_chunk_is_there_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytes
         checkpoint.write(2, CHUNK)
     assert checkpoint.done() == [1]
     assert sorted(each.name for each in checkpoint.folder.iterdir()) == ["chunk-0000001.npz", "record.json"]
+
+
+def test_what_is_made_once_is_kept_where_there_is_a_folder(tmp_path: Path) -> None:
+    made: list[int] = []
+
+    def make() -> dict[str, Any]:
+        made.append(1)
+        return CHUNK
+
+    for _ in range(2):
+        np.testing.assert_array_equal(begun(tmp_path).once(4, make)["q"], CHUNK["q"])
+    assert len(made) == 1
+    assert Checkpoint(None, {}, "this run").once(4, make) == CHUNK
+    assert len(made) == 2
 
 
 def test_nothing_is_left_in_the_end(tmp_path: Path) -> None:

@@ -8,12 +8,11 @@ import hashlib
 import json
 import shutil
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sinuous
 from sinuous.base.documents import draft_of, written
@@ -22,6 +21,7 @@ from sinuous.kernels.compiling.sources import sources_hash
 from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.options import SolveOptions
+from sinuous.studies.runs.engine import Arrays
 
 SUFFIX = ".parts"
 """What is appended to the name of the file of results for the folder of chunks."""
@@ -29,45 +29,13 @@ SUFFIX = ".parts"
 HASH_LENGTH = 16
 """Letters of a hash in a record."""
 
-Arrays = dict[str, NDArray[Any]]
-"""Arrays by name: what a chunk consists of."""
-
-
-class InMemory:
-    """Chunks in memory: where there is no file of results, nothing outlives the run."""
-
-    begun = False
-    """Whether there is something to go on with."""
-
-    def __init__(self) -> None:
-        self._chunks: dict[int, Arrays] = {}
-
-    def open(self) -> None:
-        """Do nothing: there is nothing to go on with."""
-
-    def done(self) -> list[int]:
-        """Return the numbers of the chunks that are there, in rising order."""
-        return sorted(self._chunks)
-
-    def read(self, number: int, *names: str) -> Arrays:
-        """Return the arrays of these names, by default all, of a chunk."""
-        chunk = self._chunks[number]
-        return {name: chunk[name] for name in names or chunk}
-
-    def write(self, number: int, chunk: Arrays) -> None:
-        """Keep a chunk."""
-        self._chunks[number] = chunk
-
-    def remove(self) -> None:
-        """Do nothing: what is kept are the results."""
-
 
 class Checkpoint:
-    """Chunks in a folder beside the file of results.
+    """Chunks in a folder beside the file of results; without a file in memory, where nothing outlives the run.
 
     Parameters
     ----------
-    results : Path
+    results : Path or None
         The file of results.
     record : mapping of str to plain values
         All that the chunks depend on.
@@ -75,14 +43,15 @@ class Checkpoint:
         What a refusal calls the run: `this batch`.
     """
 
-    def __init__(self, results: Path, record: Mapping[str, Any], run: str) -> None:
-        self.folder = results.with_name(results.name + SUFFIX)
+    def __init__(self, results: Path | None, record: Mapping[str, Any], run: str) -> None:
+        self.folder = None if results is None else results.with_name(results.name + SUFFIX)
         self._record, self._run = record, run
+        self._in_memory: dict[int, Arrays] = {}
 
     @property
     def begun(self) -> bool:
-        """Whether there is something to go on with."""
-        return self.folder.exists()
+        """Whether there is a folder to go on with."""
+        return self.folder is not None and self.folder.exists()
 
     def open(self) -> None:
         """Make the folder, or go on with the one that is there.
@@ -92,6 +61,8 @@ class Checkpoint:
         InputError
             When it holds chunks of another record, or cannot be written.
         """
+        if self.folder is None:
+            return
         file = self.folder / "record.json"
         before = read_record(file)
         if before is not None:
@@ -102,34 +73,49 @@ class Checkpoint:
 
     def done(self) -> list[int]:
         """Return the numbers of the chunks that are there, in rising order; broken ones are deleted."""
-        found = []
-        for file in sorted(self.folder.glob("chunk-*.npz")):
-            if zipfile.is_zipfile(file):
-                found.append(int(file.stem.partition("-")[2]))
-            else:  # the machine lost its power while the file was on its way to the disk
+        if self.folder is None:
+            return sorted(self._in_memory)
+        files = sorted(self.folder.glob("chunk-*.npz"))
+        for file in files:
+            if not zipfile.is_zipfile(file):  # the machine lost its power while the file was on its way to the disk
                 file.unlink()
-        return found
+        return [int(file.stem.partition("-")[2]) for file in files if file.exists()]
 
     def read(self, number: int, *names: str) -> Arrays:
         """Return the arrays of these names, by default all, of a chunk."""
+        if self.folder is None:
+            chunk = self._in_memory[number]
+            return {name: chunk[name] for name in names or chunk}
         with np.load(self._file(number)) as data:
             return {name: data[name] for name in names or data.files}
 
     def write(self, number: int, chunk: Arrays) -> None:
         """Keep a chunk: it is there whole, or not at all."""
+        if self.folder is None:
+            self._in_memory[number] = chunk
+            return
         with draft_of(self._file(number)) as draft, draft.open("wb") as out:
             np.savez(out, **chunk)  # type: ignore[arg-type]
 
+    def once(self, number: int, make: Callable[[], Arrays]) -> Arrays:
+        """Return a chunk that an earlier call has kept, or make it, and keep it where there is a folder."""
+        if self.folder is None:
+            return make()
+        if not zipfile.is_zipfile(self._file(number)):
+            self.write(number, make())
+        return self.read(number)
+
     def delete(self, number: int) -> None:
-        """Delete a chunk."""
+        """Delete a chunk in the folder."""
         self._file(number).unlink()
 
     def remove(self) -> None:
-        """Delete the folder, if it is there."""
-        if self.begun:
+        """Delete the folder, if there is one."""
+        if self.folder is not None and self.folder.exists():
             shutil.rmtree(self.folder)
 
     def _file(self, number: int) -> Path:
+        assert self.folder is not None
         return self.folder / f"chunk-{number:07}.npz"
 
 

@@ -1,0 +1,1 @@
+"""Long runs: tasks for workers of any kind, and checkpoints that the same call goes on from."""

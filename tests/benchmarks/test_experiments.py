@@ -21,18 +21,17 @@ from benchmarks.derivatives import agreement
 from benchmarks.harness.conduct import Output, conduct
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.motion import known, loops, moving, p5, peers
+from benchmarks.motion import known, loops, moving, p5
 from benchmarks.paper import pictures
 from benchmarks.paper.contest import Judge, solve_in_turns, tally
-from benchmarks.paper.entrants import Entrant, divide, entrants
-from benchmarks.paper.scenes import paper_pose, path_through
+from benchmarks.paper.entrants import Entrant
+from benchmarks.paper.scenes import paper_pose
 from benchmarks.places import FAMILIES
-from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, paper_poses
+from benchmarks.problems import among_spheres, arm, full_poses, paper_poses
 from benchmarks.solvers.answers import solve_all
 from benchmarks.speed import budgets, endurance, honesty
 from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
-from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver
 from tests.benchmarks.tampering import moved
 
@@ -161,15 +160,6 @@ def test_an_answer_that_touches_is_a_wrong_claim() -> None:
     assert tally(records)["wrong"] >= len(touching)
 
 
-def test_everyone_takes_part_where_their_capabilities_reach() -> None:
-    everyone = entrants()
-    assert divide(everyone, paper_pose("A", 1))[1] == {}
-    _, unable = divide(everyone, path_through(5, 3, np.random.default_rng(0), 12))
-    assert unable["dls"] == "does not avoid obstacles"
-    turned = ProblemSet(arm(5, 2.4), [sn.Target((0, 0, -250), rotation=np.eye(3))], Scene(), sn.Tolerance(1.0, 0.0175))
-    assert "rotation" in divide(everyone, turned)[1]["fabrikc"]
-
-
 def test_a_solver_that_lies_in_clutter_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(honesty, "TARGETS", 20)
     assert honesty.examine(1)[1:] == ([], [])
@@ -216,12 +206,6 @@ def test_wrong_and_late_plans_count_as_such() -> None:
     assert (lines[p5.PLANNED].reached, lines[p5.FALSE].reached, lines[p5.FALSE].held) == (25.0, 1, False)
     planned, false = known.lines_of("x", [known.Trial(1.0, "solved", ""), known.Trial(6.0, "solved", "overlap")])
     assert (planned.reached, false.reached) == (50.0, 1)
-
-
-def test_others_plan_the_same_pairs() -> None:
-    trial = p5.examine(p5.Task(3, 1, 0, 0, compared=True))
-    assert (trial.status, trial.wrong) == ("solved", "")
-    assert set(trial.others) == (set(peers.PLANNERS) if peers.installed() else set())
 
 
 def test_loops_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:

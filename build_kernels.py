@@ -20,15 +20,15 @@ from pathlib import Path
 
 from llvmlite import binding as llvm
 
-from sinuous.kernels.compiling.store import CACHE, CODE
-from sinuous.kernels.compiling.targets import LEVELS, NAME, settings
+from sinuous.kernels.compile.store import CACHE, CODE
+from sinuous.kernels.compile.targets import LEVELS, NAME, settings
 
 ROOT = Path(__file__).parent
 
 SHOW_TARGET = """
 import json
 from numba.core.registry import cpu_target
-from sinuous.kernels.compiling.store import CACHE
+from sinuous.kernels.compile.store import CACHE
 print(json.dumps([str(CACHE), cpu_target.target_context.codegen().magic_tuple()]))
 """
 

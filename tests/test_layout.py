@@ -38,7 +38,6 @@ KERNEL_FLOORS = {
     "clock": 0,
     "compile": 0,
     "packing": 2,
-    "compiling": 0,
     "tables": 0,
 }
 

@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import sinuous
-from sinuous.kernels.compiling.helpers import cores
+from sinuous.kernels.compile import cores
 
 PACKAGES = ("numpy", "scipy", "numba", "casadi", "python-fcl", "libigl", "ompl")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import sinuous
 from sinuous.cli.warm_steps import steps
-from sinuous.kernels.compiling.pieces import FREE, PIECES
+from sinuous.kernels.compile.pieces import FREE, PIECES
 from sinuous.methods.registry import METHODS
 from tests.kernels.test_compile import decorated
 

@@ -2,12 +2,13 @@
 
 A process of its own: `python -m tests.kernels.both_ways`. It prints the entries that were called, with how many calls
 were compared and the largest difference, then what differs by more; and which forms of entries were compiled ahead, and
-which only for what users did afterwards.
+which only for what users did afterwards. With names of steps of `sinuous warm` it takes these alone.
 """
 
 import inspect
 import json
 import math
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling.pieces import FREE, name_of
+from sinuous.kernels.compile.pieces import FREE, name_of
 from sinuous.kernels.tables import SECONDS
 
 NEAR = 1e-9
@@ -223,8 +224,8 @@ def main() -> None:
 
     failed, sampled = [], {"LEAST": sampling.LEAST, "MOST": sampling.MOST, "CELLS": sampling.CELLS}
     sampling.THREADS = 1  # threads write into one array, and each call is compared by itself
-    sampling.LEAST = sampling.MOST = 2**12  # more say the same, and take most of the time
-    sampling.CELLS = 500
+    sampling.LEAST = sampling.MOST = 2**10  # more say the same, and take most of the time
+    sampling.CELLS = 100
 
     def run(name: str, use: Callable[[], object]) -> None:
         try:
@@ -232,16 +233,19 @@ def main() -> None:
         except Exception as error:  # what a kernel raises, interpreted
             failed.append(f"{name}: {type(error).__name__}: {error}")
 
+    chosen = sys.argv[1:]
     for step in steps():
-        run(f"what is warmed for {step.what}", step.use)
+        if not chosen or step.what in chosen:
+            run(f"what is warmed for {step.what}", step.use)
     ahead = [name_of(one.compiled, form) for one in made for form in one.signatures]
     forms = {one.name: len(one.signatures) for one in made}
-    for name, use in problems():
-        run(name, use)
-    Both.most = 0
-    for name, value in sampled.items():
-        setattr(sampling, name, value)
-    run("what users do", use_all)
+    if not chosen:
+        for name, use in problems():
+            run(name, use)
+        Both.most = 0
+        for name, value in sampled.items():
+            setattr(sampling, name, value)
+        run("what users do", use_all)
     late = {one.name: str(one.signatures) for one in made if len(one.signatures) > forms[one.name]}
     found = {"compared": compared, "largest": largest, "apart": apart, "failed": failed, "ahead": ahead, "late": late}
     print(json.dumps(found))  # noqa: T201

@@ -8,8 +8,8 @@ from types import FunctionType, ModuleType
 
 import sinuous
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling.sources import read_sources
-from sinuous.kernels.compiling.store import ENTRIES
+from sinuous.kernels.compile.sources import read_sources
+from sinuous.kernels.compile.store import ENTRIES
 
 PACKAGE = Path(sinuous.__file__).parent
 

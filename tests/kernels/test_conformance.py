@@ -9,35 +9,47 @@ from typing import Any
 
 import pytest
 
-from sinuous.kernels.compiling.pieces import PIECES
+from sinuous.kernels.compile.pieces import PIECES
 from tests.kernels.both_ways import NEAR
 
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture(scope="module")
-def seen() -> Any:
-    """What `both_ways` says."""
-    command = [sys.executable, "-m", "tests.kernels.both_ways"]
-    words = {**os.environ, "SINUOUS_KERNELS": "compiled"}
+def compare_both_ways(*steps: str, **settings: str) -> dict[str, Any]:
+    """What `both_ways` says with such variables of the environment."""
+    command = [sys.executable, "-m", "tests.kernels.both_ways", *steps]
+    words = {**os.environ, "SINUOUS_KERNELS": "compiled", **settings}
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT, env=words)
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
+    return dict(json.loads(done.stdout.splitlines()[-1]))
 
 
-def test_no_kernel_raises_when_it_is_interpreted(seen: Any) -> None:
+def assert_same(seen: dict[str, Any]) -> None:
     assert not seen["failed"], "\n".join(seen["failed"])
-
-
-def test_every_entry_was_compared(seen: Any) -> None:
-    assert {entry for piece in PIECES for entry in piece.entries} <= seen["compared"].keys()
-
-
-def test_answers_are_the_same(seen: Any) -> None:
     assert not seen["apart"], "\n".join(seen["apart"])
     assert max(seen["largest"].values()) <= NEAR
 
 
-def test_everything_is_compiled_ahead_and_in_one_form(seen: Any) -> None:
+@pytest.fixture(scope="module")
+def seen() -> dict[str, Any]:
+    return compare_both_ways()
+
+
+def test_no_kernel_raises_when_it_is_interpreted_and_answers_are_the_same(seen: dict[str, Any]) -> None:
+    assert_same(seen)
+
+
+def test_every_entry_was_compared(seen: dict[str, Any]) -> None:
+    assert {entry for piece in PIECES for entry in piece.entries} <= seen["compared"].keys()
+
+
+def test_everything_is_compiled_ahead_and_in_one_form(seen: dict[str, Any]) -> None:
     assert sorted(seen["ahead"]) == sorted(entry for piece in PIECES for entry in piece.entries)
     assert seen["late"] == {}
+
+
+def test_numba_by_itself_makes_the_same() -> None:
+    """The way out of what we do to it, and what runs with versions that were not tried."""
+    seen = compare_both_ways("kinematics", "starts of a memory", SINUOUS_COMPILER="numba")
+    assert_same(seen)
+    assert len(seen["compared"]) == 5

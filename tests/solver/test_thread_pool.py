@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.compiling.helpers import cores
+from sinuous.kernels.compile import cores
 from sinuous.solver.thread_pool import share_jobs
 from tests.kernels.test_clock import work
 

@@ -11,7 +11,7 @@ from sinuous.answer.solve_again import SolveAgain
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.kernels.compiling.helpers import cores
+from sinuous.kernels.compile import cores
 from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, STARTS, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.model.robot import Robot

@@ -22,7 +22,7 @@ from sinuous.base.errors import InputError, warn_of
 from sinuous.base.progress import ProgressBar
 from sinuous.base.reprs import call, text
 from sinuous.base.work_time import no_work, work_time
-from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.compile import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest

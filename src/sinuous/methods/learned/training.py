@@ -2,6 +2,9 @@
 
 A perceptron that learned the drawn shapes themselves would learn the mean of all that meet a target, which misses it.
 So each target is solved by our own method, always from the same start: its answers change little where targets do.
+
+`MLPRegressor` of scikit-learn was tried in the place of `_learn`: its rate of learning does not fall for Adam, so that
+networks of the same size missed by 7 to 26 % more, after 2.3 times the CPU time; and it would be one more package.
 """
 
 import math
@@ -16,7 +19,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.progress import ProgressBar
 from sinuous.kernels import tables as t
-from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.compile import code_first
 from sinuous.kernels.tables import answer_size
 from sinuous.methods.learned.network import INPUTS, KINDS, MOST_WIDTH, Layers, Network, inputs
 from sinuous.methods.newton import Newton

@@ -14,9 +14,10 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.parameter_groups import read_tangent
 from sinuous.base.reprs import ShortRepr
-from sinuous.studies.batch.tables.kinds import NpzRows, open_source
-from sinuous.studies.batch.tables.layout import INVALID, STATUSES, Block
+from sinuous.studies.batch.tables.reading import NpzRows, open_source
+from sinuous.studies.batch.tables.results import INVALID, STATUSES
 from sinuous.studies.batch.work import ChunkSolver
+from sinuous.studies.runs.engine import Arrays
 
 if TYPE_CHECKING:
     from sinuous.answer.derivatives.many import Derivatives
@@ -66,7 +67,7 @@ class Answers:
     targets: Any
     fingerprint: str
     chunk: int
-    found: Path | Block
+    found: Path | Arrays
 
     def derivatives(self, wrt: tuple[Parameter, ...]) -> "Iterator[Derivatives]":
         """Derive one chunk after the other."""
@@ -80,7 +81,7 @@ class Answers:
 
 
 @contextmanager
-def _reader(found: Path | Block) -> Iterator[Callable[[int, int], Block]]:
+def _reader(found: Path | Arrays) -> Iterator[Callable[[int, int], Arrays]]:
     """Yield what reads rows of results, from the first up to, without it, the last."""
     if not isinstance(found, Path):
         yield lambda first, last: {name: rows[first:last] for name, rows in found.items()}
@@ -126,7 +127,7 @@ class Batch(ShortRepr):
     seconds: float
     before: int
     total: int
-    results: Block | None = field(default=None)
+    results: Arrays | None = field(default=None)
     _answers: Answers | None = field(default=None)
 
     words = STATUSES

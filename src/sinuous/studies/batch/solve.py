@@ -21,8 +21,8 @@ from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 from sinuous.studies.batch.batch import Answers, Batch
 from sinuous.studies.batch.results import Results
-from sinuous.studies.batch.tables.kinds import check_results, open_source
-from sinuous.studies.batch.tables.source import Source
+from sinuous.studies.batch.tables.reading import Source, open_source
+from sinuous.studies.batch.tables.results import check_results
 from sinuous.studies.batch.work import ChunkSolver
 from sinuous.studies.runs.checkpoint import hash_of, problem_record
 from sinuous.studies.runs.engine import Failure, LostError

@@ -14,8 +14,9 @@ from sinuous.problem.target import TipGoals
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.solver.many import read_initial
 from sinuous.solver.solver import Solver
-from sinuous.studies.batch.tables.layout import INVALID, Block, Layout
-from sinuous.studies.batch.tables.source import Raw
+from sinuous.studies.batch.tables.reading import Raw
+from sinuous.studies.batch.tables.results import INVALID, Layout
+from sinuous.studies.runs.engine import Arrays
 
 if TYPE_CHECKING:
     from sinuous.answer.derivatives.many import Derivatives
@@ -50,7 +51,7 @@ class ChunkSolver:
         self._solver.solve_many(positions=np.empty((0, 3)), initial=self._initial, workers=1)
         return self
 
-    def __call__(self, raw: Raw) -> Block:
+    def __call__(self, raw: Raw) -> Arrays:
         """Solve rows by the names of `GoalArrays`, which are not checked yet, in this thread alone."""
         count = len(next(iter(raw.values())))
         block = self.layout.nothing(0, count, INVALID)
@@ -62,7 +63,7 @@ class ChunkSolver:
             self.layout.fill(block, slice(None) if len(own) == count else own, found, self._solver.robot)
         return block
 
-    def derive(self, raw: Raw, block: Block, wrt: tuple[Parameter, ...]) -> "Derivatives":
+    def derive(self, raw: Raw, block: Arrays, wrt: tuple[Parameter, ...]) -> "Derivatives":
         """Derive the answers to the rows of a chunk; derivatives of those that are not solved are NaN."""
         from sinuous.answer.derivatives.many import Derivatives  # noqa: PLC0415
 

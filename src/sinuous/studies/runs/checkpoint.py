@@ -17,7 +17,7 @@ import numpy as np
 import sinuous
 from sinuous.base.documents import draft_of, written
 from sinuous.base.errors import InputError
-from sinuous.kernels.compiling.sources import sources_hash
+from sinuous.kernels.compile import sources_hash
 from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.options import SolveOptions

@@ -1,19 +1,17 @@
 """Parts are optimised with the entry that calls them, and nobody else is given them."""
 
 import math
-import re
 from typing import Any
 
 import numba
 import numpy as np
 import pytest
-from llvmlite import binding as llvm
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling import once, store
+from sinuous.kernels.compile import store
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
-from tests.kernels.compiling import parts
+from tests.kernels.compile import parts
 
 
 def symbols(entry: Any) -> set[str]:
@@ -86,16 +84,6 @@ def _copy(function: Any) -> Any:
     return type(function)(function.__code__, function.__globals__)
 
 
-def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
-    norm = compiling.compiled_form(parts.norm)
-
-    def twice(x: float) -> float:
-        return float(2.0 * norm(x, 4.0))
-
-    assert njit(twice)(3.0) == 10.0
-    assert compiling.entry(twice)(3.0) == 10.0
-
-
 @pytest.mark.usefixtures("fresh")
 def test_entries_call_the_machine_code_of_a_shared_kernel() -> None:
     """An entry has the kernels that it calls in it; a shared one is there once, and only its name is in the entry."""
@@ -107,20 +95,6 @@ def test_entries_call_the_machine_code_of_a_shared_kernel() -> None:
         (made,) = entry.overloads.values()
         assert made.library.parts == [result.library]
         assert made.library._final_module.get_function(result.fndesc.mangled_name).is_declaration
-
-
-def test_what_is_linked_two_by_two_is_all_there() -> None:
-    """In a module alone nobody calls it yet."""
-    declared = "".join(f"declare void @f{i}()\n" for i in range(6))
-    modules = [
-        llvm.parse_assembly(
-            declared.replace(f"declare void @f{i}()", f"define linkonce_odr void @f{i}() {{ {call} ret void }}")
-        )
-        for i in range(5)
-        for call in [f"call void @f{i + 1}()"]
-    ]
-    defined = {one.name for one in once._joined(modules).functions if not one.is_declaration}
-    assert defined == {f"f{i}" for i in range(5)}
 
 
 @pytest.mark.usefixtures("fresh")
@@ -145,40 +119,3 @@ def test_code_that_numba_compiles_by_itself_can_call_what_calls_shared_kernels()
     (result,) = user.overloads.values()
     declared = {one.name for one in result.library._final_module.functions if one.is_declaration}
     assert not any("longest" in name for name in declared)
-
-
-@pytest.mark.usefixtures("fresh")
-def test_names_are_the_same_in_every_process() -> None:
-    """Numba numbers functions as they come; kernels are called by what they depend on."""
-    parts.twice_the_norm(3.0, 4.0)
-    (result,) = compiling.compiled_form(parts.norm).overloads.values()
-    name = store.Store(parts.norm, "inner").name
-    assert re.fullmatch("inner[0-9a-f]{16}", name)
-    assert name != store.Store(parts.square, "inner").name
-    assert "inner" in result.fndesc.mangled_name
-
-
-def test_an_untried_numba_compiles_as_it_does_by_itself(
-    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    monkeypatch.setattr(store, "CACHE", tmp_path_factory.mktemp("cache"))
-    monkeypatch.setattr(numba, "__version__", "9.1.0")
-    assert not once.tried()
-
-    def quarter(x: float) -> float:
-        return 0.25 * x
-
-    inner = compiling.kernel(_copy(quarter))
-    plain = compiling.compiled_form(inner)
-
-    def both(x: float) -> float:
-        return float(plain(x) + plain(2.0 * x))
-
-    entry = compiling.entry(both)
-    assert entry(4.0) == 3.0
-    (result,) = plain.overloads.values()
-    assert not isinstance(result.library, once.LoweredKernel)
-
-
-def test_this_numba_is_tried() -> None:
-    assert once.tried()

@@ -21,8 +21,19 @@ from numba.core import config
 PACKAGE = Path(__file__).parents[2]
 
 VERSION = 3
-"""Of how kernels are compiled, and of what is kept: raise it with `OPTIONS` of `kernels.compile`, with `once`, and with
-the format of `store`. The text of these files does not count."""
+"""Of how kernels are compiled, and of what is kept: raise it with `OPTIONS` of `marks`, with `once` and `calls`, and
+with the format of `store`. The text of these files does not count."""
+
+TRIED = ("0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
+"""Versions of Numba that `once` and `calls` were tried with."""
+
+COMPILERS = ("linked", "numba")
+
+COMPILER = os.environ.get("SINUOUS_COMPILER") or ("linked" if numba.__version__.startswith(TRIED) else "numba")
+"""How entries are compiled: linked and optimised once (`once`), or as Numba does by itself."""
+
+if COMPILER not in COMPILERS:
+    raise ValueError(f"unknown SINUOUS_COMPILER {COMPILER!r}; expected one of {', '.join(COMPILERS)}")
 
 SETTINGS = ("OPT", "SLP_VECTORIZE", "LOOP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "USING_SVML", "DIVMOD_OPT")
 """Settings of Numba that change what it makes of sources."""
@@ -54,8 +65,7 @@ def sources() -> list[Path]:
     """All files with kernels in them, here and in the folders of the methods, but for those that say how to compile."""
     kernels = PACKAGE / "kernels"
     files = [*kernels.rglob("*.py"), *(PACKAGE / "methods").rglob("*.py")]
-    how = {kernels / "compile.py", *(kernels / "compiling").glob("*.py")}
-    return sorted(file for file in files if file not in how)
+    return sorted(file for file in files if file.parent != kernels / "compile")
 
 
 @cache
@@ -120,7 +130,8 @@ def compilers() -> bytes:
     python = f"{platform.python_implementation()} {sys.version_info[:2]} {getattr(sys, 'abiflags', '')}"
     numba_settings: Any = config  # made at run time
     settings = [getattr(numba_settings, name, None) for name in SETTINGS]
-    return f"{VERSION} {numba.__version__} {llvmlite.__version__} {python} {settings}".encode()
+    version = VERSION if COMPILER == "linked" else f"{VERSION} {COMPILER}"
+    return f"{version} {numba.__version__} {llvmlite.__version__} {python} {settings}".encode()
 
 
 @cache

@@ -15,6 +15,10 @@ from pathlib import Path
 PATIENCE = 300.0
 """Seconds after which nobody waits any longer: who holds the lock may have been stopped."""
 
+PREFIX = ""
+"""What the names of this process's locks begin with: processes of low priority have their own (`helpers`), so that no
+other waits for one that does not come to its turn."""
+
 PAUSE = 0.02
 """Seconds between two looks."""
 
@@ -25,41 +29,22 @@ _files: dict[tuple[int, Path], int] = {}
 @contextlib.contextmanager
 def locked(file: Path, name: str) -> Iterator[None]:
     """Hold the lock of this name, once whoever holds it now is done."""
-    end = time.monotonic() + PATIENCE
-    while not (held := take(file, name)) and time.monotonic() < end:
-        time.sleep(PAUSE)
+    place = int.from_bytes(hashlib.sha256(f"{PREFIX}{name}".encode()).digest()[:7], "little")
+    handle, held, end = _opened(file), False, time.monotonic() + PATIENCE
+    while handle is not None and not held and time.monotonic() < end:
+        try:
+            _take(handle, place)
+            held = True
+        except (BlockingIOError, PermissionError):
+            time.sleep(PAUSE)
+        except OSError:  # nothing can be locked there
+            break
     try:
         yield
     finally:
-        if held:
-            free_again(file, name)
-
-
-def take(file: Path, name: str) -> bool:
-    """Take the lock of this name where no other process holds it, or where nothing can be locked."""
-    handle = _opened(file)
-    if handle is None:
-        return True
-    try:
-        _take(handle, _place(name))
-    except (BlockingIOError, PermissionError):
-        return False
-    except OSError:
-        return True
-    return True
-
-
-def free_again(file: Path, name: str) -> None:
-    """Free the lock of this name."""
-    handle = _opened(file)
-    if handle is not None:
-        with contextlib.suppress(OSError):
-            _free(handle, _place(name))
-
-
-def _place(name: str) -> int:
-    """Byte of the file that stands for a name."""
-    return int.from_bytes(hashlib.sha256(name.encode()).digest()[:7], "little")
+        if handle is not None and held:
+            with contextlib.suppress(OSError):
+                _free(handle, place)
 
 
 def _opened(file: Path) -> int | None:

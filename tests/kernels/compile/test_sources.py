@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sinuous.kernels.compiling import sources
+from sinuous.kernels.compile import sources
 
 CACHED = (sources.sources_hash, sources.stamp_of, sources.imported_by, sources.read_sources, sources._reached)
 

@@ -23,10 +23,15 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 
 from sinuous.base.caches import places, writable
-from sinuous.kernels.compiling.locks import locked
-from sinuous.kernels.compiling.once import LIBRARIES, LoweredKernel, Whole, as_was
-from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
-from sinuous.kernels.compiling.targets import Processor, shipped
+from sinuous.kernels.compile.locks import locked
+from sinuous.kernels.compile.sources import COMPILER, NAME_LENGTH, sources_hash, stamp_of, unchanged
+from sinuous.kernels.compile.targets import Processor, shipped
+
+if COMPILER == "linked":
+    from sinuous.kernels.compile import once
+
+MAY_FAIL = () if COMPILER == "linked" else (Exception,)
+"""What a Numba that was not tried may do: then its code is not kept."""
 
 KEPT_DAYS = 30
 """How long a file is kept that nobody uses."""
@@ -87,7 +92,7 @@ class Store(NullCache):
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
-        self._machine_code = issubclass(LIBRARIES[kind], Whole)
+        self._machine_code = COMPILER == "numba" or issubclass(once.LIBRARIES[kind], once.Whole)
         self._file = file or function.__code__.co_filename
         self.module, self.called = function.__module__, function.__qualname__
         told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"
@@ -114,6 +119,11 @@ class Store(NullCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the code for a signature with all that it calls, or `None` where it is not there as it was written."""
+        with contextlib.suppress(*MAY_FAIL):
+            return self._load(signature, context)
+        return None
+
+    def _load(self, signature: Any, context: Any) -> Any:
         path = self.find(signature, context.codegen())
         data = _read(path) if unchanged(self._file) else None
         if data is None:
@@ -124,15 +134,19 @@ class Store(NullCache):
             return None
         result = CompileResult._rebuild(context, *reduced)
         if called is not None:
-            as_was(result.library, self._kind, parts)
+            once.as_was(result.library, self._kind, parts)
             self._sign(result)
         return result
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep the code for a signature, where that can be done."""
+        with contextlib.suppress(*MAY_FAIL):
+            self._save(signature, result)
+
+    def _save(self, signature: Any, result: Any) -> None:
         library = result.library
         called = None
-        if isinstance(library, LoweredKernel | Whole):
+        if COMPILER == "linked" and isinstance(library, once.LoweredKernel | once.Whole):
             self._sign(result)
             called = [getattr(part, "origin", None) for part in library.parts]
         if library.has_dynamic_globals or None in (called or ()):

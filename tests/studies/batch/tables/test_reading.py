@@ -11,7 +11,7 @@ import pytest
 from pyarrow import parquet
 
 import sinuous as sn
-from sinuous.studies.batch.tables.kinds import open_source
+from sinuous.studies.batch.tables.reading import open_source
 from sinuous.studies.batch.work import valid
 from tests.studies.batch.questions import write_csv
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling import store
+from sinuous.kernels.compile import store
 
 
 def test_there_is_one_store_for_a_user_wherever_the_sources_are(
@@ -170,7 +170,7 @@ class Used(NamedTuple):
 def use(folder: Path, entry: str, calls: tuple[str, ...], said: SimpleQueue[Used]) -> None:
     """Use an entry of `parts` whose code is kept in a folder."""
     store.CACHE = folder
-    from tests.kernels.compiling import parts  # entries keep to the folder that there is when they are made
+    from tests.kernels.compile import parts  # entries keep to the folder that there is when they are made
 
     used = [vars(parts)[entry], *(compiling.compiled_form(vars(parts)[name]) for name in calls)]
     with redirect_stderr(StringIO()) as told:
@@ -209,9 +209,9 @@ def test_processes_that_compile_at_once_do_not_break_each_other(tmp_path: Path) 
 ENTER = """
 import sys
 from pathlib import Path
-from sinuous.kernels.compiling import store
+from sinuous.kernels.compile import store
 store.CACHE = Path(sys.argv[1])
-from tests.kernels.compiling import parts
+from tests.kernels.compile import parts
 print(parts.thrice_the_longest(3.0, 4.0), "numba.np.linalg" in sys.modules)
 """
 

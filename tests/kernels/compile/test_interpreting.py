@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling import interpreting
+from sinuous.kernels.compile import interpreting
 from sinuous.kernels.maths.shapes import first_of, shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.methods.search import search_by
-from tests.kernels.compiling import parts
+from tests.kernels.compile import parts
 
 HERE = Path(__file__).parents[3]
 
@@ -117,9 +117,9 @@ def test_nothing_is_compiled_where_all_is_interpreted() -> None:
 
 BREAK = """
 import pdb, sys
-from tests.kernels.compiling import parts
+from tests.kernels.compile import parts
 debugger = pdb.Pdb(nosigint=True, readrc=False)
-debugger.rcLines = ["break tests/kernels/compiling/parts.py:15", "continue", "print('seen', x, y)", "quit"]
+debugger.rcLines = ["break tests/kernels/compile/parts.py:15", "continue", "print('seen', x, y)", "quit"]
 debugger.runcall(parts.twice_the_norm, 3.0, 4.0)
 """
 
@@ -132,5 +132,5 @@ def test_another_mode_is_refused() -> None:
     done = process("-c", "import sinuous.kernels.compile", mode="fast")
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].endswith(
-        "SINUOUS_KERNELS: expected one of auto, compiled, interpreted, got 'fast'"
+        "unknown SINUOUS_KERNELS 'fast'; expected one of auto, compiled, interpreted"
     )

@@ -3,7 +3,6 @@
 What an entry calls is a kernel, too, and needs no mark. A function of a file with kernels (see `sources`) stays the
 function that it is: others call it, interpreted, as they call any; Numba is told what is compiled for it when it meets
 it.
-`SINUOUS_KERNELS` says how entries run: `compiled` by Numba; `interpreted`, as the Python that stands there; `auto`.
 """
 
 import functools
@@ -22,25 +21,26 @@ from numba.extending import typeof_impl
 
 from sinuous.base.gc_pause import gc_paused
 from sinuous.base.work_time import counting_looks, no_work
-from sinuous.kernels.compiling import once
-from sinuous.kernels.compiling.calls import call_leanly
-from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, makes_functions, plain, written
-from sinuous.kernels.compiling.sources import read_sources
-from sinuous.kernels.compiling.store import COPIES, Store
-from sinuous.kernels.compiling.tiers import MODE, tiered
+from sinuous.kernels.compile.interpreting import IN_PLACE_OF, interpret, makes_functions, plain, written
+from sinuous.kernels.compile.sources import COMPILER, read_sources
+from sinuous.kernels.compile.store import COPIES, Store
+from sinuous.kernels.compile.tiers import MODE, tiered
+
+if COMPILER == "linked":
+    from sinuous.kernels.compile import calls, once
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-# Raise `VERSION` in `compiling/sources` with these: their text does not count for what is kept.
-OPTIONS: dict[str, Any] = {
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
+# Raise `VERSION` in `sources` with these: their text does not count for what is kept.
+OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+"""Without the GIL; NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add
+and never changes what NaN does."""
+
+LINKED_OPTIONS: dict[str, Any] = {
     "_nrt": False,
     "forceinline": False,  # if nothing is said, Numba takes over what is said of the first caller
 }
-"""Without the GIL; NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add
-and never changes what NaN does. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
+"""What Numba's manual does not have. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
 arithmetic. Callers bring the workspace, and no kernel returns an array."""
 
 NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -206,13 +206,14 @@ def _original(function: Any) -> Any:
 def _stored(function: Any, kind: str, options: dict[str, Any], file: str | None = None) -> Any:
     """Compile a function, and keep its code on disk as what depends on this file and its imports.
 
-    The `kind` is one of `once.LIBRARIES`. By default the file is that of the function. What is made around something
-    else is kept only when a file is named.
+    The `kind` is one of `once.LIBRARIES`, and `options` are for linked code alone. By default the file is that of the
+    function. What is made around something else is kept only when a file is named.
     """
     store = None if function.__closure__ and file is None else Store(function, kind, file)
-    chosen = {**OPTIONS, **options}
-    if once.tried():
-        chosen["pipeline_class"] = once.compiler(kind, None if store is None else store.name)
+    chosen = OPTIONS
+    if COMPILER == "linked":
+        pipeline = once.compiler(kind, None if store is None else store.name)
+        chosen = {**OPTIONS, **LINKED_OPTIONS, **options, "pipeline_class": pipeline}
     compiled: Any = numba.njit(**chosen)(function)
     if store is not None:
         compiled._cache = store
@@ -228,15 +229,16 @@ def _quickened(compiled: Any, store: Store | None) -> Any:
 
     def compile_quickly(signature: Any) -> Any:
         if isinstance(signature, tuple):
-            signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
+            signature = tuple(types.unliteral(each) for each in signature)
         if signature in compiled.overloads:
             return compiled.overloads[signature].entry_point
         alone = store.alone(signature, compiled.targetctx.codegen()) if store else nullcontext()
         with no_work(), gc_paused(), global_compiler_lock, alone:
             found = compile_it(signature)
-            result = next(one for one in compiled.overloads.values() if one.entry_point is found)
-            if isinstance(result.library, once.KERNELS):
-                call_leanly(compiled.targetctx, result)
+            if COMPILER == "linked":
+                result = next(one for one in compiled.overloads.values() if one.entry_point is found)
+                if isinstance(result.library, once.KERNELS):
+                    calls.call_leanly(compiled.targetctx, result)
             return found
 
     compiled.compile = compile_quickly

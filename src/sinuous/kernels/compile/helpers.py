@@ -6,40 +6,33 @@ and as soon as its standard input or its program ends, however that ends.
 """
 
 import atexit
-import base64
 import contextlib
 import os
 import pickle
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any, NamedTuple
 
-from sinuous.kernels.compiling.locks import free_again, take
-from sinuous.kernels.compiling.sources import PACKAGE
-from sinuous.kernels.compiling.store import ENTRIES
+from sinuous.kernels.compile import locks
+from sinuous.kernels.compile.locks import locked
+from sinuous.kernels.compile.sources import PACKAGE
+from sinuous.kernels.compile.store import ENTRIES
 
 IDLE = 5.0
 """Seconds without anything to do after which a helper ends."""
 
-PAUSE = 0.2
-"""Seconds between two looks whether there is room for another helper."""
-
 NICE = 19
 """By how much helpers give way to others: as far as can be."""
-
-DONE, FAILED = "done", "failed"
-"""What a helper answers."""
 
 COMMAND = f"""
 import os
 if hasattr(os, "nice"):
     os.nice({NICE})  # before anything is imported, which takes a second
-from sinuous.kernels.compiling.helpers import help_out
+from sinuous.kernels.compile.helpers import help_out
 help_out()
 """
 
@@ -64,7 +57,7 @@ class CompileOrder(NamedTuple):
 
 
 class Foreman:
-    """Hands orders to helpers.
+    """Hands orders to helpers, one thread to each.
 
     Attributes
     ----------
@@ -75,10 +68,9 @@ class Foreman:
     def __init__(self, cores: int) -> None:
         self._cores = cores
         self._due: list[CompileOrder] = []
-        self._known: dict[Path, bool] = {}
-        self._processes: list[subprocess.Popen[str]] = []
-        self._slots: set[int] = set()
-        self._threads = 0
+        self._expected: dict[Path, bool] = {}
+        self._processes: list[subprocess.Popen[bytes]] = []
+        self._idle = list(range(cores))
         self._changed = threading.Condition()
         self.given_up = False
 
@@ -87,14 +79,14 @@ class Foreman:
         with self._changed:
             if self.given_up or not sys.executable or getattr(sys, "frozen", False):
                 return False
-            if order.path not in self._known:
-                self._known[order.path] = True
+            if order.path not in self._expected:
+                self._expected[order.path] = True
                 self._due.append(order)
                 self._changed.notify()
-                if self._threads < self._cores:
-                    self._threads += 1
-                    threading.Thread(target=self._supervise, daemon=True, name="sinuous-helper").start()
-            return self._known[order.path]
+                if self._idle:
+                    number = self._idle.pop()
+                    threading.Thread(target=self._work, args=(number,), daemon=True, name="sinuous-helper").start()
+            return self._expected[order.path]
 
     def dismiss(self) -> None:
         """End all helpers, now."""
@@ -102,13 +94,8 @@ class Foreman:
             self._due.clear()
             processes, self._processes = self._processes, []
         for process in processes:
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(OSError), process:  # which closes its pipes, and waits for it
                 process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                if pipe is not None:
-                    with contextlib.suppress(OSError):
-                        pipe.close()
 
     def forget(self) -> None:
         """Begin anew in a process that was forked: helpers are those of its parent."""
@@ -119,45 +106,26 @@ class Foreman:
                 with contextlib.suppress(OSError):
                     os.close(process.stdin.fileno())
 
-    def _supervise(self) -> None:
-        """Give orders to one helper, until there are none."""
-        process: subprocess.Popen[str] | None = None
+    def _work(self, number: int) -> None:
+        """Give orders to one helper, until there are none; as many are at work as cores, in all programs together."""
+        process: subprocess.Popen[bytes] | None = None
         order: CompileOrder | None = None
         try:
             while (order := self._next()) is not None:
-                with self._room(order):
+                with locked(order.path.parent / "lock", f"helper {number}"):
                     if not order.path.exists():
                         process = process or self._begin()
-                        self._known[order.path] = _ask(process, order)
-        except (OSError, ValueError, pickle.PickleError):  # no process may be begun, or it was killed
+                        self._expected[order.path] = _ask(process, order)
+        except (OSError, EOFError, pickle.PickleError):  # no process may be begun, or it was killed
             if order is not None:
-                self._known[order.path] = False
+                self._expected[order.path] = False
             self.given_up = process is None
         finally:
             with self._changed:
-                self._threads -= 1
+                self._idle.append(number)
             if process is not None and process.stdin is not None:
                 with contextlib.suppress(OSError):
                     process.stdin.close()
-
-    @contextlib.contextmanager
-    def _room(self, order: CompileOrder) -> Iterator[None]:
-        """Wait until fewer helpers are at work than there are cores, those of other programs among them."""
-        file, slot = order.path.parent / "lock", None
-        while slot is None and not order.path.exists():
-            with self._changed:
-                free = [i for i in range(self._cores) if i not in self._slots]
-                slot = next((i for i in free if take(file, f"helper {i}")), None)
-                if slot is not None:
-                    self._slots.add(slot)
-            if slot is None:
-                time.sleep(PAUSE)
-        try:
-            yield
-        finally:
-            if slot is not None:
-                free_again(file, f"helper {slot}")
-                self._slots.discard(slot)
 
     def _next(self) -> CompileOrder | None:
         with self._changed:
@@ -165,14 +133,14 @@ class Foreman:
                 self._changed.wait(IDLE)
             return self._due.pop(0) if self._due else None
 
-    def _begin(self) -> "subprocess.Popen[str]":
+    def _begin(self) -> "subprocess.Popen[bytes]":
         with self._changed:
             process = begin_helper()
             self._processes.append(process)
         return process
 
 
-def begin_helper() -> "subprocess.Popen[str]":
+def begin_helper() -> "subprocess.Popen[bytes]":
     """Begin a process that waits for orders."""
     paths = [str(PACKAGE.parent), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     words = {**os.environ, "SINUOUS_KERNELS": "compiled", "PYTHONPATH": os.pathsep.join(paths)}
@@ -185,69 +153,50 @@ def begin_helper() -> "subprocess.Popen[str]":
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        text=True,
         env=words,
         **flags,
     )
 
 
-def _ask(process: "subprocess.Popen[str]", order: CompileOrder) -> bool:
+def _ask(process: "subprocess.Popen[bytes]", order: CompileOrder) -> bool:
     """Have a helper compile an entry; say whether it did.
 
     Raises
     ------
-    OSError
+    OSError, EOFError
         When it is gone.
     """
-    if process.stdin is None or process.stdout is None:
-        raise OSError
-    told = base64.b64encode(pickle.dumps((order.module, order.name, order.signature))).decode()
-    process.stdin.write(f"{told}\n")
+    assert process.stdin is not None
+    assert process.stdout is not None
+    pickle.dump(order, process.stdin)
     process.stdin.flush()
-    answer = process.stdout.readline().strip()
-    if answer not in {DONE, FAILED}:
-        raise OSError
-    return answer == DONE
+    return bool(pickle.load(process.stdout))
 
 
 def help_out() -> None:
     """Be a helper: compile what is told on standard input, until it ends."""
-    answers, sys.stdout = sys.stdout, sys.stderr
-    orders: list[str] = []
-    told = threading.Condition()
+    locks.PREFIX = "helper's "
+    answers, sys.stdout = sys.stdout.buffer, sys.stderr
+    orders: SimpleQueue[CompileOrder] = SimpleQueue()
 
     def listen() -> None:
-        for line in sys.stdin:
-            with told:
-                orders.append(line)
-                told.notify()
-        os._exit(0)  # wherever it is: what it wrote is there in full, or not at all
-
-    parent = os.getppid()
-
-    def watch() -> None:  # others may hold the other end of standard input
-        while os.getppid() == parent:
-            threading.Event().wait(1.0)
-        os._exit(0)
-
-    for task in (listen, watch):
-        threading.Thread(target=task, daemon=True).start()
-    while True:
-        with told:
-            told.wait_for(lambda: bool(orders))
-            line = orders.pop(0)
         try:
-            _compile(*pickle.loads(base64.b64decode(line)))
-            answer = DONE
+            while True:
+                orders.put(pickle.load(sys.stdin.buffer))
+        finally:
+            os._exit(0)  # wherever it is: what it wrote is there in full, or not at all
+
+    threading.Thread(target=listen, daemon=True).start()
+    while True:
+        order = orders.get()
+        try:
+            import_module(order.module)
+            ENTRIES[order.module, order.name].compile(order.signature)
+            done = True
         except Exception:  # the program compiles it itself, and shows what is wrong
-            answer = FAILED
-        answers.write(f"{answer}\n")
+            done = False
+        pickle.dump(done, answers)
         answers.flush()
-
-
-def _compile(module: str, name: str, signature: tuple[Any, ...]) -> None:
-    import_module(module)
-    ENTRIES[module, name].compile(signature)
 
 
 def cores() -> int:

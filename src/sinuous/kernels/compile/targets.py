@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from llvmlite import binding as llvm
 
-from sinuous.kernels.compiling.sources import PACKAGE
+from sinuous.kernels.compile.sources import PACKAGE
 
 PREBUILT = PACKAGE / "kernels" / "prebuilt"
 """Folder of what a wheel ships: a folder for each level."""

@@ -2,14 +2,13 @@
 
 import contextlib
 import sys
-import time
 from collections.abc import Callable, Iterator
-from threading import Event, Thread
 from typing import Any, NamedTuple
 
 from numba import types
 
-from sinuous.kernels.compiling.store import begun
+from sinuous.base.progress import rich_progress
+from sinuous.kernels.compile.store import begun
 
 FREE = " without obstacles"
 """What follows the name of an entry for which there are no obstacles at all: the form of it that is compiled for `None`
@@ -29,17 +28,15 @@ class Piece(NamedTuple):
         Module within the package, and name; see `FREE`.
     alone : int
         The same where nothing is compiled yet, if that can be; else 0.
-    waits : bool
-        Whether calls wait for their code, because they are long, or have to be on time.
     most : int, optional
-        Numbers in the largest array of a call, beyond which it waits: where nothing else tells how long it takes.
+        Numbers in the largest array of a call, beyond which it waits for its code: where nothing else tells how long it
+        takes. With 0 all calls wait.
     """
 
     what: str
     seconds: int
     entries: tuple[str, ...]
     alone: int = 0
-    waits: bool = False
     most: int | None = None
 
     @property
@@ -106,7 +103,7 @@ PIECES = (
             "kernels.fields.solids.sample",
             "kernels.fields.candidates.list_candidates",
         ),
-        waits=True,
+        most=0,
     ),
     Piece(
         "classes of routes",
@@ -139,7 +136,7 @@ PIECES = (
             "kernels.solve.loaded.correct",
         ),
     ),
-    Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
+    Piece("control loops", 15, ("kernels.velocity.query.tick",), most=0),
     Piece(
         "derivatives",
         6,
@@ -169,13 +166,6 @@ SHORT = 2
 """Seconds from which on a person should know what takes so long."""
 
 
-EVERY = 0.25
-"""Seconds between two pictures of the bar."""
-
-WIDTH = 24
-"""Letters of the bar."""
-
-
 def piece_of(compiled: Any, signature: Any) -> Piece | None:
     """Return the piece that an entry belongs to, for arguments of such types."""
     name = name_of(compiled, signature)
@@ -197,26 +187,11 @@ def announced(piece: Piece | None) -> Iterator[None]:
     if piece is None or piece.expected <= SHORT or _tellers[-1] is not _print or not sys.stderr.isatty():
         yield
         return
-    done = Event()
-    shown = Thread(target=_show_bar, args=(piece.expected, done), daemon=True)
-    shown.start()
-    try:
+    from rich.progress import BarColumn, TimeElapsedColumn
+
+    with rich_progress(BarColumn(), TimeElapsedColumn()) as bar:
+        bar.add_task("", total=None)
         yield
-    finally:
-        done.set()
-        shown.join()
-
-
-def _show_bar(expected: int, done: Event) -> None:
-    """Show how long it has taken, of how long it takes about, until it is done."""
-    began = time.perf_counter()
-    while not done.wait(EVERY):
-        seconds = time.perf_counter() - began
-        full = min(WIDTH, int(WIDTH * seconds / expected))
-        sys.stderr.write(f"\r[{'#' * full}{' ' * (WIDTH - full)}] {seconds:.0f} s ")
-        sys.stderr.flush()
-    sys.stderr.write("\r\x1b[2K")
-    sys.stderr.flush()
 
 
 def _print(piece: Piece) -> None:

@@ -5,14 +5,12 @@ callers. Here a kernel stays a `LoweredKernel`, as Numba lowers it, and the entr
 emits. A kernel that is shared is a `Whole`, too: those that call it find its machine code by its name.
 
 Of Numba this takes the hook that lets a function have a compiler of its own (`pipeline_class`), and the methods of its
-`JITCodeLibrary` and `Lower` that are overridden below. `TRIED` lists the versions that this was tried with; with others
-(`kernels.compile`) Numba compiles as it does by itself. What changes the code that comes out raises `sources.VERSION`.
+`JITCodeLibrary` and `Lower` that are overridden below. What changes the code that comes out raises `sources.VERSION`.
 """
 
 from collections import defaultdict
 from typing import Any
 
-import numba
 from llvmlite import binding as llvm
 from llvmlite import ir
 from numba.core import config as numba_config
@@ -24,12 +22,9 @@ from numba.core.ir import Assign
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
-from sinuous.kernels.compiling import calls
+from sinuous.kernels.compile import calls
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
-
-TRIED = ("0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
-"""Versions of Numba that parts and wholes were tried with."""
 
 NEEDLESS = {
     "AnnotateTypes",
@@ -47,11 +42,6 @@ NEEDLESS = {
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """What names of Numba's environments begin with."""
-
-
-def tried() -> bool:
-    """Say whether this version of Numba is one that parts and wholes were tried with."""
-    return ".".join(numba.__version__.split(".")[:2]) in TRIED
 
 
 class _Library(JITCodeLibrary):

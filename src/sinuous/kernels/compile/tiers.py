@@ -6,7 +6,7 @@ again with that. So the first answer is as soon there as it would be without any
 
 - where interpreted calls of its piece have taken so long that compiling makes it at most `LATER` later: on a machine
   that has no time for helpers;
-- where a call would take long, and could not be abandoned, or has to be on time (`Piece.waits`, `Piece.most`);
+- where a call would take long, and could not be abandoned, or has to be on time (`Piece.most`);
 - where no helper can be had, and within `code_first`.
 """
 
@@ -24,9 +24,9 @@ import numpy as np
 from numba import types
 
 from sinuous.base.work_time import AbandonedError, no_work
-from sinuous.kernels.compiling.helpers import CompileOrder, foreman
-from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
-from sinuous.kernels.compiling.store import ENTRIES, Store, begun
+from sinuous.kernels.compile.helpers import CompileOrder, foreman
+from sinuous.kernels.compile.pieces import SHORT, Piece, announced, piece_of
+from sinuous.kernels.compile.store import ENTRIES, Store, begun
 
 FIRST = 45
 """Seconds that compiling takes about for somebody who begins."""
@@ -40,7 +40,7 @@ MODE = os.environ.get("SINUOUS_KERNELS", "auto")
 """How entries run."""
 
 if MODE not in MODES:
-    raise ValueError(f"SINUOUS_KERNELS: expected one of {', '.join(MODES)}, got {MODE!r}")
+    raise ValueError(f"unknown SINUOUS_KERNELS {MODE!r}; expected one of {', '.join(MODES)}")
 
 
 TOOK: list[tuple[str, float]] = []
@@ -75,7 +75,7 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
     Numba asks `_compile_for_args` what to call where it has no code for the arguments of a call.
     """
     compile_for, store = compiled._compile_for_args, compiled._cache
-    if not isinstance(store, Store):
+    if not isinstance(store, Store):  # nobody would find what a helper compiles
         return compiled
     ENTRIES[store.module, store.called] = compiled
 
@@ -111,7 +111,7 @@ def _may_come_later(piece: Piece, arguments: tuple[Any, ...]) -> bool:
     """Say whether the code of a piece may come later."""
     largest = max((one.size for one in arguments if isinstance(one, np.ndarray)), default=0)
     soon = piece.most is None or largest <= piece.most
-    return MODE == "auto" and not (_Waiting.count or piece.waits) and soon and _spent[piece] <= _expected(piece) / LATER
+    return MODE == "auto" and not _Waiting.count and soon and _spent[piece] <= piece.expected / LATER
 
 
 def _interpreted_first(
@@ -123,46 +123,34 @@ def _interpreted_first(
 ) -> Any:
     """Interpret a call; where that is abandoned, put everything back, and call what is chosen now."""
     with no_work():
-        before = [_copied(one) for one in arguments]
-    began, most = time.thread_time(), _expected(piece) / LATER - _spent[piece]
+        before = [(array, array.copy()) for array in _written_to(arguments)]
+    began, most = time.thread_time(), piece.expected / LATER - _spent[piece]
     try:
         return interpreted(*arguments, end=lambda: path.exists() or time.thread_time() - began > most)
     except AbandonedError:
-        for one, kept in zip(arguments, before, strict=True):
-            _put_back(one, kept)
+        for array, kept in before:
+            array[...] = kept
     finally:
         _spent[piece] += time.thread_time() - began
     return choose(*arguments)(*arguments)
-
-
-def _expected(piece: Piece) -> float:
-    """Seconds that compiling a piece takes about, with all that comes with it for somebody who begins."""
-    return piece.expected if begun() else max(piece.expected, FIRST)
 
 
 _spent: defaultdict[Piece, float] = defaultdict(float)
 """Seconds of CPU of this process that the entries of a piece took, interpreted while their code was missing."""
 
 
-def _copied(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.copy() if value.flags.writeable else None
-    return tuple(map(_copied, value)) if isinstance(value, tuple) else None
-
-
-def _put_back(value: Any, kept: Any) -> None:
-    if kept is None:
-        return
-    if isinstance(value, np.ndarray):
-        value[...] = kept
-    else:
-        for one, part in zip(value, kept, strict=True):
-            _put_back(one, part)
+def _written_to(values: tuple[Any, ...]) -> Iterator[Any]:
+    """All arrays among some values, and in tuples of them, that a call may change."""
+    for one in values:
+        if isinstance(one, tuple):
+            yield from _written_to(one)
+        elif isinstance(one, np.ndarray) and one.flags.writeable:
+            yield one
 
 
 def _tell(piece: Piece) -> None:
     """Say once that kernels are compiled in the background, and about how long that takes."""
-    seconds = _expected(piece)
+    seconds = piece.expected if begun() else FIRST
     if not _told and seconds > SHORT:
         _told.append(piece)
         text = (

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.kernels.compiling.sources import text_of
+from sinuous.kernels.compile.sources import text_of
 
 LOWEST = -(2**63)
 """What machine code makes of a number that no whole number of 64 bits is."""

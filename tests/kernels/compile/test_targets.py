@@ -13,7 +13,7 @@ from llvmlite import binding as llvm
 
 import build_kernels
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compiling import store, targets
+from sinuous.kernels.compile import store, targets
 
 
 def third(x: float) -> float:

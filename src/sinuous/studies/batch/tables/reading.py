@@ -1,4 +1,4 @@
-"""Tables of targets and results; the ending of the name of a file says of which kind it is.
+"""Tables of targets, read a chunk at a time: CSV, NPZ and Parquet, by the ending of the name of a file, and arrays.
 
 CSV is readable everywhere, and ten times as slow as the others. Parquet needs pyarrow (the extra `batch`).
 """
@@ -6,7 +6,9 @@ CSV is readable everywhere, and ten times as slow as the others. Parquet needs p
 import csv
 import warnings
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import zlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -20,10 +22,107 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable
 from sinuous.base.errors import InputError
+from sinuous.base.keywords import refuse_unknown
 from sinuous.files.documents import NUMBER
+from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
-from sinuous.studies.batch.tables.layout import STATUSES, Block, Layout
-from sinuous.studies.batch.tables.source import ArraySource, Raw, Source, checked_shape, groups_of
+
+GROUPS = {"positions": ("x", "y", "z"), "directions": ("dx", "dy", "dz"), "rotations": ("qw", "qx", "qy", "qz")}
+"""Columns of a table, by the arrays that they make."""
+
+COLUMNS = "columns x,y,z, or dx,dy,dz, or qw,qx,qy,qz, or x,y,z with one of the others"
+
+SHAPES: dict[str, list[tuple[int, ...]]] = {
+    "positions": [(3,)],
+    "directions": [(3,)],
+    "rotations": [(4,), (3, 3)],
+    "xyzw": [(4,)],
+}
+"""Shapes that a row of each array may have."""
+
+PIECE_SIZE = 1 << 24
+"""Bytes of a file that are read at once."""
+
+Raw = dict[str, Floats]
+"""Rows by the names of `GoalArrays`, not checked yet: what is missing, or is no number, is NaN."""
+
+
+class Source(ABC):
+    """Targets in rows, by default those of a file."""
+
+    rows: int
+    _file: Path
+
+    @abstractmethod
+    def read(self, first: int, last: int) -> Raw:
+        """Return rows `first` to `last`, the end not included; chunks are asked for in rising order."""
+
+    def fingerprint(self) -> str:
+        """Return a text that differs when the rows do: by default size and checksum of the file."""
+        crc = size = 0
+        with self._file.open("rb") as data:
+            while piece := data.read(PIECE_SIZE):
+                crc, size = zlib.crc32(piece, crc), size + len(piece)
+        return f"{size} bytes, crc {crc:08x}"
+
+    def close(self) -> None:  # noqa: B027
+        """End reading."""
+
+
+def _asked(key: str, names: Iterable[str]) -> list[str]:
+    """Which of these arrays say what is asked: positions, one of the others, or both."""
+    found = [each for each in KEYS if each in names]
+    if not found or len([each for each in found if each != "positions"]) > 1:
+        wanted = "arrays positions, directions, rotations or xyzw, or positions with one of the others"
+        raise InputError(key, "", ",".join(names), wanted)
+    return found
+
+
+def _check_counts(key: str, counts: Mapping[str, int]) -> int:
+    """Return how many rows all arrays have."""
+    if len(set(counts.values())) > 1:
+        raise InputError(key, "", dict(counts), "as many rows in each array")
+    return next(iter(counts.values()))
+
+
+def _check_shape(key: str, shape: tuple[int, ...]) -> None:
+    """Refuse an array that has no rows of targets."""
+    if shape[1:] not in SHAPES[key] or not shape:
+        wanted = " or ".join("(" + ", ".join(["m", *map(str, each)]) + ")" for each in SHAPES[key])
+        raise InputError(key, "", f"shape {shape}", f"an array {wanted}")
+
+
+class ArraySource(Source):
+    """Arrays by the names of `GoalArrays`; rows with NaN are let through, to be reported."""
+
+    def __init__(self, arrays: Mapping[str, Any]) -> None:
+        refuse_unknown(arrays, KEYS)
+        given = {key: value for key, value in arrays.items() if value is not None}
+        self._raw = {key: _rows(key, given[key]) for key in _asked("targets", given)}
+        self.rows = _check_counts("targets", {key: len(rows) for key, rows in self._raw.items()})
+
+    def read(self, first: int, last: int) -> Raw:
+        """Return rows `first` to `last`, the end not included."""
+        return {key: rows[first:last] for key, rows in self._raw.items()}
+
+    def fingerprint(self) -> str:
+        """Return a text that differs when the rows do."""
+        crc = 0
+        for key, rows in self._raw.items():
+            crc = zlib.crc32(np.ascontiguousarray(rows).data, zlib.crc32(key.encode(), crc))
+        return f"arrays of {self.rows} rows, crc {crc:08x}"
+
+
+def _rows(key: str, value: Any) -> Floats:
+    """An array of rows; of a `Rotation` of SciPy its matrices."""
+    if hasattr(value, "as_matrix"):
+        value = any_rotations(value, None, key)
+    try:
+        rows = np.array(value, np.float64)
+    except (TypeError, ValueError):
+        raise InputError(key, "", value, "rows of numbers") from None
+    _check_shape(key, rows.shape)
+    return rows
 
 
 class _Member:
@@ -58,8 +157,7 @@ class _Member:
     def _numbers(self, first: int, count: int) -> NDArray[Any]:
         size = self._dtype.itemsize
         self._data.seek(self._begin + first * size)
-        data = self._data.read(count * size)
-        return np.frombuffer(data, self._dtype)
+        return np.frombuffer(self._data.read(count * size), self._dtype)
 
 
 class NpzRows(Source):
@@ -80,10 +178,7 @@ class NpzRows(Source):
             raise InputError("file", "is no NPZ file", str(file), "arrays as numpy.savez writes them") from None
         found = choose([name.removesuffix(".npy") for name in archive.namelist()])
         self._members = {key: _Member(archive, key) for key in found}
-        counts = {key: member.shape[0] for key, member in self._members.items()}
-        if len(set(counts.values())) > 1:
-            raise InputError("arrays", "", counts, "as many rows in each array")
-        self.rows = counts[found[0]]
+        self.rows = _check_counts("arrays", {key: member.shape[0] for key, member in self._members.items()})
 
     def read(self, first: int, last: int) -> Raw:
         """Return rows `first` to `last`, the end not included."""
@@ -100,50 +195,30 @@ class NpzSource(NpzRows):
     """An NPZ file with arrays by the names of `GoalArrays`; what else is in it is left alone."""
 
     def __init__(self, file: Path) -> None:
-        super().__init__(file, _asked)
+        super().__init__(file, lambda names: _asked("arrays", names))
         for key, member in self._members.items():
-            checked_shape(key, member)
+            _check_shape(key, member.shape)
 
 
-def _asked(names: list[str]) -> list[str]:
-    """Which arrays say what is asked."""
-    found = [key for key in KEYS if key in names]
-    if not found or len([key for key in found if key != "positions"]) > 1:
-        wanted = "arrays positions, directions, rotations or xyzw, or positions with one of the others"
-        raise InputError("arrays", "", ",".join(names), wanted)
-    return found
+def _groups_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Find what a table asks by the names of its columns; others are left alone.
 
-
-def write_npz(file: Path, blocks: Callable[..., Iterable[Block]], layout: Layout, rows: int) -> None:
-    """Write results: an array for each name of `Layout.shapes`, and the words that its numbers stand for.
-
-    `blocks` is called with the name of each array and yields that array of all blocks: one is written after the other.
+    Raises
+    ------
+    InputError
+        When a column is missing, or a direction stands beside a quaternion.
     """
-    texts = {"statuses": STATUSES, "segment_names": layout.segments, "actuator_names": layout.actuators}
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
-        for name, words in texts.items():
-            _write(archive, name, iter([np.array(words, np.str_)]))
-        for name, (dtype, shape) in layout.shapes.items():
-            columns = (np.asarray(block[name], dtype) for block in blocks(name))
-            _write(archive, name, columns, (dtype, (rows, *shape)))
-
-
-def _write(
-    archive: zipfile.ZipFile,
-    name: str,
-    columns: Iterator[NDArray[Any]],
-    whole: tuple[np.dtype[Any], tuple[int, ...]] | None = None,
-) -> None:
-    """Write an array that comes in pieces; its date is always the same, so that equal results are equal files."""
-    with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
-        if whole is None:
-            npy.write_array(member, next(columns), allow_pickle=False)
-            return
-        dtype, shape = whole
-        header = {"descr": npy.dtype_to_descr(dtype), "fortran_order": False, "shape": shape}
-        npy.write_array_header_2_0(member, header)
-        for column in columns:
-            member.write(np.ascontiguousarray(column).data.cast("B") if column.size else b"")
+    found = {key: columns for key, columns in GROUPS.items() if set(columns) & set(names)}
+    for columns in found.values():
+        missing = [name for name in columns if name not in names]
+        if missing:
+            raise InputError("columns", f"there is no {', '.join(missing)}", ",".join(names), COLUMNS)
+    if not found or {"directions", "rotations"} <= set(found):
+        raise InputError("columns", "", ",".join(names), COLUMNS)
+    twice = next((name for columns in found.values() for name in columns if list(names).count(name) > 1), None)
+    if twice is not None:
+        raise InputError("columns", f"{twice} is there twice", ",".join(names), COLUMNS)
+    return found
 
 
 def parquet(file: Path) -> Any:
@@ -166,7 +241,7 @@ class ParquetSource(Source):
             self._table = parquet(file).ParquetFile(file)
         except ValueError as error:  # pyarrow's own are of this type
             raise InputError("file", str(error), str(file), "a Parquet file") from None
-        self._groups = groups_of(self._table.schema_arrow.names)
+        self._groups = _groups_of(self._table.schema_arrow.names)
         self.rows = self._table.metadata.num_rows
         self._batches: Any = None
         self._held: list[Any] = []
@@ -199,27 +274,8 @@ def _column(parts: list[Any], name: str) -> Any:
     try:
         arrays = [part.column(name).to_numpy(zero_copy_only=False).astype(np.float64) for part in parts]
     except (TypeError, ValueError):
-        kind = str(parts[0].column(name).type)
-        raise InputError(name, "", kind, "a column of numbers") from None
+        raise InputError(name, "", str(parts[0].column(name).type), "a column of numbers") from None
     return np.concatenate(arrays) if arrays else np.empty(0)
-
-
-def write_parquet(file: Path, blocks: Iterable[Block], layout: Layout) -> None:
-    """Write results, a row a target; a block is a row group."""
-    module = parquet(file)
-    import pyarrow  # noqa: PLC0415
-
-    shapes = layout.shapes
-    kinds = {name: pyarrow.from_numpy_dtype(dtype) for name, (dtype, shape) in shapes.items() if not shape}
-    kinds["status"] = pyarrow.dictionary(pyarrow.int8(), pyarrow.string())
-    schema = pyarrow.schema([(name, kinds.get(name, pyarrow.float64())) for name in layout.names])
-    words = pyarrow.array(STATUSES)
-    with module.ParquetWriter(file, schema) as out:
-        for block in blocks:
-            columns = [pyarrow.array(column, from_pandas=True) for column in layout.flat(block)]
-            status = pyarrow.array(block["status"].astype(np.int8))
-            columns[1] = pyarrow.DictionaryArray.from_arrays(status, words)
-            out.write_table(pyarrow.Table.from_arrays(columns, schema=schema))
 
 
 class CsvSource(Source):
@@ -234,7 +290,7 @@ class CsvSource(Source):
         except UnicodeDecodeError:
             raise InputError("file", "is not UTF-8", str(file), "a CSV file") from None
         names = [name.strip() for name in next(csv.reader([header]), [])]
-        groups = groups_of(names)
+        groups = _groups_of(names)
         self._groups = {key: len(columns) for key, columns in groups.items()}
         self._places = [names.index(name) for columns in groups.values() for name in columns]
         self._text = file.open(encoding="utf-8-sig", newline=None)
@@ -246,9 +302,8 @@ class CsvSource(Source):
         """Return rows `first` to `last`, the end not included; chunks are asked for in rising order."""
         lines = list(islice(self._lines, first - self._at, last - self._at))
         self._at = last
-        cells = _cells(lines, self._places)
-        ends = np.cumsum(list(self._groups.values()))
-        return {key: cells[:, end - self._groups[key] : end] for key, end in zip(self._groups, ends, strict=True)}
+        parts = np.split(_cells(lines, self._places), np.cumsum(list(self._groups.values()))[:-1], axis=1)
+        return dict(zip(self._groups, parts, strict=True))
 
     def close(self) -> None:
         """Close the file."""
@@ -273,27 +328,22 @@ def _number(row: list[str], place: int) -> float:
     return float(cell) if NUMBER.fullmatch(cell) else np.nan
 
 
-def write_csv(file: Path, blocks: Iterable[Block], layout: Layout) -> None:
-    """Write results, a row a target; what is not known is an empty cell."""
-    with file.open("w", encoding="utf-8", newline="") as out:
-        table = csv.writer(out, lineterminator="\n")
-        table.writerow(layout.names)
-        for block in blocks:
-            columns = [_listed(column) for column in layout.flat(block)]
-            table.writerows(zip(*columns, strict=True))
-
-
-def _listed(column: np.ndarray) -> list[object]:
-    """Values as Python has them; NaN is nothing."""
-    values: list[object] = column.tolist()
-    if column.dtype.kind == "f" and np.isnan(column).any():
-        return [None if missing else value for value, missing in zip(values, np.isnan(column).tolist(), strict=True)]
-    return values
-
-
 SOURCES: dict[str, Callable[[Path], Source]] = {".csv": CsvSource, ".npz": NpzSource, ".parquet": ParquetSource}
+"""Kinds of tables, by the ending of the name of a file."""
 
-ENDINGS = "a name that ends in " + ", ".join(SOURCES)
+
+def ending_of(key: str, file: Path) -> str:
+    """Return the ending of the name of a table.
+
+    Raises
+    ------
+    InputError
+        When there is no such kind of table.
+    """
+    ending = file.suffix.lower()
+    if ending not in SOURCES:
+        raise InputError(key, "", str(file), "a name that ends in " + ", ".join(SOURCES))
+    return ending
 
 
 def open_source(targets: Any) -> Source:
@@ -306,7 +356,7 @@ def open_source(targets: Any) -> Source:
     """
     if isinstance(targets, str | Path):
         file = Path(targets)
-        ending = _ending("targets", file)
+        ending = ending_of("targets", file)
         with readable(file, "targets"), checks.in_file(file):
             return SOURCES[ending](file)
     if isinstance(targets, Mapping):
@@ -314,42 +364,3 @@ def open_source(targets: Any) -> Source:
     if hasattr(targets, "__array__") or isinstance(targets, list | tuple):
         return ArraySource({"positions": targets})
     raise InputError("targets", "", targets, "a file, a mapping of arrays, or positions")
-
-
-def check_results(key: str, file: Path) -> None:
-    """Refuse a file of results that could not be written at the end.
-
-    Raises
-    ------
-    InputError
-        When its ending is not known, or pyarrow is missing.
-    """
-    if _ending(key, file) == ".parquet":
-        parquet(file)
-
-
-def write_results(file: Path, blocks: Callable[..., Iterable[Block]], layout: Layout, rows: int) -> None:
-    """Write results of the kind that the ending says.
-
-    `blocks` gives all blocks anew at each call; given the name of an array, that array of each alone.
-    """
-    match file.suffix.lower():
-        case ".csv":
-            write_csv(file, blocks(), layout)
-        case ".parquet":
-            write_parquet(file, blocks(), layout)
-        case _:
-            write_npz(file, blocks, layout, rows)
-
-
-def joined(blocks: Iterable[Block], layout: Layout) -> Block:
-    """Put blocks together in memory."""
-    parts = [layout.nothing(0, 0, "skipped"), *blocks]
-    return {name: np.concatenate([part[name] for part in parts]) for name in layout.shapes}
-
-
-def _ending(key: str, file: Path) -> str:
-    ending = file.suffix.lower()
-    if ending not in SOURCES:
-        raise InputError(key, "", str(file), ENDINGS)
-    return ending

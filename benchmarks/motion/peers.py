@@ -9,8 +9,8 @@ import numpy as np
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.solver.certificates.steps import Prover
 
 PLANNERS = ("RRTConnect", "BITstar")

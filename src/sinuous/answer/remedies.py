@@ -122,7 +122,7 @@ def _kinds(case: Case) -> list[tuple[Kind, float]]:
     """What can help, and the shares of the time that each may take; what one leaves is for those after it."""
     if case.within is not None:  # all others begin anywhere, and go anywhere
         return [(allow_larger_changes, 1.0)]
-    demanded: list[tuple[Kind, float]] = [(demand_less, 3.0)] if case.problem.robot.demands else []
+    demanded: list[tuple[Kind, float]] = [(demand_less, 3.0)] if case.problem.robot._demands_clearance else []
     if case.status is Status.BASE_BLOCKED:
         return [*demanded, (free_the_base, 1.0), (clear_away, 3.0), (make_thinner, 1.0)]
     kinds: list[tuple[Kind, float]] = [

@@ -81,7 +81,7 @@ class Prepared:
         self._robot, self._own_robot = robot_group(robot), robot
         self._bounded = robot.drive.elastic is not None and robot.drive.elastic.bounded
         self._settings = settings_group(robot, tolerance, preferences, compiled.options)
-        self._preferences = preferences.beyond(robot.least_demanded[0]) or None  # to ask an object is a call
+        self._preferences = preferences.beyond(robot._least_clearances[0]) or None  # to ask an object is a call
         self._segments = len(robot)
         self._local = threading.local()
         self._load(robot, scene.snapshot(), tolerance)

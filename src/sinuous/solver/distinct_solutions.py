@@ -228,7 +228,7 @@ class DistinctSolutions:
         self._wanted, self._dislike, self._end = wanted, dislike, math.inf
         compares = len(problem.scene) > 0 or wanted.by == BY_ROUTE
         robot = problem.robot
-        ways = LoadedShapes(robot) if robot.hangs else None
+        ways = LoadedShapes(robot) if robot.has_external_load else None
         body = robot if ways is None else longest_body(robot)
         self._body: Body = (lambda q: q) if ways is None else lambda q: ways.at(q).arcs
         self._curves = RouteCurves(body, problem.scene, self._seconds_left) if compares else None

@@ -76,11 +76,11 @@ class KeptRows:
     @property
     def smooth(self) -> bool:
         """Whether the targets can follow all small changes, and there was room for all rows."""
-        return not int(self.answer[a.STATUS]) & (a.SINGULAR | a.FULL)
+        return not int(self.answer[a.STATUS]) & (a.SINGULAR | a.TOO_MANY)
 
     @cached_property
     def _parts(self) -> tuple[Floats, Floats, Floats]:
-        count, r, size = int(self.answer[a.COUNT]), self.plan.rows, 3 * len(self.plan.robot)
+        count, r, size = int(self.answer[a.ROW_COUNT]), self.plan.rows, 3 * len(self.plan.robot)
         first, found = a.ANSWER_HEADER + size * self.plan.columns, []
         for width in (size, a.ABOUT_WIDTH, self.plan.columns):
             found.append(self.answer[first : first + r * width].reshape(r, width)[:count])
@@ -105,5 +105,5 @@ class KeptRows:
     @property
     def missing(self) -> Floats:
         """By how much (r,) rows have to change for targets to be met, and for nothing to be left of limits."""
-        left = self.about[:, a.FACTOR] * self.about[:, a.SLACK]
-        return np.where(self.about[:, a.KIND] == a.TARGET_ROW, left, -left)
+        left = self.about[:, a.ROW_FACTOR] * self.about[:, a.ROW_SLACK]
+        return np.where(self.about[:, a.ROW_KIND] == a.TARGET_ROW, left, -left)

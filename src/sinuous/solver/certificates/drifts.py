@@ -1,14 +1,22 @@
-"""How obstacles move between the knots of a motion, as the kernels read it: see `kernels.between.drift`."""
+"""How obstacles move between the knots of a motion, as the kernels read it: see `kernels.certificate.drift`."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.courses import COURSE, ONWARD, POSE_WIDTH, POSITION, ROTATION, TIME, fill_drifts
-from sinuous.kernels.between.drift import OF, OWN_AXES, OWN_CENTER
-from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT
-from sinuous.kernels.between.sweep import DRIFT_WIDTH, LEAST, LOW, SEEN_WIDTH, WHEN
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.kernels.certificate.courses import (
+    COURSE,
+    COURSE_POSE_WIDTH,
+    COURSE_POSITION,
+    COURSE_ROTATION,
+    ONWARD,
+    TIME,
+    fill_drifts,
+)
+from sinuous.kernels.certificate.drift import OF, OWN_AXES, OWN_CENTER
+from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, UNTIL, VERDICT
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, DRIFT_WIDTH, LEAST_SEEN, PROVED_BOUND, WHEN
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Primitive
 from sinuous.scene.snapshot import Snapshot
@@ -60,14 +68,14 @@ def _poses(courses: list[Course]) -> Floats:
     """Poses (P, 17) of courses, as the kernel reads them."""
     tables = []
     for number, course in enumerate(courses):
-        poses = np.zeros((len(course.times), POSE_WIDTH))
+        poses = np.zeros((len(course.times), COURSE_POSE_WIDTH))
         poses[:, COURSE], poses[:, TIME] = number, course.times
-        poses[:, POSITION : POSITION + 3] = course.positions
+        poses[:, COURSE_POSITION : COURSE_POSITION + 3] = course.positions
         turned = np.eye(3) if course.rotations is None else course.rotations
-        poses[:, ROTATION : ROTATION + 9] = np.broadcast_to(turned, (len(poses), 3, 3)).reshape(-1, 9)
+        poses[:, COURSE_ROTATION : COURSE_ROTATION + 9] = np.broadcast_to(turned, (len(poses), 3, 3)).reshape(-1, 9)
         poses[:-1, ONWARD : ONWARD + 3] = course.turns
         tables.append(poses)
-    return np.concatenate(tables) if tables else np.zeros((0, POSE_WIDTH))
+    return np.concatenate(tables) if tables else np.zeros((0, COURSE_POSE_WIDTH))
 
 
 def divided_knots(knots: Floats, times: Floats, finer: Floats) -> Floats:
@@ -98,9 +106,9 @@ def joined(answers: Floats, begins: Floats, lengths: Floats) -> Floats:
         first = unclear[0]
         joined[VERDICT] = TOUCHING if (verdicts == TOUCHING).any() else UNDECIDED
         joined[UNTIL] = begins[first] + lengths[first] * answers[first, UNTIL]
-    for at in (SEEN, SEEN + SEEN_WIDTH):
-        nearest = int(answers[:, at + LEAST].argmin())
-        joined[at : at + SEEN_WIDTH] = answers[nearest, at : at + SEEN_WIDTH]
+    for at in (CLEARANCES, CLEARANCES + CLEARANCES_WIDTH):
+        nearest = int(answers[:, at + LEAST_SEEN].argmin())
+        joined[at : at + CLEARANCES_WIDTH] = answers[nearest, at : at + CLEARANCES_WIDTH]
         joined[at + WHEN] = begins[nearest] + lengths[nearest] * answers[nearest, at + WHEN]
-        joined[at + LOW] = answers[:, at + LOW].min()
+        joined[at + PROVED_BOUND] = answers[:, at + PROVED_BOUND].min()
     return joined

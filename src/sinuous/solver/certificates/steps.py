@@ -18,9 +18,9 @@ from sinuous.base.errors import InputError
 from sinuous.base.reprs import call
 from sinuous.base.work_time import work_time
 from sinuous.kernels import tables as k
-from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import DRIFT_WIDTH, SEEN_WIDTH, SEGMENT, WHEN, sweep_size
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
+from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, UNTIL, VERDICT, certify_motions
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, DRIFT_WIDTH, SEGMENT, WHEN, sweep_size
 from sinuous.model.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.drifts import Drifts, divided_knots, joined, together
@@ -181,7 +181,7 @@ class Steps:
     Attributes
     ----------
     answers : ndarray (m, 14)
-        What the kernel found, see `kernels.between.query`.
+        What the kernel found, see `kernels.certificate.query`.
     demanded : (float, float)
         Clearance and self-clearance that the robot keeps in any case, from which those of the kernel count.
     """
@@ -211,8 +211,8 @@ class Steps:
         """Make what somebody says: so many steps, numbers (1 = first) of those not proved, and bounds of all others."""
         answers = np.zeros((count, ANSWER_WIDTH))
         answers[:, VERDICT], answers[:, UNTIL] = CLEAR, 1.0
-        answers[:, SEEN] = math.inf if clearance is None else clearance - demanded[0]
-        answers[:, SEEN + SEEN_WIDTH] = math.inf if self_clearance is None else self_clearance - demanded[1]
+        answers[:, CLEARANCES] = math.inf if clearance is None else clearance - demanded[0]
+        answers[:, CLEARANCES + CLEARANCES_WIDTH] = math.inf if self_clearance is None else self_clearance - demanded[1]
         wrong = np.array(unproved, np.intp) - 1
         answers[wrong, VERDICT], answers[wrong, UNTIL] = UNDECIDED, 0.0
         return cls(answers, demanded)
@@ -225,17 +225,17 @@ class Steps:
     @property
     def clearances(self) -> Floats:
         """Proved lower bounds of the clearance in each motion (m,); infinite without obstacles."""
-        return self.answers[:, SEEN] + self.demanded[0]
+        return self.answers[:, CLEARANCES] + self.demanded[0]
 
     @property
     def self_clearances(self) -> Floats:
         """Proved lower bounds of the self-clearance in each motion (m,); infinite where it does not matter."""
-        return self.answers[:, SEEN + SEEN_WIDTH] + self.demanded[1]
+        return self.answers[:, CLEARANCES + CLEARANCES_WIDTH] + self.demanded[1]
 
     @property
     def room(self) -> tuple[Floats, Floats]:
         """The same two (m,), beyond what is demanded: by so much the body may come nearer."""
-        return self.answers[:, SEEN], self.answers[:, SEEN + SEEN_WIDTH]
+        return self.answers[:, CLEARANCES], self.answers[:, CLEARANCES + CLEARANCES_WIDTH]
 
     @property
     def clearance(self) -> float | None:
@@ -251,7 +251,7 @@ class Steps:
         """Return the same for the motions backwards, in the opposite order."""
         answers = self.answers[::-1].copy()
         answers[:, UNTIL] = np.where(answers[:, VERDICT] == CLEAR, 1.0, 0.0)
-        for seen in (SEEN, SEEN + SEEN_WIDTH):
+        for seen in (CLEARANCES, CLEARANCES + CLEARANCES_WIDTH):
             answers[:, seen + WHEN] = 1.0 - answers[:, seen + WHEN]
         return Steps(answers, self.demanded)
 
@@ -275,8 +275,8 @@ class Prover:
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
-        self._ways = LoadedShapes(robot) if robot.hangs else None
-        body = longest_body(robot) if robot.hangs else robot
+        self._ways = LoadedShapes(robot) if robot.has_external_load else None
+        body = longest_body(robot) if robot.has_external_load else robot
         self._group, self._scene_group = robot_group(body), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(body), len(scene)))
@@ -324,7 +324,7 @@ class Prover:
     def _prove(self, knots: Floats, known: Floats, drifts: Floats, slack: float, seconds: float) -> Floats:
         answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
         terms = self._mount, slack, self._finest, seconds * len(answers)
-        prove_motions(self._group, self._scene_group, knots, known, drifts, terms, self._workspace, answers)
+        certify_motions(self._group, self._scene_group, knots, known, drifts, terms, self._workspace, answers)
         return answers
 
     def _prove_under_load(
@@ -358,7 +358,7 @@ class Prover:
         finally:
             for column in (k.RADIUS, k.SELF_RADIUS):
                 rows[:, column] -= piece.aside
-        for at in (SEEN, SEEN + SEEN_WIDTH):
+        for at in (CLEARANCES, CLEARANCES + CLEARANCES_WIDTH):
             answer[at + SEGMENT] = self.owners[int(answer[at + SEGMENT])] if answer[at + SEGMENT] >= 0.0 else -1.0
         return answer
 
@@ -383,7 +383,7 @@ def prove_steps(
         for i in np.flatnonzero(answers[:, VERDICT] == UNDECIDED).tolist():
             again = prover.prove(path[i : i + 2], 1.0, LOOSE_SECONDS, times[i : i + 2])[0]
             answers[i] = again if again[VERDICT] == CLEAR else answers[i]
-    return Steps(answers, robot.least_demanded)
+    return Steps(answers, robot._least_clearances)
 
 
 def load_motions(robot: Robot, scene: Snapshot) -> None:

@@ -126,7 +126,7 @@ class RouteCurves:
         Lines for which the seconds do not suffice end early.
         """
         lengths, which = np.empty(len(starts)), np.empty(len(starts), np.int64)
-        homotopy.see(self._group, starts.copy(), ends.copy(), keep, seconds, self._workspace, lengths, which)
+        homotopy.trace_lines(self._group, starts.copy(), ends.copy(), keep, seconds, self._workspace, lengths, which)
         return Seen(lengths, which)
 
     def between(self, a: Floats, b: Floats) -> NDArray[np.int64]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.fitting.query import ball_radius
-from sinuous.kernels.growing.detours import ENOUGH, NUMBERS, TURNS, detours_size, lead_aside
+from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.solver.polylines import lengths_along, respaced
 from sinuous.solver.routing.growth import LEG_POINTS, segments_of
@@ -47,9 +47,12 @@ def lengthen_route(groups: Groups, legs: Floats, number: int, deadline: Deadline
         length = lengths_along(leg)[-1]
         least = max(least, length)
         wanted = least + ((1 + number) * GOLDEN % 1.0) * (most - least)
-        if length < ENOUGH * wanted:
-            points, numbers = respaced(leg, POINTS), rng.random((TURNS, NUMBERS))
+        if length < LONG_ENOUGH * wanted:
+            points, numbers = respaced(leg, POINTS), rng.random((MOST_DETOURS, NUMBERS))
             left = max(0.0, deadline())
-            if lead_aside(groups[1], wanted, ball_radius(segments), numbers, left, workspace, points) > length / ENOUGH:
+            if (
+                add_detours(groups[1], wanted, ball_radius(segments), numbers, left, workspace, points)
+                > length / LONG_ENOUGH
+            ):
                 longer[i], some = respaced(points, LEG_POINTS), True
     return longer if some else None

@@ -9,7 +9,16 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.fitting.settle import settle_chain
-from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, COST, DISTANCE, FRAME, LAST, PARENT, SCORE
+from sinuous.kernels.growing.beam import (
+    CHAIN_WIDTH,
+    COST,
+    END_DISTANCE,
+    FRAME,
+    LAST_SEGMENT_Q,
+    PARENT,
+    SCORE,
+    SEGMENT_BEFORE_Q,
+)
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.tables import (
     HAS_POSITION,
@@ -170,7 +179,7 @@ class GrownChains:
     def outside(self) -> tuple[int, list[int]]:
         """Number of segments of the chains that end in the open, and their numbers, the best first."""
         last = int(np.flatnonzero(self.counts)[-1])
-        return last, np.flatnonzero(self._levels[last, : self.counts[last], DISTANCE] >= self._open_from).tolist()
+        return last, np.flatnonzero(self._levels[last, : self.counts[last], END_DISTANCE] >= self._open_from).tolist()
 
     def parent(self, k: int, i: int) -> int:
         """Number of the chain of one segment less that chain number `i` of `k` segments continues."""
@@ -181,9 +190,9 @@ class GrownChains:
         q = np.empty((k, 3))
         for at in range(k, 0, -1):
             if at == k:
-                q[at - 1] = self._levels[at, i, LAST : LAST + 3]
+                q[at - 1] = self._levels[at, i, LAST_SEGMENT_Q : LAST_SEGMENT_Q + 3]
             if at > 1:
-                q[at - 2] = self._levels[at, i, BEFORE : BEFORE + 3]
+                q[at - 2] = self._levels[at, i, SEGMENT_BEFORE_Q : SEGMENT_BEFORE_Q + 3]
             i = self.parent(at, i)
         return q, self.frames[0, i]
 

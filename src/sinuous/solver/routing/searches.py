@@ -164,7 +164,7 @@ class Searches:
             query,
             cell=plan.cell,
             clearance=plan.clearance,
-            room=max(self._radius, 0.5 * plan.cell),
+            free_margin=max(self._radius, 0.5 * plan.cell),
             most_cells=plan.cells,
             prove=plan.prove and query[QUERY_SHORTEST] > (1.0 + ROUNDING) * query[QUERY_FREE_LENGTH],
         )
@@ -183,7 +183,7 @@ class Searches:
             query,
             cell=fine.cell,
             clearance=fine.clearance,
-            room=max(self._radius, 0.5 * fine.cell),
+            free_margin=max(self._radius, 0.5 * fine.cell),
             most_cells=0,
             prove=False,
         )

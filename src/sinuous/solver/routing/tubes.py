@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tubes import BRANCH, END, MOUTH, follow_tube
+from sinuous.kernels.tubes import BRANCH, MOUTH, WALL, follow_tube
 from sinuous.solver.polylines import lengths_along, points_at, respaced
 from sinuous.solver.routing.partial_problems import (
     backbone_of,
@@ -78,7 +78,7 @@ def find_tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | Non
         return None
     spacing = max(radius, longest / POINTS)
     tube = _followed(scene, query, spacing, seconds)
-    if tube is not None and tube.ended == END and line_to_target_in_tube(tube, query) is None:
+    if tube is not None and tube.ended == WALL and line_to_target_in_tube(tube, query) is None:
         tube = _followed(scene, query, FINER * spacing, seconds)  # it may bend too much for the first steps
     return tube
 
@@ -90,7 +90,7 @@ def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> T
     sizes = radius, spacing, query[t.QUERY_FREE_LENGTH]
     count, ended = follow_tube(scene, np.stack([origin, axis]), sizes, seconds, clock, points)
     known = points[:count]
-    if ended not in (MOUTH, END, BRANCH) or lengths_along(known)[-1] < SHORTEST * radius:
+    if ended not in (MOUTH, WALL, BRANCH) or lengths_along(known)[-1] < SHORTEST * radius:
         return None
     return Tube(known, ended)
 

@@ -6,14 +6,14 @@ The tip's acceleration is bounded as `sweep` says. So between two of its places,
 
 import math
 
-from sinuous.kernels.between.sweep import at_time
+from sinuous.kernels.certificate.sweep import at_time
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, sub
 from sinuous.kernels.problem import read_robot
 
-LOOKS = 8
-"""Pieces of a step between whose ends the tip's way is looked at, where the bound alone is not enough."""
+TIP_PIECES = 8
+"""Pieces of a step between whose ends the tip's way is examined, where the bound alone is not enough."""
 
 
 def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
@@ -30,8 +30,8 @@ def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
 def _distance(p: Vec, a: Vec, along: Vec) -> float:
     """Distance of a place from the straight line that begins at `a`."""
     square, away = dot(along, along), sub(p, a)
-    share = min(1.0, max(0.0, dot(away, along) / square)) if square > 0.0 else 0.0
-    return norm(add_scaled(away, -share, along))
+    fraction = min(1.0, max(0.0, dot(away, along) / square)) if square > 0.0 else 0.0
+    return norm(add_scaled(away, -fraction, along))
 
 
 @entry
@@ -50,9 +50,9 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     put_frame(frames, 0, rotation, position)
     begin = get_vec(line, 0, 0)
     along, far = sub(get_vec(line, 1, 0), begin), 0.0
-    for i in range(LOOKS + 1):
-        at_time(ends[0], ends[1], i / LOOKS, q)
+    for i in range(TIP_PIECES + 1):
+        at_time(ends[0], ends[1], i / TIP_PIECES, q)
         forward(q, frames)
         rotation, position = frame(frames, q.shape[0])
         far = max(far, _distance(compose(rotation, position, offset, shift)[1], begin, along))
-    return far + acceleration / (8.0 * LOOKS * LOOKS)
+    return far + acceleration / (8.0 * TIP_PIECES * TIP_PIECES)

@@ -5,13 +5,13 @@ box all of it can be passed but for what is too near to the box, and nothing lea
 two halves, each a cell of its own in the search. That holds for a half-space too, of which one half is never reached.
 """
 
-from sinuous.kernels.fields.distances import Scene, look
+from sinuous.kernels.fields.distances import Scene, evaluate
 from sinuous.kernels.freespace.cells import NONE
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, corners
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, corners
 from sinuous.kernels.maths.vectors import Vec, add, add_scaled, dot, get_mat, get_vec, scale, sub, vec_mat
-from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, HALF_SPACE, KIND, ROUNDING, SIGN
+from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, HALF_SPACE, KIND, ROUNDING_RADIUS, SIGN
 
-THIN = 1.0
+LEAST_CUT_CLEARANCE = 1.0
 """Least clearance, in edges of the finest cells, with which no cell on one side of a wall reaches to the other side."""
 
 
@@ -35,20 +35,24 @@ def _axis_across(scene: Scene, i: int, p: Vec, edge: float, spare: float) -> int
     return 1 if spans[0] and spans[2] else NONE
 
 
-def cut_by(grid: Grid, scene: Scene, p: Vec, edge: float, which: int) -> int:
+def cut_by(grid: SearchGrid, scene: Scene, p: Vec, edge: float, which: int) -> int:
     """Say how obstacle `which`, the nearest to its middle `p`, cuts a cell in two: 3 times its number, and the axis.
 
     NONE where it does not, or where another obstacle is so near that not all of the rest can be passed.
     """
     kind = scene.table[which, KIND]
-    if kind not in (BOX, HALF_SPACE) or scene.table[which, SIGN] < 0.0 or grid.clearance < THIN * grid.cell:
+    if (
+        kind not in (BOX, HALF_SPACE)
+        or scene.table[which, SIGN] < 0.0
+        or grid.clearance < LEAST_CUT_CLEARANCE * grid.cell
+    ):
         return NONE
     axis = _axis_across(scene, which, p, edge, 2.0 * HALF_DIAGONAL * grid.cell)
     if axis == NONE:
         return NONE
     enough = HALF_DIAGONAL * (edge - grid.cell) + grid.ample
     for i in range(scene.table.shape[0]):
-        if i != which and look(scene, i, p, enough, grid.mode)[0] < enough:
+        if i != which and evaluate(scene, i, p, enough, grid.mode)[0] < enough:
             return NONE
     return 3 * which + axis
 
@@ -67,7 +71,7 @@ def beyond(scene: Scene, cut: int, side: int, p: Vec) -> float:
     i = cut // 3
     thick = 0.0 if scene.table[i, KIND] == HALF_SPACE else scene.table[i, HALF_EXTENTS + cut % 3]
     off = dot(sub(p, get_vec(scene.table, i, CENTER)), _normal(scene, cut))
-    return (2.0 * side - 1.0) * off - thick - scene.table[i, ROUNDING]
+    return (2.0 * side - 1.0) * off - thick - scene.table[i, ROUNDING_RADIUS]
 
 
 def side_of(scene: Scene, cut: int, p: Vec) -> int:
@@ -81,7 +85,7 @@ def beside(scene: Scene, cut: int, side: int, p: Vec, far: float) -> Vec:
     return p if lacking <= 0.0 else add_scaled(p, (2.0 * side - 1.0) * lacking, _normal(scene, cut))
 
 
-def shared(grid: Grid, one: int, other: int) -> tuple[Vec, Vec]:
+def shared(grid: SearchGrid, one: int, other: int) -> tuple[Vec, Vec]:
     """Low and high corner of what two cells that touch have in common."""
     a, b = corners(grid, one)
     c, d = corners(grid, other)
@@ -89,7 +93,7 @@ def shared(grid: Grid, one: int, other: int) -> tuple[Vec, Vec]:
     return low, (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
 
 
-def _open(grid: Grid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) -> bool:
+def _open(grid: SearchGrid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) -> bool:
     """Whether between two corners there is a point that can be passed, on a side of a wall."""
     a, b, c = _normal(scene, cut)
     x, y, z = sub(high, low)
@@ -97,7 +101,7 @@ def _open(grid: Grid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) ->
     return beyond(scene, cut, side, scale(0.5, add(low, high))) + reach >= grid.clearance
 
 
-def linked(grid: Grid, scene: Scene, one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
+def linked(grid: SearchGrid, scene: Scene, one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
     """Whether a route leads from one cell to another that it touches: each by its key, its cut, and the side of it.
 
     From one finest cell to the next one it leads by the middle between both, which belongs to both cells and is as far

@@ -8,8 +8,8 @@ import sinuous as sn
 from sinuous.answer.verification import verify
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables
-from sinuous.kernels.clock import DEADLINE, LOOKS, STRIDE
-from sinuous.kernels.solve.room import GRAZING, STEPS, take_room
+from sinuous.kernels.clock import DEADLINE, STRIDE, WORK
+from sinuous.kernels.solve.clearance import CLEARANCE_STEPS, GRAZING, increase_clearance
 from sinuous.problem.problem import Problem
 from tests.helpers import kernel_problem
 from tests.kernels.workspace import NEVER, make_workspace
@@ -22,7 +22,7 @@ ROOM = 0.4
 def touching(count: int) -> list[tuple[sn.Target, Floats, float]]:
     """Targets, answers to them in contact, and the clearances of these."""
     solver = sn.Solver(ROBOT, SCENE, max_starts=6, routes=False)
-    solver._prepared._settings[tables.ROOM] = 0.0
+    solver._prepared._settings[tables.CLEARANCE_MARGIN] = 0.0
     rng = np.random.default_rng(3)
     positions = rng.uniform([-140.0, -140.0, 60.0], [140.0, 140.0, 220.0], (600, 3))
     found = solver.solve_many(positions=positions, workers=1)
@@ -37,8 +37,8 @@ def taken(
     problem = kernel_problem(ROBOT, target, SCENE)
     best, (states, work) = q.copy(), make_workspace(problem)
     known = 0.125, 0.25, clearance, 0.75, 0.5  # no values that are found again
-    work.clock[DEADLINE], work.clock[LOOKS] = (0, STRIDE) if late else (NEVER, 0)
-    used, after = take_room(problem, states, work, room, known, best)
+    work.clock[DEADLINE], work.clock[WORK] = (0, STRIDE) if late else (NEVER, 0)
+    used, after = increase_clearance(problem, states, work, room, known, best)
     return best, used, after
 
 
@@ -46,7 +46,7 @@ def test_answers_in_contact_get_room_and_stay_answers() -> None:
     gained = []
     for target, q, before in touching(8):
         best, used, (off, turn, clearance, _, _) = taken(target, q, before, ROOM)
-        assert 0 < used <= STEPS
+        assert 0 < used <= CLEARANCE_STEPS
         found = verify(Problem(ROBOT, target, SCENE), best)
         assert found.ok
         gained.append(clearance / before)

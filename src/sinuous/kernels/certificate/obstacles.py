@@ -11,21 +11,21 @@ where motion is what leaves it open, the interval of time.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.between.drift import OF, drift_of
-from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep
-from sinuous.kernels.body.chords import sag
-from sinuous.kernels.body.pieces import following, free_part, look_here
+from sinuous.kernels.body.chords import sagitta_bound
+from sinuous.kernels.body.pieces import evaluate_here, following, free_part
 from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
+from sinuous.kernels.certificate.drift import OF, drift_of
+from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Motion, Sweep
 from sinuous.kernels.chain.kinematics import body_point, place_on
-from sinuous.kernels.chain.rates import bow
+from sinuous.kernels.chain.rates import acceleration_bound
 from sinuous.kernels.clock import spend
-from sinuous.kernels.fields.distances import Scene, beside, look, price_of, slope, tangents_pay
+from sinuous.kernels.fields.distances import Scene, beside, evaluate, slope, tangents_pay, work_of
 from sinuous.kernels.fields.primitives import Patch
-from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING, ROUNDOFF, SIGN, SPHERE, TREE
+from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING_RADIUS, ROUNDOFF, SIGN, SPHERE, TREE
 
-Aim = namedtuple("Aim", ["slack", "finest", "rounding", "mount", "prefix"])
+Accuracy = namedtuple("Accuracy", ["slack", "finest", "rounding", "mount", "prefix"])
 """How far below the truth a clearance may be, as a share of it, and by `finest` more: with 1 it is enough that it is
 greater than 0. Pieces shorter than `finest`, and times in which nothing moves that far, are not halved. `rounding` is
 what arithmetic may be wrong by, `mount` the length of backbone that obstacles do not concern. With `prefix` an overlap
@@ -40,19 +40,19 @@ Piece = namedtuple("Piece", ["k", "s", "width", "half", "bend", "radius", "lag",
 how far from there the body may be; whether that place is beyond the mount half-way through the interval."""
 
 
-Corners = tuple[Vec, Vec, Vec, Vec]
+PieceCorners = tuple[Vec, Vec, Vec, Vec]
 
 
-def wanted(aim: Aim, seen: Array) -> float:
+def wanted(accuracy: Accuracy, seen: Array) -> float:
     """The clearance from which on a bound is as good as it has to be, for what was `seen` (6,)."""
-    if aim.slack >= 1.0 or seen[LEAST] == math.inf:
+    if accuracy.slack >= 1.0 or seen[LEAST_SEEN] == math.inf:
         return 0.0
-    return max(0.0, (1.0 - aim.slack) * float(seen[LEAST]) - aim.finest)
+    return max(0.0, (1.0 - accuracy.slack) * float(seen[LEAST_SEEN]) - accuracy.finest)
 
 
-def good_enough(low: float, aim: Aim, seen: Array) -> bool:
+def good_enough(low: float, accuracy: Accuracy, seen: Array) -> bool:
     """Whether a lower bound of a clearance is as good as it has to be, for what was `seen` (6,)."""
-    return bool(low > 0.0 and low >= wanted(aim, seen))
+    return bool(low > 0.0 and low >= wanted(accuracy, seen))
 
 
 BALL = 3
@@ -73,7 +73,7 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
         within, count = GRACE * (along + limits[k, RADIUS]), 0
         for i in range(scene.table.shape[0]):
             far = within + scene.table[i, ROUNDOFF]
-            if look_here(scene, i, base, far, BOUND)[0] < far:
+            if evaluate_here(scene, i, base, far, LOWER_BOUND)[0] < far:
                 sweep.reach[k, count] = i
                 count += 1
         sweep.reached[k] = count
@@ -90,7 +90,7 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
     for i in range(table.shape[0]):
         put_vec(balls, i, 0, get_vec(table, i, CENTER))
         known = table[i, KIND] == SPHERE and table[i, SIGN] > 0.0
-        balls[i, BALL] = table[i, ROUNDING] + table[i, ROUNDOFF] if known else math.inf
+        balls[i, BALL] = table[i, ROUNDING_RADIUS] + table[i, ROUNDOFF] if known else math.inf
     for e in range(motion.drifts.shape[0]):
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
@@ -117,7 +117,7 @@ def _piece(
     qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
     length = max(qa[k, 2], qb[k, 2])
     half = 0.5 * length * width
-    lag = 0.125 * interval.h * interval.h * bow(sweep.rates, k, length, s + 0.5 * width)
+    lag = 0.125 * interval.h * interval.h * acceleration_bound(sweep.rates, k, length, s + 0.5 * width)
     bend = width * math.sqrt(max(qa[k, 0] * qa[k, 0] + qa[k, 1] * qa[k, 1], qb[k, 0] * qb[k, 0] + qb[k, 1] * qb[k, 1]))
     here, there = body_point(qa, fa, k, s), body_point(qb, fb, k, s)
     reach = half + lag + 0.5 * norm(sub(there, here)) + radius
@@ -125,35 +125,35 @@ def _piece(
     return Piece(k, s, width, half, bend, radius, lag, reach, scale(0.5, add(here, there)), along >= mount)
 
 
-def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> Corners:
+def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> PieceCorners:
     """The ends of a piece when an interval begins, and when it ends."""
     qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
     k, r, t = piece.k, piece.s - 0.5 * piece.width, piece.s + 0.5 * piece.width
     return place_on(qa, fa, k, r), place_on(qa, fa, k, t), place_on(qb, fb, k, r), place_on(qb, fb, k, t)
 
 
-def _sagging(piece: Piece) -> float:
+def _sagitta(piece: Piece) -> float:
     """How far the body is from the chord of a piece, at most; infinite where it is bent by more than half a turn."""
-    return sag(2.0 * piece.half, piece.bend) if piece.bend <= math.pi else math.inf
+    return sagitta_bound(2.0 * piece.half, piece.bend) if piece.bend <= math.pi else math.inf
 
 
-def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece, reach: float) -> tuple[float, float, float]:
+def _by_corners(scene: Scene, i: int, corners: PieceCorners, piece: Piece, reach: float) -> tuple[float, float, float]:
     """Lower bound of the distance of a piece to an obstacle, from its corners; what place and time leave open of it.
 
     What is not less than `reach` need not be exact.
     """
     c0, c1, c2, c3 = corners
     center = scale(0.25, add(add(c0, c1), add(c2, c3)))
-    sagging = _sagging(piece)
+    sagitta = _sagitta(piece)
     if scene.table[i, KIND] >= TREE:
         along, onward = sub(add(c1, c3), add(c0, c2)), sub(add(c2, c3), add(c0, c1))
         twist = sub(add(c0, c3), add(c1, c2))
         patch = Patch(center, scale(0.25, along), scale(0.25, onward), scale(0.25, twist))
-        low, g = beside(scene, i, patch, sagging, reach)
+        low, g = beside(scene, i, patch, sagitta, reach)
         if low == -math.inf:
             return low, piece.half, piece.reach - piece.half - piece.radius
-        aside = abs(dot(g, patch.onward)) + abs(dot(g, patch.twist))
-        return low - piece.lag, sagging + abs(dot(g, patch.along)), piece.lag + aside
+        deviation = abs(dot(g, patch.onward)) + abs(dot(g, patch.twist))
+        return low - piece.lag, sagitta + abs(dot(g, patch.along)), piece.lag + deviation
     d, g = slope(scene, i, center, math.inf, EXACT)
     z = dot(g, center)
     g0, g1, g2, g3 = dot(g, c0) - z, dot(g, c1) - z, dot(g, c2) - z, dot(g, c3) - z
@@ -162,8 +162,8 @@ def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece, reach: flo
         d0, d1 = slope(scene, i, c0, math.inf, EXACT)[0], slope(scene, i, c1, math.inf, EXACT)[0]
         d2, d3 = slope(scene, i, c2, math.inf, EXACT)[0], slope(scene, i, c3, math.inf, EXACT)[0]
         low = min(d0, d1, d2, d3)
-    space = sagging + 0.5 * max(abs(g1 - g0), abs(g3 - g2))
-    return low - sagging - piece.lag, space, piece.lag + 0.5 * max(abs(g2 - g0), abs(g3 - g1))
+    space = sagitta + 0.5 * max(abs(g1 - g0), abs(g3 - g2))
+    return low - sagitta - piece.lag, space, piece.lag + 0.5 * max(abs(g2 - g0), abs(g3 - g1))
 
 
 def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
@@ -172,91 +172,91 @@ def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
     return dot(away, away) > passed * passed
 
 
-def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: Aim, seen: Array) -> int:
+def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
     """Put those obstacles first that may be too near to a piece during an interval; return their number."""
     near, k = sweep.near, piece.k
-    reach, more = piece.reach + aim.rounding, max(wanted(aim, seen), aim.rounding)
+    reach, more = piece.reach + accuracy.rounding, max(wanted(accuracy, seen), accuracy.rounding)
     count = 0
     for e in range(sweep.counts[interval.level, k]):
         i = near[k, e]
-        if _far(sweep, i, piece, reach + max(seen[LOW], more)):
+        if _far(sweep, i, piece, reach + max(seen[PROVED_BOUND], more)):
             continue
         far = reach + scene.table[i, ROUNDOFF] + drift_of(sweep, i, interval.h, piece.center, piece.reach)
         enough = far + more  # beyond that, what is returned may be no more than that
-        d, _ = look_here(scene, i, piece.center, enough, BOUND)
+        d, _ = evaluate_here(scene, i, piece.center, enough, LOWER_BOUND)
         if d < enough:
             near[k, e], near[k, count] = near[k, count], i
             count += 1
         else:
-            seen[LOW] = min(seen[LOW], d - far)
+            seen[PROVED_BOUND] = min(seen[PROVED_BOUND], d - far)
     return count
 
 
 def _decide(
-    scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, count: int, aim: Aim, seen: Array
+    scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, count: int, accuracy: Accuracy, seen: Array
 ) -> tuple[int, float, float, int]:
     """Prove a piece clear of the first `count` obstacles of its segment during an interval.
 
-    Returns the verdict; what place and time leave open, where that is not CLEAR; and how many looks it took.
+    Returns the verdict; what place and time leave open, where that is not CLEAR; and how many evaluations it took.
     """
-    verdict, space, time, looks = CLEAR, 0.0, 0.0, 0
-    reach = piece.reach + aim.rounding
+    verdict, space, time, units = CLEAR, 0.0, 0.0, 0
+    reach = piece.reach + accuracy.rounding
     known, corners = False, (piece.center, piece.center, piece.center, piece.center)
     for e in range(count):
         i = sweep.near[piece.k, e]
-        enough = reach + max(seen[LOW], wanted(aim, seen))
-        if _far(sweep, i, piece, max(enough, seen[LEAST] + piece.radius - piece.lag)):
+        enough = reach + max(seen[PROVED_BOUND], wanted(accuracy, seen))
+        if _far(sweep, i, piece, max(enough, seen[LEAST_SEEN] + piece.radius - piece.lag)):
             continue
         drift = drift_of(sweep, i, interval.h, piece.center, piece.reach) + scene.table[i, ROUNDOFF]
-        enough = reach + drift + wanted(aim, seen) + aim.rounding
-        looks += price_of(scene, i)
-        d, most = look_here(scene, i, piece.center, enough, BOUND)
+        enough = reach + drift + wanted(accuracy, seen) + accuracy.rounding
+        units += work_of(scene, i)
+        d, most = evaluate_here(scene, i, piece.center, enough, LOWER_BOUND)
         if d < enough and most - d > LOOSENESS * (piece.reach - piece.radius):
-            d, most = look(scene, i, piece.center, enough, EXACT)
+            d, most = evaluate(scene, i, piece.center, enough, EXACT)
         gap = most + piece.lag - piece.radius
-        if piece.free and gap < seen[LEAST]:
-            seen[LEAST], seen[WHEN], seen[SEGMENT] = gap, interval.begin + 0.5 * interval.h, piece.k
+        if piece.free and gap < seen[LEAST_SEEN]:
+            seen[LEAST_SEEN], seen[WHEN], seen[SEGMENT] = gap, interval.begin + 0.5 * interval.h, piece.k
             seen[FRACTION], seen[WHICH] = piece.s, i
             if gap < 0.0:
-                return TOUCHING, piece.half, reach, looks
+                return TOUCHING, piece.half, reach, units
         low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
-        aside = piece.radius + aim.rounding + drift
-        room = d - aside - piece.lag - _sagging(piece) - wanted(aim, seen)
-        if not good_enough(low, aim, seen) and tangents_pay(scene, i, d, piece.reach - piece.radius, room):
+        deviation = piece.radius + accuracy.rounding + drift
+        slack = d - deviation - piece.lag - _sagitta(piece) - wanted(accuracy, seen)
+        if not good_enough(low, accuracy, seen) and tangents_pay(scene, i, d, piece.reach - piece.radius, slack):
             if not known:
                 known, corners = True, _corners_of(sweep, interval, piece)
             by_corners, place, motion = _by_corners(scene, i, corners, piece, enough)
-            low = max(low, by_corners - aside)
-            looks += 2 * price_of(scene, i)
-        if good_enough(low, aim, seen):
-            seen[LOW] = min(seen[LOW], low)
+            low = max(low, by_corners - deviation)
+            units += 2 * work_of(scene, i)
+        if good_enough(low, accuracy, seen):
+            seen[PROVED_BOUND] = min(seen[PROVED_BOUND], low)
             continue
         verdict = UNDECIDED
         space, time = max(space, place), max(time, motion + drift)
-    return verdict, space, time, looks
+    return verdict, space, time, units
 
 
-def _free_from(sweep: Sweep, interval: Interval, k: int, aim: Aim, begins: tuple[float, float]) -> float:
+def _free_from(sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, begins: tuple[float, float]) -> float:
     """Fraction of segment `k` from which on it is beyond the mount some time in an interval; `begins` as above."""
     return min(
-        free_part(sweep.q[interval.a], k, aim.mount - begins[0]),
-        free_part(sweep.q[interval.b], k, aim.mount - begins[1]),
+        free_part(sweep.q[interval.a], k, accuracy.mount - begins[0]),
+        free_part(sweep.q[interval.b], k, accuracy.mount - begins[1]),
     )
 
 
-def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> None:
+def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, seen: Array) -> None:
     """Leave for the halves of an interval only the obstacles that may be too near to segment `k` in it."""
     begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
-    start = _free_from(sweep, interval, k, aim, begins)
+    start = _free_from(sweep, interval, k, accuracy, begins)
     part = 1.0 - start
     sweep.counts[interval.level + 1, k] = 0
     if part > 0.0:
         radius = motion.limits[k, RADIUS]
-        whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, aim.mount)
-        sweep.counts[interval.level + 1, k] = _narrow(motion.scene, sweep, interval, whole, aim, seen)
+        whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, accuracy.mount)
+        sweep.counts[interval.level + 1, k] = _narrow(motion.scene, sweep, interval, whole, accuracy, seen)
 
 
-def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> int:
+def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, seen: Array) -> int:
     """Prove segment `k` clear during an interval; the obstacles that cannot be decided are left for its halves.
 
     Returns the verdict, and keeps in `seen` (6,) what was found. TOUCHING ends the work: nothing proves the interval.
@@ -266,28 +266,28 @@ def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim:
     if counts[level, k] == 0:
         return CLEAR
     begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
-    start = _free_from(sweep, interval, k, aim, begins)
+    start = _free_from(sweep, interval, k, accuracy, begins)
     part = 1.0 - start
     if part <= 0.0:
         return CLEAR
     radius, scene = motion.limits[k, RADIUS], motion.scene
-    whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, aim.mount)
-    count = _narrow(scene, sweep, interval, whole, aim, seen)
+    whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, accuracy.mount)
+    count = _narrow(scene, sweep, interval, whole, accuracy, seen)
     deep = number = 0
     while count > 0 and number < 1 << deep:
         piece = whole
         if deep > 0:
             width = part / (1 << deep)
-            piece = _piece(sweep, interval, k, radius, start + (number + 0.5) * width, width, begins, aim.mount)
-        verdict, space, time, looks = _decide(scene, sweep, interval, piece, count, aim, seen)
+            piece = _piece(sweep, interval, k, radius, start + (number + 0.5) * width, width, begins, accuracy.mount)
+        verdict, space, time, units = _decide(scene, sweep, interval, piece, count, accuracy, seen)
         if verdict == TOUCHING:
             counts[level + 1, k] = count
             return TOUCHING
-        if spend(sweep.clock, looks):
+        if spend(sweep.clock, units):
             return UNDECIDED
         if verdict == CLEAR:
             deep, number = following(deep, number)
-        elif space > time and 2.0 * piece.half > aim.finest:
+        elif space > time and 2.0 * piece.half > accuracy.finest:
             deep, number = deep + 1, 2 * number
         else:
             counts[level + 1, k] = count

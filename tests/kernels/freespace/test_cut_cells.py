@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sinuous.kernels.freespace import halves
+from sinuous.kernels.freespace import cut_cells
 from sinuous.kernels.freespace.cells import NONE
 from sinuous.kernels.freespace.grid import middle
 from sinuous.kernels.freespace.keys import key_of
@@ -28,7 +28,7 @@ def cut(scene: Scene, cell: tuple[int, int, int, int]) -> int:
     key = key_of(*cell)
     edge = WHERE.cell * 2 ** cell[0]
     which = int(np.argmin([float(Scene([o]).distance(np.array(middle(WHERE, key)))) for o in scene.obstacles]))
-    return int(halves.cut_by(WHERE, kernel_scene(scene), middle(WHERE, key), edge, which))
+    return int(cut_cells.cut_by(WHERE, kernel_scene(scene), middle(WHERE, key), edge, which))
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -38,14 +38,14 @@ def test_sides_are_told_apart_and_nothing_leads_across(seed: int) -> None:
     assert found // 3 == 0
     points = middles(WHERE, cell)
     free = points[scene.distance(points) >= WHERE.clearance]
-    sides = np.array([halves.side_of(kernel_scene(scene), found, tuple(p)) for p in free])
+    sides = np.array([cut_cells.side_of(kernel_scene(scene), found, tuple(p)) for p in free])
     for p, side in zip(free[::29], sides[::29], strict=True):
         lines = p + np.linspace(0.0, 1.0, 65)[:, None, None] * (free - p)
         least = scene.distance(lines).min(axis=0)
         assert (least[sides != side] < 0.0).all()
         assert (least[sides == side] >= WHERE.clearance - 1e-12).all()
     if len(free):
-        there = halves.beside(kernel_scene(scene), found, int(sides[0]), tuple(-free[0]), 0.7)
+        there = cut_cells.beside(kernel_scene(scene), found, int(sides[0]), tuple(-free[0]), 0.7)
         assert float(scene.distance(np.array(there))) == pytest.approx(0.7, abs=1e-9)
 
 
@@ -61,11 +61,11 @@ def test_links_lead_wherever_two_finest_cells_do(seed: int) -> None:
     free = np.argwhere(near)
     told = set()
     for i, j in free:
-        side, there = (halves.side_of(whole, first, tuple(p)) for p in (a[i], b[j]))
+        side, there = (cut_cells.side_of(whole, first, tuple(p)) for p in (a[i], b[j]))
         if side == there:  # else the wall is between them
             told.add((side, there if second != NONE else 0))
     for side, there in told:
-        assert halves.linked(WHERE, whole, (key_of(*one), first, side), (key_of(*other), second, there))
+        assert cut_cells.linked(WHERE, whole, (key_of(*one), first, side), (key_of(*other), second, there))
     if second != NONE:
         for side in range(2):
-            assert not halves.linked(WHERE, whole, (key_of(*one), first, side), (key_of(*other), second, 1 - side))
+            assert not cut_cells.linked(WHERE, whole, (key_of(*one), first, side), (key_of(*other), second, 1 - side))

@@ -6,25 +6,25 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import (
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, UNTIL, VERDICT, certify_motions
+from sinuous.kernels.certificate.sweep import (
+    CLEARANCES_WIDTH,
     DRIFT_WIDTH,
     FRACTION,
-    LEAST,
-    LOW,
-    SEEN_WIDTH,
+    LEAST_SEEN,
+    PROVED_BOUND,
     SEGMENT,
     WHEN,
     sweep_size,
 )
-from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
-from tests.kernels.between.motions import Case, random_case, sampled_case, shape
+from tests.kernels.certificate.motions import Case, random_case, sampled_case, shape
 from tests.scene import shapes
 
-ITSELF = SEEN + SEEN_WIDTH
+ITSELF = CLEARANCES + CLEARANCES_WIDTH
 SLACK = 0.1
 
 
@@ -44,7 +44,7 @@ def prove(
     workspace = np.full(sweep_size(len(case.robot), len(snapshot)), np.nan)
     known = np.full((len(path), 2), clear)
     still = np.empty((len(path) - 1, 0, DRIFT_WIDTH))
-    prove_motions(robot_group(case.robot), snapshot.group.copy(), path, known, still, terms, workspace, answers)
+    certify_motions(robot_group(case.robot), snapshot.group.copy(), path, known, still, terms, workspace, answers)
     return answers
 
 
@@ -62,11 +62,11 @@ def test_the_proof_agrees_with_dense_sampling(slack: float, clear: float) -> Non
         verdicts[int(answer[VERDICT])] += 1
         if answer[VERDICT] == CLEAR:
             assert min(clearance, gap) > 0.0, seed
-            assert answer[SEEN + LOW] <= clearance + 1e-9, seed
-            assert answer[ITSELF + LOW] <= gap + 1e-9, seed
+            assert answer[CLEARANCES + PROVED_BOUND] <= clearance + 1e-9, seed
+            assert answer[ITSELF + PROVED_BOUND] <= gap + 1e-9, seed
             assert answer[UNTIL] == 1.0
             if slack == SLACK and math.isfinite(clearance) and case.robot.mount == 0.0:
-                assert answer[SEEN + LOW] >= 0.95 * (1.0 - SLACK) * clearance - 0.03, seed
+                assert answer[CLEARANCES + PROVED_BOUND] >= 0.95 * (1.0 - SLACK) * clearance - 0.03, seed
         else:
             assert answer[UNTIL] < 1.0
             assert min(clearance, gap) < 0.02, seed
@@ -80,8 +80,8 @@ def test_an_overlap_is_where_it_is_said_to_be() -> None:
     for seed in range(75):
         case = random_case(seed)
         (answer,) = prove(case)
-        seen = answer[SEEN : SEEN + SEEN_WIDTH]
-        if answer[VERDICT] != TOUCHING or seen[LEAST] >= 0.0:
+        seen = answer[CLEARANCES : CLEARANCES + CLEARANCES_WIDTH]
+        if answer[VERDICT] != TOUCHING or seen[LEAST_SEEN] >= 0.0:
             continue
         looked += 1
         k, t = int(seen[SEGMENT]), seen[WHEN]
@@ -102,8 +102,8 @@ def test_a_motion_cut_in_two_is_clear_when_both_parts_are() -> None:
         if UNDECIDED not in (whole[VERDICT], *parts[:, VERDICT]):
             assert (whole[VERDICT] == CLEAR) == bool((parts[:, VERDICT] == CLEAR).all()), seed
         if whole[VERDICT] == CLEAR:
-            low = parts[:, SEEN + LOW].min()
-            assert low == pytest.approx(whole[SEEN + LOW], rel=2.5 * SLACK) or case.robot.mount > 0.0
+            low = parts[:, CLEARANCES + PROVED_BOUND].min()
+            assert low == pytest.approx(whole[CLEARANCES + PROVED_BOUND], rel=2.5 * SLACK) or case.robot.mount > 0.0
 
 
 def test_it_does_not_matter_where_robot_and_obstacles_stand() -> None:
@@ -158,7 +158,9 @@ def test_a_motion_that_is_clear_is_bounded_as_tightly_as_it_is_asked_for() -> No
             clear += 1
             (answer,) = prove(case)
             assert answer[VERDICT] == CLEAR
-            assert answer[SEEN + LOW] >= (1.0 - 1e-6) * ((1.0 - SLACK) * answer[SEEN + LEAST] - 1e-6)
+            assert answer[CLEARANCES + PROVED_BOUND] >= (1.0 - 1e-6) * (
+                (1.0 - SLACK) * answer[CLEARANCES + LEAST_SEEN] - 1e-6
+            )
     assert clear > 30
 
 

@@ -1,4 +1,4 @@
-"""A quick look at one segment for obstacles, in a few places: what heuristics steer by. It proves nothing."""
+"""A quick examine one segment for obstacles, in a few places: what heuristics steer by. It proves nothing."""
 
 import math
 
@@ -9,8 +9,8 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import RADIUS
 
 
-def deepest(
-    problem: Problem, rotation: Mat, position: Vec, q: Vec, k: int, travel: float, looks: int
+def sampled_clearance(
+    problem: Problem, rotation: Mat, position: Vec, q: Vec, k: int, travel: float, places: int
 ) -> tuple[float, int, Vec]:
     """Least clearance of segment `k`, laid on from this frame, over so many places, its end among them.
 
@@ -22,15 +22,15 @@ def deepest(
     if problem.mount > travel:
         inside = (problem.mount - travel) / q[2] if problem.mount < travel + q[2] else 1.0
     j = 1
-    while inside < 1.0 and j <= looks:
-        s = inside + (1.0 - inside) * j / looks
+    while inside < 1.0 and j <= places:
+        s = inside + (1.0 - inside) * j / places
         place = add(position, mat_vec(rotation, point(s * q[0], s * q[1], s * q[2])))
         distance, i = nearest(problem.scene, place)
         clearance = distance - problem.limits[k, RADIUS]
         if clearance < least:
             least, which, where = clearance, i, place
-        apart = (1.0 - inside) * q[2] / looks
-        if clearance >= looks * apart:
+        apart = (1.0 - inside) * q[2] / places
+        if clearance >= places * apart:
             break
         j += int(clearance / apart) if clearance > apart else 1
     return least, which, where

@@ -1,9 +1,9 @@
 """What Python asks about motions: whether a path of knots is clear all the way."""
 
-from sinuous.kernels.between.obstacles import Aim, measure_balls
-from sinuous.kernels.between.proof import prove_between, prove_from
-from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
 from sinuous.kernels.body.proof import UNDECIDED
+from sinuous.kernels.certificate.obstacles import Accuracy, measure_balls
+from sinuous.kernels.certificate.proof import certify, certify_from
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sweep
 from sinuous.kernels.clock import allow, begin, late
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import read_scene
@@ -11,26 +11,26 @@ from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_robot
 
-VERDICT, UNTIL, SEEN = 0, 1, 2
+VERDICT, UNTIL, CLEARANCES = 0, 1, 2
 """Columns of an answer: the verdict, until when everything is proved clear (0 to 1), and what was seen of obstacles (6)
 and of the body itself (6)."""
 
-ANSWER_WIDTH = SEEN + 2 * SEEN_WIDTH
+ANSWER_WIDTH = CLEARANCES + 2 * CLEARANCES_WIDTH
 
 
-Terms = tuple[float, float, float, float]
+MotionTerms = tuple[float, float, float, float]
 """Length of backbone that obstacles do not concern; how far below the truth clearances may be, as a share of them (1:
 it is enough that they are greater than 0); the length below which nothing is halved; and seconds."""
 
 
 @entry
-def prove_motions(
+def certify_motions(
     robot: Array,
     scene: Array,
     knots: Array,
     known: Array,
     drifts: Array,
-    terms: Terms,
+    terms: MotionTerms,
     workspace: Array,
     answers: Array,
 ) -> None:
@@ -46,17 +46,17 @@ def prove_motions(
     sweep = carve_sweep(workspace, own.base, own.limits.shape[0], around.table.shape[0])
     begin(sweep.clock)
     allow(sweep.clock, seconds)
-    aim = Aim(slack, finest, 0.0, mount, False)
+    accuracy = Accuracy(slack, finest, 0.0, mount, False)
     for i in range(knots.shape[0] - 1):
-        seen = shaped(answers[i, SEEN:], (2, SEEN_WIDTH))
+        seen = shaped(answers[i, CLEARANCES:], (2, CLEARANCES_WIDTH))
         motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself, drifts[i])
         if i == 0:
             measure_balls(motion, sweep)
         clear, apart = min(known[i, 0], known[i + 1, 0]), min(known[i, 1], known[i + 1, 1])
         if clear > 0.0 and apart > 0.0:
-            verdict, until = prove_from(motion, sweep, aim, seen, clear, apart)
+            verdict, until = certify_from(motion, sweep, accuracy, seen, clear, apart)
         else:
-            verdict, until = prove_between(motion, sweep, aim, seen)
+            verdict, until = certify(motion, sweep, accuracy, seen)
         answers[i, VERDICT], answers[i, UNTIL] = verdict, until
         if late(sweep.clock):
             answers[i:, VERDICT] = UNDECIDED

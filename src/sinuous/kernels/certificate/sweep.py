@@ -7,19 +7,19 @@ import numpy as np
 
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
-from sinuous.kernels.chain.rates import RATES_WIDTH
+from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 
-LEVELS = 44
+TIME_LEVELS = 44
 """How often time may be halved."""
 
-LOW, LEAST, WHEN, SEGMENT, FRACTION, WHICH = range(6)
+PROVED_BOUND, LEAST_SEEN, WHEN, SEGMENT, FRACTION, WHICH = range(6)
 """What is known of clearances, `seen`: the lower bound of what is proved so far; the least that was seen, and where: at
 which time, on which segment, at which fraction of it, and to which obstacle or other segment."""
 
-SEEN_WIDTH = 6
+CLEARANCES_WIDTH = 6
 
 PACE_WIDTH, DRIFT_WIDTH, BALL_WIDTH = 5, 31, 4
 """Numbers of the pace of an obstacle, and of its drift: see `drift`; and of a ball, see `obstacles.measure_balls`."""
@@ -46,8 +46,8 @@ def sweep_size(segments: int, obstacles: int) -> int:
     """Numbers (float64) that `carve_sweep` takes from a buffer."""
     own = KNOTS * (15 * segments + 12 + SPAN_WIDTH * (segments + 1))
     pairs = segments * (segments + 1) // 2
-    each = 2 * obstacles + 1 + LEVELS + 2 + RATES_WIDTH
-    return own + segments * each + (1 + PACE_WIDTH + BALL_WIDTH) * obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
+    each = 2 * obstacles + 1 + TIME_LEVELS + 2 + MOTION_RATES_WIDTH
+    return own + segments * each + (1 + PACE_WIDTH + BALL_WIDTH) * obstacles + pairs + TIME_LEVELS + 2 + CLOCK_SIZE
 
 
 def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
@@ -58,17 +58,17 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     a = 3 * KNOTS * n
     b = a + 12 * KNOTS * (n + 1)
     c = b + SPAN_WIDTH * KNOTS * (n + 1)
-    paces = c + RATES_WIDTH * n
+    paces = c + MOTION_RATES_WIDTH * n
     balls = paces + PACE_WIDTH * m
     d = balls + BALL_WIDTH * m
     whole = buffer[d:].view(np.int64)
     e = n * m
     f = e + n
     g = f + n * m
-    h = g + (LEVELS + 2) * n
+    h = g + (TIME_LEVELS + 2) * n
     i = h + m
     j = i + n * (n + 1) // 2
-    k = j + LEVELS + 2
+    k = j + TIME_LEVELS + 2
     frames = shaped(buffer[a:b], (KNOTS, n + 1, 12))
     rotation, position = frame(base, 0)
     for at in range(KNOTS):
@@ -86,8 +86,8 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
         reach,
         reached,
         shaped(whole[f:g], (n, m)),
-        shaped(whole[g:h], (LEVELS + 2, n)),
-        shaped(buffer[c:paces], (n, RATES_WIDTH)),
+        shaped(whole[g:h], (TIME_LEVELS + 2, n)),
+        shaped(buffer[c:paces], (n, MOTION_RATES_WIDTH)),
         shaped(buffer[b:c], (KNOTS, n + 1, SPAN_WIDTH)),
         whole[h:i],
         whole[i:j],

@@ -10,7 +10,7 @@ most
 Hence what is proved of the scene as it is half-way through an interval holds for all of it, with this taken off.
 """
 
-from sinuous.kernels.between.sweep import Motion, Sweep
+from sinuous.kernels.certificate.sweep import Motion, Sweep
 from sinuous.kernels.maths.rotations import exponential
 from sinuous.kernels.maths.vectors import (
     Vec,
@@ -32,7 +32,7 @@ OF, BEGIN, VELOCITY, TURNED, TURN, OWN_CENTER, OWN_AXES = 0, 1, 4, 7, 16, 19, 22
 """Columns of a drift: the obstacle; c0 (3) and v (3), length unit; R0 (9, row by row) and w (3), rad; and of a
 primitive its center (3) and axes (9) in the frame in which it is described."""
 
-SPEED, SPIN, AT = 0, 1, 2
+SPEED, SPIN, FRAME_AT = 0, 1, 2
 """Columns of a pace: |v| and |w|, 0 of what stands still, and c (3) at the time that the scene is of."""
 
 
@@ -43,7 +43,7 @@ def place_obstacles(motion: Motion, t: float, sweep: Sweep) -> None:
         i = int(drifts[e, OF])
         center = add_scaled(get_vec(drifts, e, BEGIN), t, get_vec(drifts, e, VELOCITY))
         rotation = mat_mat(get_mat(drifts, e, TURNED), exponential(scale(t, get_vec(drifts, e, TURN))))
-        put_vec(sweep.paces, i, AT, center)
+        put_vec(sweep.paces, i, FRAME_AT, center)
         if table[i, KIND] < TREE:
             put_vec(table, i, CENTER, add(center, mat_vec(rotation, get_vec(drifts, e, OWN_CENTER))))
             put_mat(table, i, AXES, mat_mat(rotation, get_mat(drifts, e, OWN_AXES)))
@@ -77,4 +77,4 @@ def drift_of(sweep: Sweep, i: int, h: float, place: Vec, reach: float) -> float:
     speed, spin = sweep.paces[i, SPEED], sweep.paces[i, SPIN]
     if spin == 0.0:
         return float(0.5 * h * speed)
-    return float(0.5 * h * (speed + spin * (norm(sub(place, get_vec(sweep.paces, i, AT))) + reach)))
+    return float(0.5 * h * (speed + spin * (norm(sub(place, get_vec(sweep.paces, i, FRAME_AT))) + reach)))

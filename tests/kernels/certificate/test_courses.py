@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from sinuous.kernels.between.drift import BEGIN, TURN, TURNED, VELOCITY
+from sinuous.kernels.certificate.drift import BEGIN, TURN, TURNED, VELOCITY
 from sinuous.solver.certificates.drifts import Drifts
 
 BALL = sn.Sphere((0, 0, 0), 0.1)

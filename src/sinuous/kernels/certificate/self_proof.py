@@ -1,13 +1,11 @@
 """The proof that the body does not run through itself during an interval of time.
 
 Whether two places may concern each other is asked at both ends of the interval: turns are convex in time. Most pairs of
-segments are far from each other, or do not concern each other; `body.self_pieces` looks at those that are left.
+segments are far from each other, or do not concern each other; `body.self_pieces` examines those that are left.
 """
 
 import math
 
-from sinuous.kernels.between.obstacles import Aim, good_enough
-from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Sweep
 from sinuous.kernels.body import self_pieces
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -24,7 +22,9 @@ from sinuous.kernels.body.self_pairs import (
     own_gap,
 )
 from sinuous.kernels.body.self_pieces import Swept, nearest_places, pair_of
-from sinuous.kernels.body.self_proof import PAIR_LOOKS
+from sinuous.kernels.body.self_proof import PAIR_WORK
+from sinuous.kernels.certificate.obstacles import Accuracy, good_enough
+from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Sweep
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING
 from sinuous.kernels.clock import spend
@@ -52,7 +52,7 @@ def passed_over(limits: Array, qa: Array, qb: Array) -> float:
 
 
 def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
-    """Whether the body turns so little from base to tip, at all times, that no two places of it are looked at."""
+    """Whether the body turns so little from base to tip, at all times, that no two places of it are examined."""
     first = second = 0.0
     enough = HALF_TURN
     for k in range(limits.shape[0]):
@@ -78,8 +78,8 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
 
 def _note(seen: Array, gap: float, when: float, i: int, s: float, j: int) -> None:
     """Keep the gap of two places in `seen` (6,), if it is the least so far."""
-    if gap < seen[LEAST]:
-        seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, i, s, j
+    if gap < seen[LEAST_SEEN]:
+        seen[LEAST_SEEN], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, i, s, j
 
 
 def _see_alone(swept: Swept, i: int, seen: Array) -> bool:
@@ -134,7 +134,7 @@ def list_pairs(sweep: Sweep) -> None:
     sweep.left[0] = count
 
 
-def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Array) -> int:
+def clear_of_itself(swept: Swept, sweep: Sweep, level: int, accuracy: Accuracy, seen: Array) -> int:
     """Prove that the body does not run through itself during an interval; undecided pairs are left for its halves.
 
     The gaps that `passed_over` bounds are not among them. `level`: halvings of time. Returns the verdict, and keeps in
@@ -142,22 +142,24 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Arra
     that touches comes first in its halves, where it decides, too.
     """
     n, pairs, count, most = swept.first.q.shape[0], sweep.pairs, 0, sweep.left[level]
-    worth = 0.0 if aim.slack >= 1.0 else math.inf
-    own = self_pieces.Aim(0.0, worth, 0.0, aim.slack, aim.finest, aim.finest, aim.rounding, True)
+    worth = 0.0 if accuracy.slack >= 1.0 else math.inf
+    own = self_pieces.GapAccuracy(
+        0.0, worth, 0.0, accuracy.slack, accuracy.finest, accuracy.finest, accuracy.rounding, True
+    )
     for e in range(most):
         i, j = pairs[e] // n, pairs[e] % n
         verdict = CLEAR
         if i == j:
-            sure = _alone(swept.first.limits, swept.first.q, swept.last.q, i) - aim.rounding
-            verdict = TOUCHING if _see_alone(swept, i, seen) else _judge(sure, aim, seen)
+            sure = _alone(swept.first.limits, swept.first.q, swept.last.q, i) - accuracy.rounding
+            verdict = TOUCHING if _see_alone(swept, i, seen) else _judge(sure, accuracy, seen)
         elif not _never_concern(swept, i, j):
             needed = swept.first.limits[i, SELF_RADIUS] + swept.first.limits[j, SELF_RADIUS]
-            verdict = _judge(_apart(swept, i, j) - needed - aim.rounding, aim, seen)
+            verdict = _judge(_apart(swept, i, j) - needed - accuracy.rounding, accuracy, seen)
             if verdict != CLEAR:
-                sure, gap, s, _, when, looks = nearest_places(swept, pair_of(swept, i, j), own, seen[LEAST])
+                sure, gap, s, _, when, evaluations = nearest_places(swept, pair_of(swept, i, j), own, seen[LEAST_SEEN])
                 _note(seen, gap, when, i, s, j)
-                verdict = TOUCHING if gap < 0.0 else _judge(sure, aim, seen)
-                spend(sweep.clock, PAIR_LOOKS * looks)
+                verdict = TOUCHING if gap < 0.0 else _judge(sure, accuracy, seen)
+                spend(sweep.clock, PAIR_WORK * evaluations)
         if verdict == TOUCHING:
             pairs[e], pairs[0] = pairs[0], pairs[e]
             sweep.left[level + 1] = most
@@ -169,9 +171,9 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Arra
     return CLEAR if count == 0 else UNDECIDED
 
 
-def _judge(low: float, aim: Aim, seen: Array) -> int:
+def _judge(low: float, accuracy: Accuracy, seen: Array) -> int:
     """Keep a lower bound of gaps, if it is as good as it has to be."""
-    if not good_enough(low, aim, seen):
+    if not good_enough(low, accuracy, seen):
         return UNDECIDED
-    seen[LOW] = min(seen[LOW], low)
+    seen[PROVED_BOUND] = min(seen[PROVED_BOUND], low)
     return CLEAR

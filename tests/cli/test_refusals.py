@@ -57,6 +57,7 @@ SOLVE = {
     "plan.yaml": "plan.yaml: goal: is for plan; expected target or targets, got [[-0.5, ",
     "goes.yaml": "goes.yaml: scene: ball moves; expected obstacles that stand still, or track or plan",
     "easy.yaml --method opti_path --option beta=1": "--option beta: unknown option; expected one of",
+    "easy.yaml --method opti_path --option sample=5": "--option sample: unknown option; did you mean 'samples'?",
     "easy.yaml --method opti_path --option samples=x": "--option samples: expected a whole number",
     "easy.yaml --method opti_path --option samples": "--option: not an option; expected KEY=VALUE",
     "easy.yaml --method opti_path --option cooling=2": "--option cooling: expected a number",

@@ -190,8 +190,8 @@ def proofs() -> None:
     axes.set(xlim=(-60, 150), ylim=(-30, 210))
     tidy(axes, "", x="x", y="z")
     axes.grid(color=GRID)
-    balls = len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))
-    axes.set_title(f"{balls} balls prove this body clear", color=INK)
+    count = len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))
+    axes.set_title(f"{count} balls prove this body clear", color=INK)
     axes.tick_params(labelcolor=PALE)
     save(figure, "proofs")
 

@@ -62,13 +62,15 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
     """
     chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
-        WarmStep("single solves", partial(Solver.once, ROBOT)),
+        WarmStep("single solves", partial(Solver._for_one_query, ROBOT)),
         WarmStep("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
-        WarmStep("single solves among obstacles", partial(Solver.once, ROBOT, FAR)),
-        WarmStep("batches of solves", lambda: Solver.once(ROBOT).solve_many([TARGET])),
-        WarmStep("batches of solves among obstacles", lambda: Solver.once(ROBOT, FAR).solve_many([TARGET])),
-        WarmStep("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
-        WarmStep("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
+        WarmStep("single solves among obstacles", partial(Solver._for_one_query, ROBOT, FAR)),
+        WarmStep("batches of solves", lambda: Solver._for_one_query(ROBOT).solve_many([TARGET])),
+        WarmStep("batches of solves among obstacles", lambda: Solver._for_one_query(ROBOT, FAR).solve_many([TARGET])),
+        WarmStep("preferences", lambda: Solver._for_one_query(ROBOT, prefer=Preferences(bends=1.0))),
+        WarmStep(
+            "preferences among obstacles", lambda: Solver._for_one_query(ROBOT, FAR, prefer=Preferences(bends=1.0))
+        ),
     ]
     others = [WarmStep(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
@@ -104,11 +106,11 @@ def _plans() -> None:
 
 
 def _loops() -> None:
-    Solver.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
+    Solver._of_checked(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
 
 
 def _derivatives(scene: Scene | None) -> None:
-    solver = Solver.once(ROBOT, scene)
+    solver = Solver._for_one_query(ROBOT, scene)
     _ = solver.solve(TARGET).derivative().clearance
     solver.solve_many([TARGET]).derivative()
 
@@ -116,7 +118,7 @@ def _derivatives(scene: Scene | None) -> None:
 def _shapes_under_load() -> None:
     straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
     HEAVY.shape(straight)
-    Solver.once(HEAVY, None).solve(TARGET)
+    Solver._for_one_query(HEAVY, None).solve(TARGET)
     rest = Rest(HEAVY, straight)
     _ = rest.slopes, rest.answers([rest.tables], np.ones(1))
     Motion(HEAVY, [straight, straight + 0.01])

@@ -18,11 +18,11 @@ from sinuous.answer.solution import Solution
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
 from sinuous.base.errors import NotSolvedError
-from sinuous.kernels.derivative.layout import KIND
-from sinuous.kernels.derivative.rows import PIECES
+from sinuous.kernels.derivative.layout import ROW_KIND
+from sinuous.kernels.derivative.rows import SEARCH_PIECES
 from sinuous.kernels.packing import scales_of
 from sinuous.kernels.tables import BEND_SCALE
-from sinuous.kernels.velocity.layout import CLEARANCE
+from sinuous.kernels.velocity.layout import CLEARANCE_LIMIT
 from tests.helpers import refused
 
 TOLERANCE = 1e-6
@@ -202,10 +202,10 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
 def test_a_contact_at_a_border_of_the_pieces_that_are_searched_counts_once() -> None:
     counted = 0
     for kind, seed, off in itertools.product(OBSTACLES, range(2), (0.0, 1e-6, -1e-6, 1e-5, -1e-5, 1e-3)):
-        problem, q = touching(kind, np.random.default_rng([seed, 77]), place=(seed + 5) / PIECES + off)
+        problem, q = touching(kind, np.random.default_rng([seed, 77]), place=(seed + 5) / SEARCH_PIECES + off)
         if sn.check(problem.robot, q, problem.scene).ok:
             about = derivative_of(problem, q, "target")._rows.about
-            assert (about[:, KIND] == CLEARANCE).sum() == 1, (kind, seed, off)
+            assert (about[:, ROW_KIND] == CLEARANCE_LIMIT).sum() == 1, (kind, seed, off)
             counted += 1
     assert counted > 20
 

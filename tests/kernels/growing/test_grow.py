@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, DISTANCE, FRAME, LAST, PARENT
+from sinuous.kernels.growing.beam import CHAIN_WIDTH, END_DISTANCE, FRAME, LAST_SEGMENT_Q, PARENT, SEGMENT_BEFORE_Q
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
@@ -47,9 +47,9 @@ def grown(
         at = i
         for k in range(n, 0, -1):
             if k == n:
-                q[k - 1] = levels[k, at, LAST : LAST + 3]
+                q[k - 1] = levels[k, at, LAST_SEGMENT_Q : LAST_SEGMENT_Q + 3]
             if k > 1:
-                q[k - 2] = levels[k, at, BEFORE : BEFORE + 3]
+                q[k - 2] = levels[k, at, SEGMENT_BEFORE_Q : SEGMENT_BEFORE_Q + 3]
             at = int(levels[k, at, PARENT])
         assert np.allclose(levels[n, i, FRAME : FRAME + 12], _pose(robot, q, n))
     return chains
@@ -152,4 +152,6 @@ def test_chains_stop_in_the_open() -> None:
     assert (counts[4:] == 0).all()
     room = [problem.scene.distance(levels[k, : counts[k], FRAME + 9 : FRAME + 12]) / RADIUS for k in range(4)]
     assert max(max(own) for own in room[:3]) < 3.5 <= max(room[3])
-    np.testing.assert_allclose(np.minimum(levels[3, : counts[3], DISTANCE], 3.5), np.minimum(room[3], 3.5), rtol=1e-6)
+    np.testing.assert_allclose(
+        np.minimum(levels[3, : counts[3], END_DISTANCE], 3.5), np.minimum(room[3], 3.5), rtol=1e-6
+    )

@@ -6,7 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.motion.configurations import distances
 from sinuous.motion.planning.query import APART, MOST_GOALS, Deadline, FixedGoal, TargetGoals
-from tests.kernels.between.motions import shape
+from tests.kernels.certificate.motions import shape
 from tests.kernels.planning.test_query import ROBOT, pair
 
 

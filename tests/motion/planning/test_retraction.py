@@ -10,8 +10,8 @@ import sinuous as sn
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.hidden import straight
 from benchmarks.places import make
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.configurations import distances
 from sinuous.motion.planning.local_planner import LocalPlanner, QueryEnds
 from sinuous.motion.planning.query import ProvedPath, Query

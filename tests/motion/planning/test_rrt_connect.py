@@ -5,8 +5,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import ANSWER_WIDTH, VERDICT
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, unproved

@@ -86,7 +86,7 @@ def train(
         When an argument is not what it should be, or the robot hardly reaches any of its own tips.
     """
     checks.instance("robot", robot, Robot, "a Robot")
-    robot.refuse_load()
+    robot._refuse_load()
     place = as_scene(scene)
     count = checks.integer("samples", samples, FEWEST, 10_000_000)
     hidden = checks.integer("width", width, 1, MOST_WIDTH)

@@ -55,7 +55,7 @@ def _rests(robot: Robot, actuators: Floats) -> list[Rest]:
 
 def holds(robot: Robot, actuators: Floats) -> NDArray[np.bool_]:
     """At which values (N, m) of its actuators a robot holds its weight and payload (N,)."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         return np.ones(len(actuators), np.bool_)
     return np.array([rest.states is not None for rest in _rests(robot, actuators)], np.bool_)
 
@@ -128,7 +128,7 @@ class Loaded:
 
 def at_rest(robot: Robot, actuators: Floats) -> Free | Loaded:
     """The bodies of a robot at values (N, m) of its actuators."""
-    return Loaded(robot, actuators) if robot.hangs else Free(robot, actuators)
+    return Loaded(robot, actuators) if robot.has_external_load else Free(robot, actuators)
 
 
 def _point(robot: Robot, q: Floats, place: Place) -> Point:

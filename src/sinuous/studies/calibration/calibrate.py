@@ -153,10 +153,10 @@ def _names(fit: Names | None, frame: str) -> tuple[GroupName, ...] | None:
 
 def _giving(drawn: Robot, names: tuple[GroupName, ...]) -> Robot:
     """The robot with tendons that stretch, where what is to be fitted needs these."""
-    if "payload" in names and not drawn.hangs:
+    if "payload" in names and not drawn.has_external_load:
         problem = "no weight bends the robot: it has no gravity, or no segment has a stiffness"
         raise InputError("fit", problem, list(names), "no payload, or a robot with gravity, stiffness and mass")
-    soft = set(names) & ({"stretch"} if drawn.hangs else set(SOFT_GROUPS))
+    soft = set(names) & ({"stretch"} if drawn.has_external_load else set(SOFT_GROUPS))
     if not soft or drawn.drive.elastic is not None:
         return drawn
     if not can_stretch(drawn):
@@ -188,7 +188,7 @@ def _chosen(
     drawn: Robot, rows: Measurements, levelled: bool, trials: list[Trial], notes: list[str]
 ) -> tuple[Robot, FitState]:
     """Add groups as long as held-back rows get better."""
-    most = TRIED_AT_REST if drawn.hangs else TRIED_ON
+    most = TRIED_AT_REST if drawn.has_external_load else TRIED_ON
     part = rows.part(slice(None, None, max(1, len(rows.labels) // most)))
 
     def tried(robot: Robot, state: FitState) -> tuple[FitState, float]:

@@ -167,7 +167,7 @@ def moved(state: FitState, step: Floats) -> FitState:
 
 def _slopes(drawn: Robot, state: FitState, rows: Measurements) -> Floats:
     own = _model(drawn, state, rows)
-    turns = state.levelled and own.robot.hangs
+    turns = state.levelled and own.robot.has_external_load
     points, slopes = derivatives(own, rows.actuators, of_gravity=turns)
     rotation = state.pose[:3, :3]
     slopes = np.asarray(np.matmul(rotation, slopes), np.float64)
@@ -237,7 +237,7 @@ def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[Parame
     state = FitState(np.eye(4), levelled, Values(groups, np.zeros(sum(len(each.names) for each in groups))))
     seen = np.isfinite(rows.points).all(axis=-1)
     there = rows.points[seen]
-    for _ in range(TURNS if levelled and drawn.hangs else 1):
+    for _ in range(TURNS if levelled and drawn.has_external_load else 1):
         points = predicted(_model(drawn, state, rows), rows.actuators)[seen]
         a, b = np.median(points, axis=0), np.median(there, axis=0)
         u, _, vt = np.linalg.svd((there - b).T @ (points - a))

@@ -149,7 +149,7 @@ def _names(robot: Robot, name: GroupName) -> Iterator[str]:
         case "base" | "device":
             yield from (f"{name} {part}" for part in ("turn x", "turn y", "turn z", "x", "y", "z"))
         case "payload":
-            count = len(carried(robot)) if robot.hangs else 0
+            count = len(carried(robot)) if robot.has_external_load else 0
             yield from ("mass of the payload" if count == 1 else f"mass of payload[{i}]" for i in range(count))
         case "tool":
             yield from (f"tool {axis}" for axis in "xyz")
@@ -179,7 +179,7 @@ def is_soft(segment: Segment) -> bool:
 
 def _gives(robot: Robot) -> bool:
     """Whether shapes depend on the stiffness of segments: tendons that stretch, or weight, work against it."""
-    return robot.drive.elastic is not None or robot.hangs
+    return robot.drive.elastic is not None or robot.has_external_load
 
 
 @dataclass(frozen=True)

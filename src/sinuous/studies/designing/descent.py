@@ -75,7 +75,7 @@ def can_descend(judge: Judge) -> bool:
         len(judge.space.ranges) > 0
         and all(name in DERIVED for name in judge.minimise)
         and all(isinstance(task, Meet) for task in judge.tasks.values())
-        and not judge.space.template.hangs
+        and not judge.space.template.has_external_load
     )
 
 
@@ -274,8 +274,8 @@ class _Steps:
             return []
         plan = plan_for(problem, ("base", "lengths", "radii"))
         found = KeptRows.near(problem, plan, q, NEAR * self._robot.mean_length)
-        factor = found.about[:, a.FACTOR][:, None]
-        rows, left = found.rows / factor, found.about[:, a.SLACK] + NEAR * self._robot.mean_length
+        factor = found.about[:, a.ROW_FACTOR][:, None]
+        rows, left = found.rows / factor, found.about[:, a.ROW_SLACK] + NEAR * self._robot.mean_length
         fields = found.sides / factor @ self._moved
         listed = [self._rows(fields, -rows, left - KEPT * self._robot.mean_length)]
         if "clearance" in self._judge.minimise:

@@ -206,7 +206,7 @@ def explore(
     kept = Memory(robot) if memory is None else memory
     checks.instance("memory", kept, Memory, "a Memory")
     kept.check(robot)
-    if robot.hangs:
+    if robot.has_external_load:
         raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
     snapshot = place.snapshot()
     snapshot.refuse_moving()

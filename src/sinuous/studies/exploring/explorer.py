@@ -79,7 +79,7 @@ class Explorer:
     def prepare(self) -> "Explorer":
         """Compile, or load, what exploring needs."""
         once = replace(self._options, max_starts=1, routes=False)
-        anywhere, near = (Solver.prepared(self.robot, self.scene, each) for each in (self._options, once))
+        anywhere, near = (Solver._of_checked(self.robot, self.scene, each) for each in (self._options, once))
         anywhere.warm("solve")
         self._solvers = anywhere, near
         with self._workspaces.lent(self.scene.snapshot()) as work:

@@ -121,7 +121,7 @@ def reach(
         obstacles=obstacles,
         names=tuple(snapshot.name(i) for i in range(len(snapshot))),
         base=np.array(robot.base[:3, 3]),
-        farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
+        farthest=np.inf if robot.has_external_load else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
     if out is not None:
@@ -190,7 +190,7 @@ def _blame(robot: Robot, scene: Snapshot, places: MappedPlaces, codes: Codes, al
 def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
-    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.hangs else (None, robot)
+    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.has_external_load else (None, robot)
     radii = np.repeat(np.array(body.needed_radii), SAMPLES)
     for first in range(0, len(q), BODIES_TOGETHER):
         some = q[first : first + BODIES_TOGETHER].astype(np.float64)

@@ -318,7 +318,7 @@ def test_what_is_asked_wrongly_is_refused_by_name() -> None:
     refused("len(targets[0])", lambda: ask([[]]))
     refused("targets[1].segment", lambda: ask([target, sn.Target((0, 0, 1), segment=9)]), "1 to 4")
     refused("positions", lambda: ask([target], positions=places), "cannot be combined with targets")
-    refused("position", lambda: ask(position=places), "positions, directions, rotations, xyzw")
+    refused("position", lambda: ask(position=places), "did you mean 'positions'?")
     refused("positions[2]", lambda: ask(positions=[*places[:2], (0, 0, np.nan)]), "3 finite numbers")
     refused("directions", lambda: ask(positions=places, directions=places[:2]), "positions: 4")
     refused("directions", lambda: ask(positions=places, directions=places, xyzw=np.ones((4, 4))), "xyzw")

@@ -192,4 +192,4 @@ def read_solution(solver: Solver, targets: Targets, start: Floats | None, values
     outcome = read_outcome(values["outcome"], len(solver.robot))
     own = values["route_class"]
     route_class = None if own is None else RouteClass.from_dict(own)
-    return solver.loaded(targets, outcome, values["seconds"], start, route_class)
+    return solver._restore_solution(targets, outcome, values["seconds"], start, route_class)

@@ -14,6 +14,7 @@ from sinuous.base.arguments import Batch, Limits, Number, OneEach, Rows, SelfCol
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_document
 from sinuous.base.doors import door
+from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.base.guesses import answers_attributes
@@ -311,30 +312,33 @@ class Robot(NotebookMixin, Frozen):
         return self.self_collision == "avoid" and max(self.self_radii) > 0.0
 
     @cached_property
-    def least_demanded(self) -> tuple[float, float]:
+    def _least_clearances(self) -> tuple[float, float]:
         """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
         return float(np.min(self.clearance)), float(np.min(self.self_clearance))
 
     @cached_property
-    def demands(self) -> bool:
+    def _demands_clearance(self) -> bool:
         """Whether any clearance is demanded."""
         return bool(np.any(self.clearance) or np.any(self.self_clearance))
 
     @property
-    def hangs(self) -> bool:
+    def has_external_load(self) -> bool:
         """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
         return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
 
-    def refuse_load(self) -> None:
+    def _refuse_load(self) -> None:
         """Refuse a robot that gravity bends, where shapes without load would be wrong.
 
         Raises
         ------
         InputError
         """
-        if self.hangs:
+        if self.has_external_load:
             wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
             raise InputError("gravity", "here loads are not known", self.gravity, wanted)
+
+    hangs, least_demanded = Renamed("has_external_load"), Renamed("_least_clearances")
+    demands, refuse_load = Renamed("_demands_clearance"), Renamed("_refuse_load")
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -653,7 +657,7 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
-    robot.refuse_load()
+    robot._refuse_load()
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

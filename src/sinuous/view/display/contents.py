@@ -257,7 +257,9 @@ class Contents:
         """Take a robot that moves through configurations (T, n, 3)."""
         for body in bodies_of(robot, q):
             begin = Arm(body.robot, body.q[0], solved, body.ghost, len(self.robots), robot)
-            self.moving.append(MovingArm(begin, body.q, times, q if robot.hangs and not body.ghost else None))
+            self.moving.append(
+                MovingArm(begin, body.q, times, q if robot.has_external_load and not body.ghost else None)
+            )
         self.robots.append(robot)
 
     def add_target(self, target: Target, arm: Arm | None = None) -> None:

@@ -31,7 +31,7 @@ def clearances(robot: Robot, scene: Snapshot, q: Floats, samples: int, times: Fl
     Those within the mount are infinite. Where obstacles move, configurations (k, n, 3) are those at `times` (k,). Of a
     loaded body it is the least of as many places each as its segment has arcs.
     """
-    if robot.hangs:
+    if robot.has_external_load:
         loaded, arcs = bodies_at(robot, q.reshape(-1, len(robot), 3))
         own = clearances(loaded, scene, arcs, samples, times)
         ends = samples * np.cumsum(body_of(robot).counts)

@@ -110,7 +110,7 @@ class Solvers:
             )
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it
-                self._solver = Solver.once(job.robot, Scene.of(snapshot), **vars(options))
+                self._solver = Solver._for_one_query(job.robot, Scene.of(snapshot), **vars(options))
             self._known = known
         self._solver.scene.become(snapshot)
         return self._solver

@@ -13,11 +13,10 @@ import sinuous as sn
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
-from sinuous.view.pictures.animate import palette_of
 from sinuous.view.pictures.diagrams import tidy
+from sinuous.view.pictures.figures import new_figure, palette_of
 from sinuous.view.pictures.plot import still
-from sinuous.view.pictures.report import write_picture
-from sinuous.view.pictures.space import new_figure
+from sinuous.view.pictures.reports import write_picture
 
 ROOT = Path(__file__).parent.parent
 IMAGES, EXAMPLES = ROOT / "docs" / "images", ROOT / "examples"
@@ -190,8 +189,8 @@ def proofs() -> None:
     axes.set(xlim=(-60, 150), ylim=(-30, 210))
     tidy(axes, "", x="x", y="z")
     axes.grid(color=GRID)
-    balls = len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))
-    axes.set_title(f"{balls} balls prove this body clear", color=INK)
+    count = len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))
+    axes.set_title(f"{count} balls prove this body clear", color=INK)
     axes.tick_params(labelcolor=PALE)
     save(figure, "proofs")
 

@@ -12,12 +12,13 @@ import pytest
 import sinuous as sn
 from benchmarks.paper.entrants import FAITHFUL
 from sinuous.cli.app import main
-from sinuous.methods.capabilities import LIMITS
+from sinuous.methods.prepared import LIMITS
 from sinuous.methods.registry import METHODS, capabilities
 from tests.cases import with_each
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
+PACKAGE = Path(sn.__file__).parent
 LESS = {r"\btime=\d+\.0": "time=0.5", r"\bseconds=\d+": "seconds=0.2", r"\brobots=\d+": "robots=32"}
 """What takes as long as it may, and what it is here: a place that is explored, a film, a search for a robot."""
 
@@ -31,6 +32,12 @@ LESSONS = [DOCS / "index.md", DOCS / "first-steps.md", *sorted((DOCS / "guides")
 def test_links_and_pictures_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
         assert link.startswith("https://") or (page.parent / link).exists(), link
+
+
+@with_each("page", [*PAGES, DOCS.parent / "CONTRIBUTING.md"])
+def test_sources_that_pages_name_are_there(page: Path) -> None:
+    for name in re.findall(r"`((?:\w+/)+\w+\.py)`", page.read_text(encoding="utf-8")):
+        assert (PACKAGE / name).exists() or (DOCS.parent / name).exists(), name
 
 
 @with_each("page", PAGES)

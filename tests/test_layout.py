@@ -27,7 +27,7 @@ KERNEL_FLOORS = {
     "roadmap": 3,
     "statics": 2,
     "step": 3,
-    "between": 3,
+    "certificate": 3,
     "velocity": 4,
     "body": 2,
     "freespace": 2,

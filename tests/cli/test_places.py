@@ -1,6 +1,5 @@
 """Commands about a robot in a place: batch, explore, reach. What ends a batch: tests/studies/batch/test_deaths.py."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +29,6 @@ def _files(run: Run) -> None:
     write_csv(Path("in.csv"), points(12))
     write_csv(Path("good.csv"), np.array([[0.0, 10.0, 160.0], [20.0, 0.0, 150.0]]))
     Path("narrow.yaml").write_text(NARROW)
-    MAPPED.save("robot.yaml")
     sn.Job(MAPPED, sn.Target((0, 0, 100)), WALL).save("mapped.yaml")
 
 
@@ -71,7 +69,7 @@ def test_other_ways_to_solve_give_the_same_file(run: Run) -> None:
 
 
 def test_an_address_where_no_scheduler_is(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sinuous.studies.runs.cluster.PATIENCE", 1.0)
+    monkeypatch.setattr("sinuous.studies.runs.cluster.ANSWER_SECONDS", 1.0)
     said = run(f"{BATCH} --out out.csv --dask tcp://127.0.0.1:9", 2).err
     assert "the address of a scheduler that runs, got 'tcp://127.0.0.1:9'" in said
 
@@ -105,6 +103,5 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
     found = sn.studies.Reach.load("map.npz")
     assert found.voxels.shape == (5, 5, 5)
     assert Path("map.html").exists()
-    told = json.loads(run(f"{REACH} --json --workers 1").out)
-    assert told["volumes"]["reachable"]["found"] == found.volume().found
-    run("reach robot.yaml --spacing 60 --directions 1 --max-starts 3")
+    (values,) = run(f"{REACH} --out map.npz --json").results
+    assert values["volumes"]["reachable"]["found"] == found.volume().found

@@ -6,23 +6,25 @@ from pathlib import Path
 
 import pytest
 
+from sinuous.base.errors import InputError
+from sinuous.base.progress import LONG
 from sinuous.cli import warm
 from sinuous.cli.app import main
-from sinuous.cli.warm_steps import WarmStep
+from sinuous.cli.warm_steps import WarmStep, steps
 from sinuous.kernels.compile import pieces
-from tests.cli.test_progress import Terminal
+from tests.base.test_progress import Terminal
 
 FIRST, SECOND = pieces.PIECES[:2]
 
 
 @pytest.fixture
 def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[pieces.Piece], None]:
-    """Two steps, of which the first compiles and the second finds everything; returns what stands for pieces."""
+    """Steps, of which the first compiles and the others find everything; returns what stands for pieces."""
 
     def compile_it(piece: pieces.Piece) -> None:
         pieces._tellers[-1](piece)
 
-    steps = [WarmStep("one", lambda: compile_it(FIRST)), WarmStep("another", lambda: None)]
+    steps = [WarmStep("one", lambda: compile_it(FIRST)), *[WarmStep("another", lambda: None)] * (LONG - 1)]
     monkeypatch.setattr(warm, "steps", lambda methods: steps)
     monkeypatch.setattr(warm, "cores", lambda: 1)
     return compile_it
@@ -34,12 +36,12 @@ def test_it_says_what_is_compiled_and_how_many_are_left(
 ) -> None:
     assert main(["warm"]) == 0
     said = capsys.readouterr()
-    assert said.err == f"sinuous: 1 of 2: compiling single solves (about {FIRST.expected} s)\n"
+    assert said.err == f"sinuous: 1 of 10: compiling single solves (about {FIRST.expected} s)\n"
     assert said.out == "everything is compiled, in 0 s\n"
     stream = Terminal()
     monkeypatch.setattr(sys, "stderr", stream)
     assert main(["warm"]) == 0
-    assert "2/2" in stream.getvalue() or "1/2" in stream.getvalue()
+    assert "10 of 10" in stream.getvalue()
 
 
 def test_what_is_there_is_not_compiled_again(
@@ -76,6 +78,7 @@ def test_methods_are_chosen_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm, "cores", lambda: 2)
+    monkeypatch.setattr(warm, "steps", lambda methods: steps(methods)[:2])  # the others take as long as all of this
     assert main(["warm", "--method", "dls"]) == 0
     said = capsys.readouterr()
     if said.out.startswith("everything is compiled"):  # by now
@@ -85,9 +88,9 @@ def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatc
 
 
 def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None)] * 99)
-    with pytest.raises(IndexError):
-        warm._use_in_processes(1, ("dls",), warm._Shown(99))
+    monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None)])
+    with pytest.raises(InputError, match="unknown method 'magic'"):  # of the process, which makes its steps itself
+        warm._use_in_processes(1, ("magic",), warm._Shown(1))
 
 
 def test_the_store_is_shown_and_emptied(

@@ -2,13 +2,14 @@
 
 import json
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
-from sinuous.files.problem_file import read_problem
+from sinuous.files.problem_file import ProblemFile, read_problem
 from sinuous.model.poses import pose
 from sinuous.model.rates import Rates
 from sinuous.scene.grids import Grid
@@ -20,7 +21,13 @@ from tests.scene.shapes import cube, together
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
 TARGET = "target: {position: [0, 0, 3]}\n"
 PATH = "path: [{position: [0, 0, 3]}, {position: [0, 0.1, 3]}]\n"
-TIMED = "t,x,y,z\n0,0,0,3\n2.5,0,0.1,3\n"
+FROM_FILES = """
+scene:
+  - mesh: {file: shapes/corner.obj, scale: 2, position: [5, 0, 0], rotation: [1, 0, 0, 1], name: c}
+  - points: {file: shapes/scan.xyz, scale: 1e-1, radius: 0.2}
+  - grid: {file: shapes/mask.npz, name: mask}
+  - sphere: {center: [0, 9, 0], radius: 1}
+"""
 
 EVERYTHING = """
 robot:
@@ -53,16 +60,25 @@ rates: {bend: 1.5, length: [1, 2, 3, 4], acceleration: {bend: 10}}
 """
 
 
-def _write(folder: Path, text: str, name: str = "problem.yaml") -> Path:
-    file = folder / name
-    file.write_text(text, encoding="utf-8")
-    return file
+Read = Callable[[str], ProblemFile]
 
 
-def test_every_key_arrives(tmp_path: Path) -> None:
-    problem = read_problem(_write(tmp_path, EVERYTHING))
+@pytest.fixture
+def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Read:
+    """Read a problem file of this text, in a folder of the test, where others may stand."""
+    monkeypatch.chdir(tmp_path)
+    Path("timed.csv").write_text("t,x,y,z\n0,0,0,3\n2.5,0,0.1,3\n")
+
+    def read(text: str) -> ProblemFile:
+        Path("problem.yaml").write_text(text, encoding="utf-8")
+        return read_problem("problem.yaml")
+
+    return read
+
+
+def test_every_key_arrives(read: Read) -> None:
+    problem = read(EVERYTHING)
     robot, scene = problem.robot, problem.scene
-    assert len(robot) == 4
     assert [segment.length for segment in robot.segments] == [(0.0, 1.5), (1.0, 1.0), (1.0, 1.0), (0.5, 1.5)]
     assert robot.radii == (0.1, 0.2, 0.2, 0.1)
     assert robot.mount == 0.25
@@ -75,34 +91,22 @@ def test_every_key_arrives(tmp_path: Path) -> None:
     np.testing.assert_allclose(chambers.angles, [0, 2, 4])
     assert [type(obstacle) for obstacle in scene.obstacles] == [Sphere, Box, Capsule, Cylinder, HalfSpace]
     assert scene.name(0) == "ball"
-    assert len(problem.waypoints) == 1
-    assert [target.segment for target in problem.waypoints[0]] == [None, 1]
+    assert [[target.segment for target in targets] for targets in problem.waypoints] == [[None, 1]]
     assert (problem.tolerance.position, problem.tolerance.angle) == (1e-3, 0.01)
     assert (problem.prefer.start, problem.prefer.bends, problem.prefer.clearance) == (1.0, 0.5, 0.1)
-    acceleration = Rates(bend=10)
-    assert problem.rates.equals(Rates(bend=1.5, length=(1, 2, 3, 4), acceleration=acceleration))
+    assert problem.rates.equals(Rates(bend=1.5, length=(1, 2, 3, 4), acceleration=Rates(bend=10)))
     assert problem.start is not None
     assert problem.start.shape == (4, 3)
 
 
-def test_obstacles_from_files_are_found_beside_the_problem(tmp_path: Path) -> None:
+def test_obstacles_from_files_are_found_beside_the_problem(read: Read, tmp_path: Path) -> None:
     folder = tmp_path / "shapes"
     folder.mkdir()
-    _write(folder, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "corner.obj")
-    _write(folder, "0 0 1\n0 0 2\n", "scan.xyz")
+    corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    (folder / "corner.obj").write_text(corner)
+    (folder / "scan.xyz").write_text("0 0 1\n0 0 2\n")
     np.savez(folder / "mask.npz", values=np.ones((2, 2, 2), bool), origin=(5, 5, 5), spacing=0.5)
-    scene = read_problem(
-        _write(
-            tmp_path,
-            ROBOT
-            + TARGET
-            + "scene:\n"
-            + "  - mesh: {file: shapes/corner.obj, scale: 2, position: [5, 0, 0], rotation: [1, 0, 0, 1], name: c}\n"
-            + "  - points: {file: shapes/scan.xyz, scale: 1e-1, radius: 0.2}\n"
-            + "  - grid: {file: shapes/mask.npz, name: mask}\n"
-            + "  - sphere: {center: [0, 9, 0], radius: 1}\n",
-        )
-    ).scene
+    scene = read(ROBOT + TARGET + FROM_FILES).scene
     mesh, cloud, grid, _ = scene.obstacles
     assert isinstance(mesh, Mesh)
     assert mesh.watertight
@@ -115,85 +119,66 @@ def test_obstacles_from_files_are_found_beside_the_problem(tmp_path: Path) -> No
     assert [scene.name(0), scene.name(2)] == ["c", "mask"]
 
 
-def test_bodies_of_a_mesh_that_overlap_are_obstacles_of_their_own(tmp_path: Path) -> None:
+def test_bodies_of_a_mesh_that_overlap_are_obstacles_of_their_own(read: Read) -> None:
     vertices, faces = together(cube(), cube(1.0, (0.5, 0.0, 0.0)))
     rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
-    _write(tmp_path, "\n".join(rows), "parts.obj")
-    scene = read_problem(
-        _write(
-            tmp_path,
-            ROBOT
-            + TARGET
-            + "scene:\n"
-            + "  - mesh: {file: parts.obj, scale: 2, name: engine}\n"
-            + "  - mesh: {file: parts.obj, scale: 3}\n"
-            + "  - sphere: {center: [0, 9, 0], radius: 1}\n",
-        )
-    ).scene
+    Path("parts.obj").write_text("\n".join(rows))
+    meshes = "scene: [{mesh: {file: parts.obj, scale: 2, name: engine}}, {mesh: {file: parts.obj, scale: 3}}"
+    scene = read(f"{ROBOT}{TARGET}{meshes}, {{sphere: {{center: [0, 9, 0], radius: 1}}}}]").scene
     assert [scene.name(i) for i in range(len(scene))] == ["engine", "engine", "mesh[1]", "mesh[1]", "sphere[2]"]
 
 
 @pytest.mark.parametrize("scale", [1e5, 1e-5])
-def test_a_mesh_in_another_unit_is_refused(tmp_path: Path, scale: float) -> None:
-    _write(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n", "sheet.obj")
-    scene = f"scene: [{{mesh: {{file: sheet.obj, scale: {scale}}}}}]"
-    with pytest.raises(InputError) as caught:
-        read_problem(_write(tmp_path, ROBOT + TARGET + scene))
-    said = str(caught.value)
-    assert "problem.yaml: scene[0].mesh.scale: makes " in said
-    assert said.endswith(f"; expected a mesh in the unit of the robot, which is 3 long, got {scale}")
+def test_a_mesh_in_another_unit_is_refused(read: Read, scale: float) -> None:
+    Path("sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n")
+    with pytest.raises(InputError, match=r"^problem\.yaml: scene\[0\]\.mesh\.scale: makes ") as caught:
+        read(ROBOT + TARGET + f"scene: [{{mesh: {{file: sheet.obj, scale: {scale}}}}}]")
+    expected = "; expected a mesh in the unit of the robot, which is 3 long, got "
+    assert str(caught.value).endswith(f"{expected}{scale}")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
 @pytest.mark.parametrize("line_end", ["\n", "\r\n"])
 def test_json_says_the_same(tmp_path: Path, encoding: str, line_end: str) -> None:
-    text = json.dumps(
-        {"robot": {"segments": {"count": 2, "length": [1, 2]}}, "target": {"position": [0, 0, 3]}}, indent=1
-    )
+    values = {"robot": {"segments": {"count": 2, "length": [1, 2]}}, "target": {"position": [0, 0, 3]}}
     for name in ("problem.json", "problem.yaml"):
         file = tmp_path / name
-        file.write_bytes(text.replace("\n", line_end).encode(encoding))
+        file.write_bytes(json.dumps(values, indent=1).replace("\n", line_end).encode(encoding))
         problem = read_problem(file)
         assert len(problem.robot) == 2
         assert problem.file == str(file)
         assert not problem.is_path
 
 
-def test_a_path_may_be_a_list_or_a_table_beside_the_problem(tmp_path: Path) -> None:
-    listed = read_problem(
-        _write(
-            tmp_path,
-            ROBOT + "path: [{position: [0, 0, 3]}, [{direction: [0, 0, 1]}, {position: [0, 0, 1.5], segment: 1}]]",
-        )
-    )
+def test_a_path_may_be_a_list_or_a_table_beside_the_problem(read: Read) -> None:
+    two = "[{direction: [0, 0, 1]}, {position: [0, 0, 1.5], segment: 1}]"
+    listed = read(f"{ROBOT}path: [{{position: [0, 0, 3]}}, {two}]")
     assert listed.is_path
     assert [len(waypoint) for waypoint in listed.waypoints] == [1, 2]
-    _write(tmp_path, "x, y, z, dx, dy, dz\r\n0, 0, 3, 0, 0, 1\r\n\r\n0,1e-1,2.9,0,0,2\r\n", "tips.csv")
-    table = read_problem(_write(tmp_path, ROBOT + "path: tips.csv"))
+    Path("tips.csv").write_text("x, y, z, dx, dy, dz\r\n0, 0, 3, 0, 0, 1\r\n\r\n0,1e-1,2.9,0,0,2\r\n")
+    table = read(ROBOT + "path: tips.csv")
     assert len(table.waypoints) == 2
     np.testing.assert_array_equal(table.waypoints[1][0].position, [0, 0.1, 2.9])
     np.testing.assert_array_equal(table.waypoints[1][0].direction, [0, 0, 1])
 
 
-def test_times_stand_in_the_file_or_in_the_table_of_the_path(tmp_path: Path) -> None:
-    _write(tmp_path, TIMED, "timed.csv")
-    listed = read_problem(_write(tmp_path, ROBOT + PATH + "times: [0, 2.5]"))
-    table = read_problem(_write(tmp_path, ROBOT + "path: timed.csv"))
+def test_times_stand_in_the_file_or_in_the_table_of_the_path(read: Read) -> None:
+    listed = read(ROBOT + PATH + "times: [0, 2.5]")
     assert listed.times is not None
     assert listed.times.tolist() == [0.0, 2.5]
-    assert listed.equals(table)
-    assert read_problem(_write(tmp_path, ROBOT + PATH)).times is None
+    assert listed.equals(read(ROBOT + "path: timed.csv"))
+    assert read(ROBOT + PATH).times is None
 
 
 @pytest.mark.parametrize("orientation", ["", "direction", "rotation"])
-def test_a_long_path_is_read_as_its_targets_are_one_by_one(tmp_path: Path, orientation: str) -> None:
+def test_a_long_path_is_read_as_its_targets_are_one_by_one(read: Read, orientation: str) -> None:
     numbers = np.random.default_rng(2).normal(size=(40, 7)).round(3).tolist()
     size = {"": 0, "direction": 3, "rotation": 4}[orientation]
     rows = [{"position": row[:3]} | ({orientation: row[3 : 3 + size]} if size else {}) for row in numbers]
     rows[7]["position"] = [1, 2, 3]  # whole numbers are numbers
-    listed = read_problem(_write(tmp_path, ROBOT + "path: " + json.dumps(rows)))
+    listed = read(ROBOT + "path: " + json.dumps(rows))
     # One that is not like the others has all of them read one by one.
-    single = read_problem(_write(tmp_path, ROBOT + "path: " + json.dumps([*rows, {"direction": [0, 0, 1]}])))
+    single = read(ROBOT + "path: " + json.dumps([*rows, {"direction": [0, 0, 1]}]))
     for (a,), (b,) in zip(listed.waypoints, single.waypoints[:-1], strict=True):
         np.testing.assert_array_equal(a.table, b.table)
 
@@ -201,21 +186,20 @@ def test_a_long_path_is_read_as_its_targets_are_one_by_one(tmp_path: Path, orien
 @pytest.mark.parametrize(
     "wrong", ["[0, 0]", "[0, 0, a]", "[0, 0, true]", "7", "[0, 0, [1]]", "[0, 0, " + "9" * 330 + "]"]
 )
-def test_one_wrong_target_of_a_long_path_is_named(tmp_path: Path, wrong: str) -> None:
+def test_one_wrong_target_of_a_long_path_is_named(read: Read, wrong: str) -> None:
     good = "  - {position: [0, 0, 3]}\n"
     with pytest.raises(InputError) as caught:
-        read_problem(_write(tmp_path, ROBOT + "path:\n" + 30 * good + f"  - {{position: {wrong}}}\n" + good))
+        read(f"{ROBOT}path:\n{30 * good}  - {{position: {wrong}}}\n{good}")
     assert caught.value.key.startswith("path[30].position")
 
 
-def test_a_start_may_be_numbers_a_result_or_a_file_with_one(tmp_path: Path) -> None:
+def test_a_start_may_be_numbers_a_result_or_a_file_with_one(read: Read) -> None:
     q = [[0.1, 0.2, 1.5], [0.0, 0.0, 1.25]]
     result = {"status": "solved", "q": q}
-    _write(tmp_path, json.dumps(result) + "\n", "earlier.jsonl")
-    _write(tmp_path, json.dumps({"status": "solved", "knots": [[[0, 0, 1], [0, 0, 1]], q]}), "track.jsonl")
+    Path("earlier.jsonl").write_text(json.dumps(result) + "\n")
+    Path("track.jsonl").write_text(json.dumps({"status": "solved", "knots": [[[0, 0, 1], [0, 0, 1]], q]}))
     for start in (json.dumps(q), json.dumps(result), "earlier.jsonl", "track.jsonl"):
-        problem = read_problem(_write(tmp_path, ROBOT + TARGET + f"start: {start}"))
-        np.testing.assert_array_equal(problem.start, q)
+        np.testing.assert_array_equal(read(f"{ROBOT}{TARGET}start: {start}").start, q)
 
 
 WRONG = {
@@ -287,41 +271,25 @@ def completed(text: str) -> str:
 @pytest.mark.parametrize(
     ("text", "refusal"), [*((completed(text), said) for text, said in WRONG.items()), *WHOLE.items()], ids=str
 )
-def test_bad_input_is_one_line_that_says_where_and_why(tmp_path: Path, text: str, refusal: str) -> None:
-    _write(tmp_path, TIMED, "timed.csv")
-    file = _write(tmp_path, text)
+def test_bad_input_is_one_line_that_says_where_and_why(read: Read, text: str, refusal: str) -> None:
     began = time.process_time()
     with pytest.raises(InputError) as caught:
-        read_problem(file)
+        read(text)
     assert time.process_time() - began < 0.5
-    message = str(caught.value)
-    assert message.startswith(f"{file}: {refusal}")
-    assert len(message.splitlines()) == 1
+    assert str(caught.value).startswith(f"problem.yaml: {refusal}")
+    assert len(str(caught.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize(
-    ("content", "refusal"),
-    [
-        (b"\xff\xfe", "not UTF-8 at byte 0; expected "),
-        (None, "cannot be read: No such file or directory; expected "),
-    ],
-)
-def test_unreadable_files(tmp_path: Path, content: bytes | None, refusal: str) -> None:
-    file = tmp_path / "problem.yaml"
-    if content is not None:
-        file.write_bytes(content)
-    with pytest.raises(InputError, match="problem") as caught:
-        read_problem(file)
-    assert str(caught.value).startswith(f"{file}: file: {refusal}")
-
-
-def test_a_folder_is_no_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"file: cannot be read: .*; expected "):
-        read_problem(tmp_path)
-
-
-def test_a_bad_result_is_refused_in_its_own_file(tmp_path: Path) -> None:
-    earlier = _write(tmp_path, '{"q": [[0, 0, NaN]]}', "earlier.json")
-    with pytest.raises(InputError) as caught:
-        read_problem(_write(tmp_path, ROBOT + TARGET + "start: earlier.json"))
-    assert str(caught.value).startswith(f"{earlier}: q[0][2]: expected a finite number, got nan")
+def test_what_cannot_be_read_is_refused_under_its_own_name(read: Read) -> None:
+    Path("binary.yaml").write_bytes(b"\xff\xfe")
+    for file, refusal in (
+        ("binary.yaml", "not UTF-8 at byte 0; expected "),
+        ("missing.yaml", "cannot be read: No such file or directory; expected "),
+        (".", "cannot be read: "),
+    ):
+        with pytest.raises(InputError) as caught:
+            read_problem(file)
+        assert str(caught.value).startswith(f"{file}: file: {refusal}")
+    Path("earlier.json").write_text('{"q": [[0, 0, NaN]]}')
+    with pytest.raises(InputError, match=r"^earlier\.json: q\[0\]\[2\]: expected a finite number, got nan"):
+        read(ROBOT + TARGET + "start: earlier.json")

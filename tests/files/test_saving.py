@@ -1,6 +1,7 @@
 """What is saved and loaded is equal."""
 
 import os
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 import sinuous as sn
 from sinuous.base.documents import yaml_text
 from sinuous.files.documents import parse_yaml
-from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.problem_file import ProblemFile, problem_of, read_problem
 from tests.helpers import random_pose, refused
 from tests.model.test_actuation import MIXED
 from tests.model.test_laws import robots
@@ -50,9 +51,11 @@ targets = st.one_of(
 waypoints = st.lists(targets, min_size=1, max_size=3)
 
 
-def again(problem: ProblemFile) -> ProblemFile:
-    from sinuous.files.problem_file import problem_of
+def names_of(scene: sn.Scene) -> list[str]:
+    return [scene.name(i) for i in range(len(scene))]
 
+
+def again(problem: ProblemFile) -> ProblemFile:
     return problem_of(parse_yaml(yaml_text(problem.to_dict())), "", ProblemFile)
 
 
@@ -77,16 +80,17 @@ def test_problems_of_all_kinds(
     assert not found.equals(ProblemFile(robot, asked[0], scene, tolerance=sn.Tolerance(0.2)))
 
 
-@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
-@pytest.mark.parametrize("name", ["again.yaml", "again.json"])
-def test_examples(tmp_path: Path, file: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("file", "ending"),
+    list(zip(EXAMPLES, cycle(["yaml", "json"]), strict=False)),
+    ids=lambda each: getattr(each, "stem", each),
+)
+def test_examples(tmp_path: Path, file: Path, ending: str) -> None:
     problem = read_problem(file)
-    problem.save(tmp_path / name)
-    found = read_problem(tmp_path / name)
+    problem.save(tmp_path / f"again.{ending}")
+    found = read_problem(tmp_path / f"again.{ending}")
     assert found.equals(problem)
-    assert [found.scene.name(i) for i in range(len(found.scene))] == [
-        problem.scene.name(i) for i in range(len(problem.scene))
-    ]
+    assert names_of(found.scene) == names_of(problem.scene)
 
 
 def test_a_robot_with_everything(tmp_path: Path) -> None:
@@ -130,19 +134,12 @@ def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
     found = sn.load(tmp_path / "elsewhere" / "room.yaml")
     assert isinstance(found, sn.Scene)
     assert found.equals(scene)
-    assert [found.name(i) for i in range(5)] == [scene.name(i) for i in range(5)]
+    assert names_of(found) == names_of(scene)
     whole = sn.Mesh.load(tmp_path / "shapes" / "parts.obj", 2.0)
     parts = whole.bodies()
     named = [part.named("engine") for part in parts]
-    for kept in (
-        scene.obstacles[1:],
-        scene.obstacles[:2],
-        [whole],
-        parts,
-        [*parts, *parts],
-        [*named, LAMP],
-        [*named, LAMP.named("lamp")],
-    ):
+    some_of_it = scene.obstacles[1:], scene.obstacles[:2], [whole], parts, [*parts, *parts]
+    for kept in (*some_of_it, [*named, LAMP], [*named, LAMP.named("lamp")]):
         some = sn.Scene(kept)
         some.save(tmp_path / "some.yaml")
         assert some.equals(sn.load(tmp_path / "some.yaml"))

@@ -14,7 +14,7 @@ import pytest
 
 from sinuous.base.gc_pause import gc_paused
 from sinuous.kernels import clock as clocks
-from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE, LOOKS, STRIDE
+from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE, STRIDE, WORK
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from tests.kernels.workspace import NEVER, make_clock
@@ -113,7 +113,7 @@ def test_an_exception_of_a_handler_ends_the_work(
     signal_soon()
     with pytest.raises(kind):
         work(clock, 1e3, 10**15)
-    assert clock[LOOKS] == STRIDE
+    assert clock[WORK] == STRIDE
 
 
 @posix

@@ -81,7 +81,7 @@ def test_a_row_points_to_its_own_part_of_the_store() -> None:
     table, store = read(Robot.uniform(2, 1.0), scene=[clouds[0], Sphere((0, 0, 9), 1.0), *clouds[1:]]).scene
     for row, cloud in zip(table[[0, 2, 3]], clouds, strict=True):
         assert (row[t.KIND], row[t.ITEM_KIND]) == (t.TREE, t.BALLS)
-        balls = store[int(row[t.ITEMS]) :][: int(row[t.COUNT]) * t.BALL_SIZE].reshape(-1, t.BALL_SIZE)
+        balls = store[int(row[t.ITEMS]) :][: int(row[t.ITEM_COUNT]) * t.BALL_SIZE].reshape(-1, t.BALL_SIZE)
         np.testing.assert_array_equal(np.unique(balls[:, :3], axis=0), np.unique(cloud.points, axis=0))
         assert (balls[:, 3] == 0.1).all()
 
@@ -120,7 +120,7 @@ def test_settings_are_read_back(robot: Robot, values: tuple[float, ...], options
     assert (problem.mount, problem.unit) == (robot.mount, robot.mean_length)
     assert (problem.margin, problem.avoids_itself) == (packing.MARGIN * robot.mean_length, robot.avoids_itself)
     assert (problem.position_tolerance, problem.angle_tolerance) == (off, turn)
-    assert (problem.look_depth, problem.step_depth) == (packing.LOOK_DEPTH, packing.STEP_DEPTH)
+    assert (problem.coarse_depth, problem.step_depth) == (packing.LOOK_DEPTH, packing.STEP_DEPTH)
     assert settings[t.MAX_ITERATIONS] == packing.ITERATIONS
     assert list(settings[[t.INITIAL_WEIGHT, t.BENDS_WEIGHT, t.WISHED_CLEARANCE]]) == wishes
     assert list(settings[t.METHOD_OPTIONS :]) == options

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from benchmarks.places.parts.surfaces import hollow, open_tube, solid
 from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tubes import BRANCH, END, MOUTH, NO_TUBE, UNENDED, find_tubes, follow_tube
+from sinuous.kernels.tubes import BRANCH, MOUTH, NO_TUBE, UNENDED, WALL, find_tubes, follow_tube
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver.routing.edges import rims_of
 from tests.helpers import Floats, random_pose
@@ -64,7 +64,7 @@ def test_the_axis_of_a_bent_pipe_lies_in_its_middle_and_ends_at_its_mouth(width:
 def test_a_pipe_that_is_closed_ends_at_a_wall() -> None:
     poses = curve(1, 12)
     points, ended = followed(Scene([solid(hollow(poses, 1.4 * RADIUS, 2.2 * RADIUS), "pipe")]), poses[0])
-    assert ended == END
+    assert ended == WALL
     assert np.linalg.norm(points[-1] - poses[-1, :3, 3]) <= 2.5 * RADIUS
 
 

@@ -166,7 +166,7 @@ def close(name: str, seed: int, count: int) -> Floats:
 def ask(name: str, points: Floats, how: int, reach: float = math.inf) -> Floats:
     """Lower and upper bound (m, 2) by the kernel."""
     scene = tables(name)
-    return np.array([distances.look(scene, 0, vec(p), reach, solids.MODES[how]) for p in points])
+    return np.array([distances.evaluate(scene, 0, vec(p), reach, solids.MODES[how]) for p in points])
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -257,7 +257,7 @@ def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
     for p, d in zip(points, true, strict=True):
         seen, slope = distances.obstacle(scene, 0, vec(p), math.inf)
         assert abs(seen - d) <= cell + 1e-9
-        assert distances.look(scene, 0, vec(p), math.inf, solids.STEP)[0] == pytest.approx(seen, abs=1e-14)
+        assert distances.evaluate(scene, 0, vec(p), math.inf, solids.INTERPOLATED)[0] == pytest.approx(seen, abs=1e-14)
         if rich:
             place = (p - low) / cell % 1.0
             if ((place > 1e-5) & (place < 1 - 1e-5)).all():

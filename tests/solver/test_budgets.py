@@ -10,7 +10,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.arguments import MethodName
-from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
+from sinuous.kernels.clock import SEGMENT_WORK, STRIDE
 from sinuous.methods.registry import METHODS, capabilities
 from sinuous.scene.obstacles import Obstacle
 from tests.methods.laws import quick
@@ -33,7 +33,7 @@ def test_every_method_ends_when_there_is_no_time(method: MethodName) -> None:
         solver = sn.Solver(ROBOT, scene, method=quick(method, ROBOT), routes=False)
         found = solver.solve(sn.Target((1.0, 2.0, 2.0), direction=(0, 1, 0)), time=0.0)
         assert found.starts <= 1
-        assert found.iterations * len(ROBOT) * SEGMENT_LOOKS <= 2 * STRIDE
+        assert found.iterations * len(ROBOT) * SEGMENT_WORK <= 2 * STRIDE
         assert found.solved or found.status in (sn.Status.TIME_LIMIT, sn.Status.UNPROVED)
         assert np.isfinite(found.q).all()
         assert found.position_error is not None

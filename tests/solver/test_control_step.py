@@ -10,8 +10,8 @@ from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 
 import sinuous as sn
 from sinuous.answer.step import Active
-from sinuous.kernels.velocity.active_set import EXACT, GAIN
-from sinuous.kernels.velocity.bounds import ROOM
+from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING
+from sinuous.kernels.velocity.bounds import RATE_INSET
 from tests.cases import with_each
 from tests.helpers import Floats
 
@@ -45,7 +45,7 @@ def jacobian(q: Floats) -> Floats:
 def cost(q: Floats, asked: Floats, motion: Floats) -> float:
     """What a step minimises, for a motion (n, 3)."""
     z = motion.ravel() / METRIC
-    return float(((jacobian(q) @ z - ASKED * asked) ** 2).sum() + EXACT * z @ z)
+    return float(((jacobian(q) @ z - ASKED * asked) ** 2).sum() + LEAST_DAMPING * z @ z)
 
 
 @with_each("seed", range(5))
@@ -82,7 +82,7 @@ def test_rates_of_lengths_are_those_of_least_squares_in_a_box(seed: int) -> None
     q, asked, dt = shape(rng), 3.0 * twist(rng), 0.01
     most = float(rng.uniform(5.0, 40.0))
     step = free_solver().step(q, asked, dt, rates=sn.Rates(length=most))
-    system = np.vstack([jacobian(q), np.sqrt(EXACT) * np.eye(3 * N)])
+    system = np.vstack([jacobian(q), np.sqrt(LEAST_DAMPING) * np.eye(3 * N)])
     box = np.tile([1e3, 1e3, most * dt / 57.5], N)
     best = lsq_linear(system, np.append(ASKED * asked * dt, np.zeros(3 * N)), (-box, box), tol=1e-14)
     assert cost(q, asked * dt, step.q - q) <= 2.0 * best.cost * (1.0 + 1e-5) + 1e-15
@@ -94,9 +94,9 @@ def test_rates_of_bends_leave_the_best_of_what_they_allow(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, asked, dt, most = shape(rng), 3.0 * twist(rng), 0.01, float(rng.uniform(0.2, 1.0))
     step = free_solver().step(q, asked, dt, rates=sn.Rates(bend=most))
-    hessian, pull = jacobian(q).T @ jacobian(q) + EXACT * np.eye(3 * N), jacobian(q).T @ (ASKED * asked * dt)
+    hessian, pull = jacobian(q).T @ jacobian(q) + LEAST_DAMPING * np.eye(3 * N), jacobian(q).T @ (ASKED * asked * dt)
     kept = NonlinearConstraint(
-        lambda z: (z.reshape(N, 3)[:, :2] ** 2).sum(axis=1), -np.inf, ((1.0 - ROOM) * most * dt) ** 2
+        lambda z: (z.reshape(N, 3)[:, :2] ** 2).sum(axis=1), -np.inf, ((1.0 - RATE_INSET) * most * dt) ** 2
     )
     least, longest = np.full((N, 3), -np.inf), np.full((N, 3), np.inf)
     least[:, 2], longest[:, 2] = (45.0 - q[:, 2]) / 57.5, (70.0 - q[:, 2]) / 57.5

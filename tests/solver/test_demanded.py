@@ -230,7 +230,7 @@ def test_nothing_is_touched_that_need_not_be() -> None:
     scene = [sn.Sphere(place, 25.0) for place in places if np.hypot(*place[:2]) > 40.0]
     targets = rng.uniform([-150.0, -150.0, 60.0], [150.0, 150.0, 250.0], (120, 3))
     solver, grazing = sn.Solver(robot, scene, max_starts=20), sn.Solver(robot, scene, max_starts=20)
-    grazing._prepared._settings[tables.ROOM] = 0.0
+    grazing._prepared._settings[tables.CLEARANCE_MARGIN] = 0.0
     before, after = (each.solve_many(positions=targets, workers=1) for each in (grazing, solver))
     np.testing.assert_array_equal(before.solved, after.solved)
     touching = before.solved & (before.clearance < 0.08)

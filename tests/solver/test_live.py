@@ -10,7 +10,7 @@ import pytest
 
 from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
-from sinuous.kernels.step.newton import SAMPLED_SLACK
+from sinuous.kernels.step.newton import SAMPLED_PROOF_SLACK
 from sinuous.measures.obstacles import measure
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
@@ -90,7 +90,7 @@ def test_solved_is_free_and_most_are_solved(kind: str) -> None:
         touched += true < 0.05
         if kind not in ("samples", "function"):
             # The truth between two points of the backbone is at most half of their distance less.
-            assert solution.clearance >= (1.0 - SAMPLED_SLACK) * (true - 0.5 * 0.35 / 200) - 1e-6
+            assert solution.clearance >= (1.0 - SAMPLED_PROOF_SLACK) * (true - 0.5 * 0.35 / 200) - 1e-6
     assert len(solved) >= 19
     assert touched >= 3, "nothing was in the way"
 

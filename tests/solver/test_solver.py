@@ -9,7 +9,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.kernels.tables import ROOM
+from sinuous.kernels.tables import CLEARANCE_MARGIN
 from tests.cases import with_each
 
 EXACT = sn.Tolerance(1e-6, 1e-6)
@@ -263,7 +263,7 @@ def test_preferences_improve_and_stay_solved(prefer: sn.Preferences) -> None:
     scene = sn.Scene([sn.Sphere((0, 80, 120), 25), sn.Sphere((40, -60, 160), 30)])
     start = random_shapes(robot, 1, 9)[0]
     plain, wished = sn.Solver(robot, scene), sn.Solver(robot, scene, prefer=prefer)
-    plain._prepared._settings[ROOM] = 0.0  # what preferences begin from: nobody has led it out of contact
+    plain._prepared._settings[CLEARANCE_MARGIN] = 0.0  # what preferences begin from: nobody has led it out of contact
 
     def dislike(solution: sn.Solution) -> float:
         if prefer.bends:

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.solver.starts import StartBatch
+from sinuous.solver.attempts import StartBatch
 from tests.helpers import Floats
 
 

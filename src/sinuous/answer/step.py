@@ -10,10 +10,16 @@ from sinuous.answer.observer import Observed
 from sinuous.base.arguments import StepConstraint, StepStatus
 from sinuous.base.checks import Floats, closed
 from sinuous.base.reprs import ShortRepr, call
-from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.kernels.velocity import query as t
-from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, POSITION, SELF_CLEARANCE, TARGETS
+from sinuous.kernels.velocity.layout import (
+    ACTUATOR_LIMIT,
+    CLEARANCE_LIMIT,
+    MEET_TARGETS,
+    MOVE_POSITION,
+    SELF_CLEARANCE_LIMIT,
+)
 from sinuous.model.actuation import Actuator
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
@@ -56,11 +62,11 @@ class Active(ShortRepr):
         """Make it of a row of the kernels: a kind, a segment (0 = first), and which obstacle, segment or actuator."""
         kind, segment, which = row
         place = segment + 1 if segment >= 0 else None
-        if kind == CLEARANCE:
+        if kind == CLEARANCE_LIMIT:
             return cls("clearance", place, obstacle=scene.name(which))
-        if kind == SELF_CLEARANCE:
+        if kind == SELF_CLEARANCE_LIMIT:
             return cls("self_clearance", place, other_segment=which + 1)
-        if segment < 0 or kind == ACTUATOR:
+        if segment < 0 or kind == ACTUATOR_LIMIT:
             return cls(CONSTRAINTS[kind], limited[which].segment, actuator=limited[which].name)
         return cls(CONSTRAINTS[kind], place)
 
@@ -119,7 +125,7 @@ class Step:
     _active: tuple[Active, ...]
 
     def __init__(self, wanted: WantedStep, initial: Floats, answer: Floats, observed: Observed | None = None) -> None:
-        q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape)
+        q = answer[t.CONFIGURATION : t.CONFIGURATION + initial.size].reshape(initial.shape)
         q.setflags(False)  # type: ignore[call-arg]  # by position: by its name it takes three times as long
         for name, value in zip(("_wanted", "initial", "_answer", "_q"), (wanted, initial, answer, q), strict=True):
             object.__setattr__(self, name, value)
@@ -154,7 +160,7 @@ class Step:
     @property
     def twist(self) -> Floats:
         """Twist (6,) of the tip that this reaches, at the start of the step: (omega, v) in world axes, as asked for."""
-        if self._wanted.robot.hangs:
+        if self._wanted.robot.has_external_load:
             return np.asarray(self._answer[t.REACHED : t.REACHED + 6] / self.dt)
         return np.asarray(self.velocity.reshape(-1) @ self._wanted.robot.jacobian(self.initial).T)
 
@@ -166,7 +172,7 @@ class Step:
         """
         asked, reached = self._motions()
         square = float(asked @ asked)
-        if self._wanted.kind == TARGETS:
+        if self._wanted.kind == MEET_TARGETS:
             return None
         return float(reached @ asked) / square if square > 0.0 else 1.0
 
@@ -180,7 +186,7 @@ class Step:
         """
         if self.touching:
             return "touching"
-        if self._answer[t.SHARE] < 1.0:
+        if self._answer[t.STEP_FRACTION] < 1.0:
             return "cut_short"
         return "reached" if self._is_reached() else "held_back"
 
@@ -213,12 +219,12 @@ class Step:
     @property
     def position_error(self) -> float | None:
         """Largest distance from the targets at `q`; `None` without targets."""
-        return float(self._answer[t.POSITION_ERROR]) if self._wanted.kind == TARGETS else None
+        return float(self._answer[t.POSITION_ERROR]) if self._wanted.kind == MEET_TARGETS else None
 
     @property
     def angle_error(self) -> float | None:
         """Largest angle from the targets at `q`, rad; `None` without targets."""
-        return float(self._answer[t.ANGLE_ERROR]) if self._wanted.kind == TARGETS else None
+        return float(self._answer[t.ANGLE_ERROR]) if self._wanted.kind == MEET_TARGETS else None
 
     @property
     def active(self) -> tuple[Active, ...]:
@@ -235,11 +241,11 @@ class Step:
     def _motions(self) -> tuple[Floats, Floats]:
         """The motion that was asked for and the one that is reached, to first order, in units that can be compared."""
         unit = self._wanted.robot.mean_length
-        scales = np.array([0.0 if self._wanted.kind == POSITION else 1.0] * 3 + [1.0 / unit] * 3)
+        scales = np.array([0.0 if self._wanted.kind == MOVE_POSITION else 1.0] * 3 + [1.0 / unit] * 3)
         return scales * self._wanted.motion, scales * self._answer[t.REACHED : t.REACHED + 6]
 
     def _is_reached(self) -> bool:
-        if self._wanted.kind == TARGETS:
+        if self._wanted.kind == MEET_TARGETS:
             tolerance = self._wanted.tolerance
             off, turn = self._answer[t.POSITION_ERROR], self._answer[t.ANGLE_ERROR]
             return bool(off <= tolerance.position and turn <= tolerance.angle)
@@ -255,12 +261,14 @@ class Step:
         if value == -np.inf:
             if not self.proved:
                 return None
-            whole = self._answer[t.SHARE] == 1.0
-            value = max(0.0, float(self._answer[t.SEEN + row * SEEN_WIDTH + LOW])) if whole else 0.0
-        return value + self._wanted.robot.least_demanded[row]
+            whole = self._answer[t.STEP_FRACTION] == 1.0
+            value = (
+                max(0.0, float(self._answer[t.CLEARANCES + row * CLEARANCES_WIDTH + PROVED_BOUND])) if whole else 0.0
+            )
+        return value + self._wanted.robot._least_clearances[row]
 
     def _find_active(self) -> tuple[Active, ...]:
-        first = t.SHAPE + self.q.size
+        first = t.CONFIGURATION + self.q.size
         rows = self._answer[first : first + t.ACTIVE_WIDTH * int(self._answer[t.ACTIVE])].reshape(-1, t.ACTIVE_WIDTH)
         ordered = rows[np.argsort(-rows[:, 0], kind="stable"), 1:].astype(np.int64).tolist()
         return tuple(dict.fromkeys(Active.of(row, self.scene, self._wanted.limited) for row in ordered))

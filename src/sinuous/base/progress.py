@@ -1,10 +1,10 @@
-"""How far a long run is, on standard error: a bar for a person who waits, lines for a log."""
+"""How far a long run is, on standard error: a bar for a person who waits, lines for a log, nothing else."""
 
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import Lock
+from threading import Lock, Timer
 from typing import Any
 
 LONG = 10
@@ -15,59 +15,79 @@ LOG_EVERY = 60.0
 
 
 class ProgressBar:
-    """Counts solves.
+    """Counts what is done, such as solves, and says what is being done.
 
     Parameters
     ----------
-    total : int
-        How many there are; a bar is shown from `LONG` on.
+    total : int, optional
+        How many there are; a bar is shown from `LONG` on. By default that is not known, as while files are read.
     logged : bool
         Whether to write a line from time to time where standard error is no terminal.
     what : str
         What is done to each.
+    late : float
+        Seconds after which the bar is shown at first; what is done before that shows nothing.
+
+    Attributes
+    ----------
+    shows : bool
+        Whether there is a bar: otherwise nobody sees what is said.
     """
 
-    def __init__(self, total: int, logged: bool = False, what: str = "solving") -> None:
+    def __init__(
+        self, total: int | None = None, logged: bool = False, what: str = "solving", late: float = 0.0
+    ) -> None:
         self._total, self._done = total, 0
         self._began = self._written = time.monotonic()
         self._lock = Lock()
+        self.shows = sys.stderr.isatty() and (total is None or total >= LONG)
         self._logged = logged and not sys.stderr.isatty()
-        self._bar: Any = None
-        if total >= LONG and sys.stderr.isatty():
-            from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+        if self.shows:
+            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
-            counts = TextColumn("{task.completed:,} of {task.total:,}"), TextColumn("{task.fields[rate]}")
-            self._bar = rich_progress(what, BarColumn(), *counts, TimeRemainingColumn())
-            self._task = self._bar.add_task(what, total=total, rate="")
-            self._bar.start()
+            texts = TextColumn("{task.description}"), TextColumn("{task.fields[count]}")
+            self._bar = rich_progress(SpinnerColumn(), texts[0], BarColumn(), texts[1], TimeRemainingColumn())
+            self._task = self._bar.add_task(what, total=total, count="")
+            self._start = Timer(late, self._bar.start)
+            self._start.daemon = True
+            (self._start.start if late > 0.0 else self._bar.start)()
 
     def __enter__(self) -> "ProgressBar":
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
+        if self.shows:
+            self._start.cancel()
+            if self._start.is_alive():
+                self._start.join()
             self._bar.stop()
 
     def advance(self, count: int = 1) -> None:
-        """Count so many solves more; from any thread."""
-        if self._bar is None and not self._logged:
+        """Count so many more; from any thread."""
+        if self._total is None or not (self.shows or self._logged):
             return
         with self._lock:
             self._done += count
             now = time.monotonic()
             rate = self._done / max(1e-9, now - self._began)
-            if self._bar is not None:
-                self._bar.update(self._task, completed=self._done, rate=f"{rate:,.0f} a second")
+            told, speed = f"{self._done:,} of {self._total:,}", f", {rate:,.0f} a second" if rate >= 1.0 else ""
+            if self.shows:
+                self._bar.update(self._task, completed=self._done, count=f"{told}{speed}")
             elif now - self._written >= LOG_EVERY:
                 self._written = now
-                left = (self._total - self._done) / rate
-                counts = f"{self._done:,} of {self._total:,} rows, {rate:,.0f} a second, {left:,.0f} s left"
-                sys.stderr.write(f"sinuous: {counts}\n")
+                sys.stderr.write(f"sinuous: {told} rows{speed}, {(self._total - self._done) / rate:,.0f} s left\n")
+
+    def say(self, what: str, share: float | None = None) -> None:
+        """Say what is being done, and which share of it, 0 to 1, is done where nothing is counted."""
+        if self.shows and self._total is not None:
+            self._bar.update(self._task, description=what)
+        elif self.shows:
+            self._bar.update(self._task, description=what, total=None if share is None else 1.0, completed=share)
 
     @contextmanager
     def hidden(self) -> Iterator[None]:
         """Take the bar away while something else is printed."""
-        if self._bar is None:
+        if not self.shows:
             yield
             return
         self._bar.stop()

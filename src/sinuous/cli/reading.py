@@ -1,10 +1,9 @@
 """All problem files of a command, read before the first is answered; a person who waits sees how far that is."""
 
 import sys
-import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ import typer
 
 from sinuous.base import checks
 from sinuous.base.errors import InputError, SuspiciousInput
-from sinuous.base.progress import rich_progress
+from sinuous.base.progress import ProgressBar
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
 from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
 from sinuous.files.results import json_line
@@ -47,16 +46,16 @@ def read_all(files: list[str], demands: Mapping[str, Any] | None = None) -> list
         For the first that is wrong.
     """
     result = []
-    with waiting() as show:
+    with ProgressBar(late=max(LEAST, PATIENCE - time.process_time())) as bar:
         for file in files:
-            show(f"reading {file}", None)
+            bar.say(f"reading {file}")
             began = time.perf_counter()
             problem = read_problem(file)
             if demands:
                 with as_typed(*demands):
                     problem = problem.demanding(**demands)
             with checks.in_file(file):
-                problem.scene.prepare(lambda what, share: show(f"preparing {what}", share))
+                problem.scene.prepare(lambda what, share: bar.say(f"preparing {what}", share))
             result.append(ReadProblem(problem, time.perf_counter() - began))
     return result
 
@@ -122,26 +121,3 @@ def say(file: str, found: Summary, *, json: bool) -> None:
     """Print what came of a file: a JSON object, or what is printed of it, with the file instead of its kind."""
     told = str(found).split(": ", 1)[-1]
     typer.echo(json_line({"file": file, **found.to_dict()}) if json else f"{file}: {told}")
-
-
-@contextmanager
-def waiting() -> Iterator[Callable[[str, float | None], None]]:
-    """Yield what says what is done, and which share of it, 0 to 1; nothing where it is quick or nobody looks."""
-    if not sys.stderr.isatty():
-        yield lambda what, share: None
-        return
-    from rich.progress import BarColumn, SpinnerColumn, TextColumn  # noqa: PLC0415
-
-    progress = rich_progress(SpinnerColumn(), TextColumn("{task.description}"), BarColumn())
-    task = progress.add_task("reading", total=None)
-    late = threading.Timer(max(LEAST, PATIENCE - time.process_time()), progress.start)
-    late.daemon = True
-    late.start()
-    try:
-        yield lambda what, share: progress.update(
-            task, description=what, total=None if share is None else 1.0, completed=share
-        )
-    finally:
-        late.cancel()
-        late.join()
-        progress.stop()

@@ -2,11 +2,9 @@
 
 import multiprocessing
 import signal
-import sys
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, wait
-from contextlib import contextmanager
 from typing import Any
 
 import numba
@@ -15,7 +13,7 @@ import typer
 from sinuous.base import checks
 from sinuous.base.errors import InputError
 from sinuous.base.processes import pool_of
-from sinuous.base.progress import rich_progress
+from sinuous.base.progress import ProgressBar
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import FIRST_COMMAND, WarmStep, steps
@@ -59,7 +57,7 @@ def _compile(methods: tuple[str, ...]) -> int:
     began = clock.perf_counter()
     shared = min(cores(), len(listed))
     try:
-        with _shown(len(listed)) as shown:
+        with _Shown(len(listed)) as shown:
             if shared > 1:
                 _use_in_processes(shared, methods, shown)
             else:
@@ -84,7 +82,7 @@ def _show_store() -> int:
 def _profile(listed: list[WarmStep]) -> int:
     """Compile what is missing, one after the other, and print the CPU time of each entry."""
     first = [step for step in listed if step.what in FIRST_COMMAND]
-    with _shown(len(listed)) as shown:
+    with _Shown(len(listed)) as shown:
         _use_here(first, shown)
         taken = sum(seconds for _, seconds in TOOK)
         _use_here([step for step in listed if step not in first], shown)
@@ -102,7 +100,7 @@ def _use_here(listed: list[WarmStep], shown: "_Shown") -> None:
         for step in listed:
             shown.begin(step)
             step.use()
-            shown.done += 1
+            shown.end()
 
 
 def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> None:
@@ -119,7 +117,7 @@ def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Shown") -> 
             for one in done:
                 due.pop(one)
                 one.result()
-                shown.done += 1
+                shown.end()
             if done and due:
                 shown.begin(next(iter(due.values())))
     except BaseException:
@@ -149,35 +147,29 @@ _tell: list[Callable[[Piece], None]] = []
 class _Shown:
     """Shows what is compiled, how many are done and for how long: as a bar, or in lines where nobody looks at one."""
 
-    def __init__(self, total: int, bar: Any = None) -> None:
+    def __init__(self, total: int) -> None:
         self.total, self.done, self.compiled = total, 0, 0
-        self._bar = bar
-        self._task = None if bar is None else bar.add_task("", total=total)
+        self._bar = ProgressBar(total, what="loading")
+
+    def __enter__(self) -> "_Shown":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.__exit__()
 
     def begin(self, step: WarmStep) -> None:
         """Go on to a step: whether anything is to be compiled for it is not known yet."""
-        if self._bar is not None:
-            self._show(f"loading {step.what}")
+        self._bar.say(f"loading {step.what}")
+
+    def end(self) -> None:
+        """Count a step that is done."""
+        self.done += 1
+        self._bar.advance()
 
     def compiling(self, piece: Piece) -> None:
         """Say what is about to be compiled."""
         self.compiled += 1
-        self._show(f"compiling {piece.what} (about {piece.expected} s)")
-
-    def _show(self, text: str) -> None:
-        if self._bar is None:
-            typer.echo(f"sinuous: {self.done + 1} of {self.total}: {text}", err=True)
-        else:
-            self._bar.update(self._task, completed=self.done, description=text)
-
-
-@contextmanager
-def _shown(total: int) -> Iterator[_Shown]:
-    if not sys.stderr.isatty():
-        yield _Shown(total)
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
-
-    columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with rich_progress(*columns) as progress:
-        yield _Shown(total, progress)
+        said = f"compiling {piece.what} (about {piece.expected} s)"
+        self._bar.say(said)
+        if not self._bar.shows:
+            typer.echo(f"sinuous: {self.done + 1} of {self.total}: {said}", err=True)

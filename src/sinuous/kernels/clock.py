@@ -1,9 +1,9 @@
 """The clock of a computation: when it has to end, and whether somebody wants to interrupt it.
 
 A clock is an array (`CLOCK_SIZE`,) int64 in the workspace. Who computes `begin`s it, `allow`s some seconds, and then
-`spend`s looks: one for the distance to a sphere, some 5 ns, and for dearer work in proportion. Every `STRIDE` looks the
-time is read, which costs some 30 ns. Once it is over, every `spend` says so, until more is allowed: a loop may end, and
-the loop around it ends with its next `spend`.
+`spend`s evaluations: one for the distance to a sphere, some 5 ns, and for dearer work in proportion. Every `STRIDE`
+evaluations the time is read, which costs some 30 ns. Once it is over, every `spend` says so, until more is allowed: a
+loop may end, and the loop around it ends with its next `spend`.
 
 Compiled code does not see signals. So whoever reads the time also listens for them, every `LISTENING` nanoseconds, as
 the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_CheckSignals`. Handlers run only in the
@@ -11,7 +11,8 @@ main thread; that of `Ctrl-C` raises `KeyboardInterrupt`. Other threads are stop
 in them (`PyThreadState_SetAsyncExc`): Python tells of it when it runs any statement, so one is run that does nothing.
 Then all time is over, and an exception of the same type is raised as soon as the compiled code is back in Python.
 
-Where kernels are interpreted the time is that of work: a look is worth what it takes in machine code (`work_time`).
+Where kernels are interpreted the time is that of work: an evaluation is worth what it takes in machine code
+(`work_time`).
 """
 
 import sys
@@ -23,20 +24,20 @@ from sinuous.base.work_time import looked, work_time
 from sinuous.kernels.compile import interpreted_as, shared
 from sinuous.kernels.maths.vectors import Array
 
-_READ, _REST, DEADLINE, LOOKS, _LISTENED, STOPPED, _RAISED = range(7)
-"""Places in a clock: two that the operating system fills; when all has to end (ns); looks since the time was read; when
-somebody listened last (ns); whether an exception was raised then; and scratch for that (3)."""
+_READ, _REST, DEADLINE, WORK, _LISTENED, STOPPED, _RAISED = range(7)
+"""Places in a clock: two that the operating system fills; when all has to end (ns); evaluations since the time was
+read; when somebody listened last (ns); whether an exception was raised then; and scratch for that (3)."""
 
 CLOCK_SIZE = _RAISED + 3
 
 STRIDE = 1024
-"""Looks after which the time is read: some 5 us."""
+"""Work units after which the time is read: some 5 us."""
 
-SEGMENT_LOOKS = 16
+SEGMENT_WORK = 16
 """What a step costs for every segment."""
 
-TREE_LOOKS = 16
-"""What the distance to a mesh, a cloud or a grid costs: between six looks, sampled, and some hundred, exact."""
+TREE_WORK = 16
+"""What the distance to a mesh, a cloud or a grid costs: between six evaluations, sampled, and some hundred, exact."""
 
 LISTENING = 50_000_000
 """Nanoseconds between two times that signals are listened for."""
@@ -134,14 +135,14 @@ def allow(clock: Array, seconds: float) -> float:
     """Allow so many seconds from now on; returns the time, in seconds."""
     read = _nanoseconds(clock)
     clock[DEADLINE] = read + int(1e9 * min(seconds, LONGEST))
-    clock[LOOKS] = 0
+    clock[WORK] = 0
     return 1e-9 * read
 
 
 def resume(clock: Array, deadline: int) -> None:
     """Go on until a deadline that the clock had before others were allowed."""
     clock[DEADLINE] = deadline
-    clock[LOOKS] = 0
+    clock[WORK] = 0
 
 
 @shared
@@ -152,25 +153,25 @@ def over(clock: Array) -> bool:
         clock[_LISTENED] = read
         _listen(clock)
     if clock[STOPPED] != 0 or read > clock[DEADLINE]:
-        clock[LOOKS] = STRIDE
+        clock[WORK] = STRIDE
         return True
-    clock[LOOKS] = 0
+    clock[WORK] = 0
     return False
 
 
-def spend(clock: Array, looks: int) -> bool:
-    """Count looks, and say whether the time is over; it is read every `STRIDE` looks."""
-    clock[LOOKS] += looks
-    return clock[LOOKS] >= STRIDE and over(clock)
+def spend(clock: Array, units: int) -> bool:
+    """Count evaluations, and say whether the time is over; it is read every `STRIDE` evaluations."""
+    clock[WORK] += units
+    return clock[WORK] >= STRIDE and over(clock)
 
 
 @interpreted_as(spend)
-def _spend_work(clock: Array, looks: int) -> bool:
-    looked(looks)
-    clock[LOOKS] += looks
-    return clock[LOOKS] >= STRIDE and over(clock)
+def _spend_work(clock: Array, units: int) -> bool:
+    looked(units)
+    clock[WORK] += units
+    return clock[WORK] >= STRIDE and over(clock)
 
 
 def late(clock: Array) -> bool:
     """Say whether the time was over when it was read last."""
-    return bool(clock[LOOKS] >= STRIDE)
+    return bool(clock[WORK] >= STRIDE)

@@ -95,7 +95,7 @@ def primitive_row(
 ) -> Floats:
     """Return the row (33,) of a sphere, box, cylinder or half-space."""
     row = np.zeros(t.OBSTACLE_WIDTH)
-    row[t.KIND], row[t.SIGN], row[t.ROUNDING] = kind, -1.0 if inside else 1.0, rounding
+    row[t.KIND], row[t.SIGN], row[t.ROUNDING_RADIUS] = kind, -1.0 if inside else 1.0, rounding
     row[t.CENTER : t.CENTER + 3] = center
     row[t.AXES : t.AXES + 9] = np.ravel(axes)
     row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
@@ -181,21 +181,23 @@ def settings_group(
         t.MARGIN: MARGIN * unit,
         t.POSITION_TOLERANCE: position_tolerance,
         t.ANGLE_TOLERANCE: angle_tolerance,
-        t.LOOK_DEPTH: LOOK_DEPTH,
+        t.COARSE_DEPTH: LOOK_DEPTH,
         t.STEP_DEPTH: STEP_DEPTH,
         t.MAX_ITERATIONS: ITERATIONS,
         t.INITIAL_WEIGHT: start_weight,
         t.BENDS_WEIGHT: bends_weight,
         t.WISHED_CLEARANCE: clearance_wish,
-        t.ROOM: 0.0,
+        t.CLEARANCE_MARGIN: 0.0,
     }
     own = np.array([values[i] for i in range(t.METHOD_OPTIONS)], np.float64)
     return np.concatenate([own, np.asarray(options, np.float64)])
 
 
-def plan_search(query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, prove: bool) -> Floats:
+def plan_search(
+    query: Floats, *, cell: float, clearance: float, free_margin: float, most_cells: int, prove: bool
+) -> Floats:
     """Return the query (27,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
     planned = query.copy()
-    planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_ROOM] = cell, clearance, room
+    planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_FREE_MARGIN] = cell, clearance, free_margin
     planned[t.QUERY_MOST_CELLS], planned[t.QUERY_PROVE] = most_cells, prove
     return planned

@@ -14,7 +14,7 @@ through itself."""
 Problem = namedtuple(
     "Problem",
     "limits actuation base tool avoids_itself scene targets mount unit margin position_tolerance angle_tolerance "
-    "look_depth step_depth",
+    "coarse_depth step_depth",
 )
 """What does not change during a solve: `Robot`, the scene or `None` (see `distances.Scene`), rows of targets (t, 15);
 the settings by their names (lengths in the length unit, angles in rad)."""
@@ -50,7 +50,7 @@ def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Ar
         settings[t.MARGIN],
         settings[t.POSITION_TOLERANCE],
         settings[t.ANGLE_TOLERANCE],
-        int(settings[t.LOOK_DEPTH]),
+        int(settings[t.COARSE_DEPTH]),
         int(settings[t.STEP_DEPTH]),
     )
 

@@ -59,7 +59,7 @@ CENTER, AXES, HALF_EXTENTS = 2, 5, 14
 """Columns of a primitive: center (3), rotation (9, its columns are the obstacle's axes in the world), half extents
 (3)."""
 
-ROUNDING = 17
+ROUNDING_RADIUS = 17
 """Column of every obstacle: what is taken off the distance."""
 
 ROUNDOFF = 18
@@ -67,10 +67,10 @@ ROUNDOFF = 18
 subtracted (length unit); what comes from those of the robot is not in it."""
 
 EXTENT = 19
-"""Column of a primitive: radius of a ball about its center that holds it, `ROUNDING` included; inf where there is none,
-and where the body must stay inside."""
+"""Column of a primitive: radius of a ball about its center that holds it, `ROUNDING_RADIUS` included; inf where there
+is none, and where the body must stay inside."""
 
-NODES, LEVELS, ITEMS, COUNT, ITEM_KIND, NORMALS = range(2, 8)
+NODES, LEVELS, ITEMS, ITEM_COUNT, ITEM_KIND, NORMALS = range(2, 8)
 """Columns of a TREE. Where its nodes begin in the store, and its levels; where its items begin, their number and kind;
 where their normals begin (-1: triangles without an inside)."""
 
@@ -134,13 +134,13 @@ TARGET_WIDTH = 15
     MARGIN,
     POSITION_TOLERANCE,
     ANGLE_TOLERANCE,
-    LOOK_DEPTH,
+    COARSE_DEPTH,
     STEP_DEPTH,
     MAX_ITERATIONS,
     INITIAL_WEIGHT,
     BENDS_WEIGHT,
     WISHED_CLEARANCE,
-    ROOM,
+    CLEARANCE_MARGIN,
 ) = range(12)
 """Places in the settings: length of backbone that obstacles do not concern; mean length of the robot; clearance that
 steps aim for; tolerances; how often a segment is halved in the search for contacts, at a glance and in a step; most
@@ -173,7 +173,7 @@ QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9
     QUERY_OTHER_LENGTH,
     QUERY_CELL,
     QUERY_CLEARANCE,
-    QUERY_ROOM,
+    QUERY_FREE_MARGIN,
     QUERY_MOST_CELLS,
     QUERY_PROVE,
 ) = range(12, 27)
@@ -193,7 +193,8 @@ there is none for any body of this radius, whatever its tangents."""
 # --- the outcome -----------------------------------------------------------------------------------------------------
 
 SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE, RATE_BOUND = range(9)
-"""How a search ended. From OUT_OF_REACH to NO_ROUTE: proved impossible. RATE_BOUND: out of reach in one tick."""
+"""How a search ended. From OUT_OF_REACH to NO_ROUTE: proved impossible. RATE_BOUND: out of reach in one control
+step."""
 
 GIVEN, ARC, RANDOM, ROUTE, REMEMBERED = range(5)
 """Sources of starts."""
@@ -227,7 +228,7 @@ class Outcome(NamedTuple):
     clearance : float
         Proved when it is solved, else the least that was seen.
     self_clearance : float
-        The same of the body from itself; infinite where that does not matter, or nobody looked.
+        The same of the body from itself; infinite where that does not matter, or nobody examined it.
     bound : bool
         Whether limits stopped the best start.
     merit : float

@@ -5,7 +5,7 @@ where it ends. What a search finds instead may leave by the wrong mouth, and whe
 around the rim: nothing says where the tube ends.
 
 Other tubes are found by the rims of their mouths, so that a route through them need not be searched for inside. Beside
-each edge, on the far side of each of its faces, it is looked whether there are walls all around. If so, the tube there
+each edge, on the far side of each of its faces, it is checked whether there are walls all around. If so, the tube there
 is followed both ways.
 """
 
@@ -13,13 +13,13 @@ import math
 
 from sinuous.kernels.clock import allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import Scene, closest, coarseness, price, read_scene
+from sinuous.kernels.fields.distances import Scene, closest, coarseness, read_scene, work_of_all
 from sinuous.kernels.fields.primitives import axis_of
-from sinuous.kernels.fields.solids import EXACT, STEP
+from sinuous.kernels.fields.solids import EXACT, INTERPOLATED
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, cross, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING, SIGN
+from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING_RADIUS, SIGN
 
-RAYS = 8
+CROSS_RAYS = 8
 """Rays across the axis, evenly spread."""
 
 ENCLOSED = 7
@@ -28,48 +28,48 @@ ENCLOSED = 7
 FAR = 5.0
 """How far a ray leads."""
 
-REACH = 3.0
-"""How far a look reaches."""
+EVALUATION_REACH = 3.0
+"""How far an evaluation reaches."""
 
-BLOCKED, ALMOST = 0.9, 0.05
+RAY_CLEARANCE, RAY_ACCURACY = 0.9, 0.05
 """Distance from the obstacles at which a ray ends, because a ball of the radius cannot get through; and how exactly."""
 
-FIRST = 0.15
-"""Where the first look at a ray is: at its beginning the distance is the same, whatever way it leads."""
+FIRST_EVALUATION = 0.15
+"""Where the first examine a ray is: at its beginning the distance is the same, whatever way it leads."""
 
-LOOKS = 12
-"""Most looks along a ray."""
+RAY_EVALUATIONS = 12
+"""Most evaluations along a ray."""
 
-ASIDE = 0.5
+CENTERING = 0.5
 """How far the axis is moved to the middle of the rays at most, in one step, of the step."""
 
-ROOM = 0.85
+AXIS_CLEARANCE = 0.85
 """Distance from the obstacles that the axis has at least."""
 
-COARSE = 1.0
+MOST_SPACING = 1.0
 """Largest spacing of samples that the axis is found by. All lengths in radii of the body but for `ASIDE`."""
 
-BACK = 5
+RETRACED_POINTS = 5
 """Points that are found again with exact distances where a tube ends by samples."""
 
-BEFORE = 2
+DIRECTION_STEPS = 2
 """Steps that the direction of the axis is taken over."""
 
-BEYOND, OPEN = 2.0, 4
-"""How far beyond a mouth it is looked whether it is one, and how many rays may meet a wall there: where a tube branches
-more of them do."""
+MOUTH_DEPTH, OPEN_RAYS = 2.0, 4
+"""How far beyond a mouth it is checked whether it is one, and how many rays may meet a wall there: where a tube
+branches more of them do."""
 
-NO_TUBE, MOUTH, END, BRANCH, UNENDED = range(5)
+NO_TUBE, MOUTH, WALL, BRANCH, UNENDED = range(5)
 """How a tube ends: there is none; where it opens; at a wall; where it branches; or not where it was followed."""
 
 
 def reach(scene: Scene, p: Vec, direction: Vec, radius: float, mode: int) -> float:
     """How far a ball comes from `p` along a unit vector; inf: farther than a ray leads."""
-    gone = FIRST * radius
-    for _ in range(LOOKS):
-        d, _ = closest(scene, add_scaled(p, gone, direction), REACH * radius, mode)
-        gone += min(d, REACH * radius) - BLOCKED * radius
-        if d < (BLOCKED + ALMOST) * radius:
+    gone = FIRST_EVALUATION * radius
+    for _ in range(RAY_EVALUATIONS):
+        d, _ = closest(scene, add_scaled(p, gone, direction), EVALUATION_REACH * radius, mode)
+        gone += min(d, EVALUATION_REACH * radius) - RAY_CLEARANCE * radius
+        if d < (RAY_CLEARANCE + RAY_ACCURACY) * radius:
             return gone
         if gone > FAR * radius:
             return math.inf
@@ -80,14 +80,14 @@ def _look_around(scene: Scene, p: Vec, ahead: Vec, radius: float, mode: int) -> 
     """How many rays across the unit vector `ahead` meet a wall, and how far it is to the middle between walls."""
     a, b = across(ahead)
     count, middle = 0, (0.0, 0.0, 0.0)
-    for i in range(RAYS // 2):
-        angle = 2.0 * math.pi * i / RAYS
+    for i in range(CROSS_RAYS // 2):
+        angle = 2.0 * math.pi * i / CROSS_RAYS
         direction = add(scale(math.cos(angle), a), scale(math.sin(angle), b))
         there = reach(scene, p, direction, radius, mode)
         back = reach(scene, p, scale(-1.0, direction), radius, mode)
         count += int(there < math.inf) + int(back < math.inf)
         if there < math.inf and back < math.inf:
-            middle = add_scaled(middle, 2.0 / RAYS * (there - back), direction)
+            middle = add_scaled(middle, 2.0 / CROSS_RAYS * (there - back), direction)
     return count, middle
 
 
@@ -108,14 +108,14 @@ def next_beside(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mo
         return MOUTH, p
     p = add(p, _limited(middle, most))
     d, _ = closest(scene, p, radius, mode)
-    return END if d < ROOM * radius else UNENDED, p
+    return WALL if d < AXIS_CLEARANCE * radius else UNENDED, p
 
 
 def _ahead(points: Array, count: int, ahead: Vec) -> Vec:
     """Where the axis leads from the last of so many points; from the first one as it did before."""
     if count == 1:
         return ahead
-    line = sub(get_vec(points, count - 1, 0), get_vec(points, max(0, count - 1 - BEFORE), 0))
+    line = sub(get_vec(points, count - 1, 0), get_vec(points, max(0, count - 1 - DIRECTION_STEPS), 0))
     return scale(1.0 / norm(line), line)
 
 
@@ -127,23 +127,23 @@ def follow_from(
     Samples are asked where they are fine enough, until a tube ends by them: then from some points before.
     """
     radius, spacing, free = sizes
-    looks = RAYS * 3 * price(scene)
-    sampled = coarseness(scene) <= COARSE * radius
+    units = CROSS_RAYS * 3 * work_of_all(scene)
+    sampled = coarseness(scene) <= MOST_SPACING * radius
     count = 1
     while count < points.shape[0]:
-        if spend(clock, looks):
+        if spend(clock, units):
             return count, UNENDED
         last = get_vec(points, count - 1, 0)
         beside = add_scaled(last, max(spacing, free) if count == 1 else spacing, ahead)
-        own = (radius, ASIDE * spacing)
-        ended, p = next_beside(scene, beside, ahead, own, STEP if sampled else EXACT)
+        own = (radius, CENTERING * spacing)
+        ended, p = next_beside(scene, beside, ahead, own, INTERPOLATED if sampled else EXACT)
         if ended != UNENDED and sampled:
-            sampled, count = False, max(1, count - BACK)
+            sampled, count = False, max(1, count - RETRACED_POINTS)
             ahead = _ahead(points, count, ahead)
             continue
         if ended == MOUTH and count > 1:
-            hits, _ = _look_around(scene, add_scaled(beside, BEYOND * radius, ahead), ahead, radius, EXACT)
-            return count, MOUTH if hits <= OPEN else BRANCH
+            hits, _ = _look_around(scene, add_scaled(beside, MOUTH_DEPTH * radius, ahead), ahead, radius, EXACT)
+            return count, MOUTH if hits <= OPEN_RAYS else BRANCH
         if ended != UNENDED:
             return count, NO_TUBE if count == 1 else ended
         put_vec(points, count, 0, p)
@@ -199,20 +199,20 @@ def follow_tube(
     return follow_from(obstacles, get_vec(start, 1, 0), sizes, clock, points)
 
 
-OFF, INTO = 1.15, 1.5
-"""How far off one face of an edge, and behind the other, a tube is looked for."""
+FACE_OFFSET, FACE_DEPTH = 1.15, 1.5
+"""How far off one face of an edge, and behind the other, a tube is checked for."""
 
-LEAST = 0.85
+LEAST_CLEARANCE = 0.85
 """Distance from the obstacles that there must be."""
 
-SHORTEST = 4.0
+SHORTEST_TUBE = 4.0
 """Length that a tube has at least."""
 
-VAIN, APART = 40, 0.3
-"""Most places that are looked at in vain; and how near to one no other is looked at, of `KNOWN`."""
+MOST_VAIN_PLACES, VAIN_DISTANCE = 40, 0.3
+"""Most places that are examined in vain; and how near to one no other is examined, of `KNOWN_DISTANCE`."""
 
-KNOWN = 2.0
-"""How near to the axis of a known tube no other one is looked for. All lengths in radii of the body."""
+KNOWN_DISTANCE = 2.0
+"""How near to the axis of a known tube no other one is checked for. All lengths in radii of the body."""
 
 Edge = tuple[Vec, Vec, Vec]
 """A place on an edge, and the unit normals of both its faces."""
@@ -220,10 +220,10 @@ Edge = tuple[Vec, Vec, Vec]
 Found = tuple[int, int, int]
 """How many tubes are found, how many points they have, and how many places there are where none is."""
 
-Room = tuple[Array, Array, Array]
+TubeTables = tuple[Array, Array, Array]
 """Points (K, 3) of tubes, and at their end places where none is; ends (t, 3) int64 of tubes; and the clock."""
 
-NOT, CLOSED, ENTERED = range(3)
+NO_HOLE, HOLE_CLOSED, HOLE_ENTERED = range(3)
 """What is beside an edge: no hole or a known one; something that is too open or too tight; a hole."""
 
 
@@ -237,32 +237,36 @@ def _near(points: Array, first: int, last: int, p: Vec, near: float) -> bool:
 
 def _known(points: Array, found: Found, p: Vec, radius: float) -> bool:
     """Whether a place is near to a tube that was found, or to where there was none."""
-    size, near = points.shape[0], KNOWN * radius
-    return _near(points, 0, found[1], p, near) or _near(points, size - found[2], size, p, APART * near)
+    size, near = points.shape[0], KNOWN_DISTANCE * radius
+    return _near(points, 0, found[1], p, near) or _near(points, size - found[2], size, p, VAIN_DISTANCE * near)
 
 
-def _enter(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> tuple[int, Vec]:
+def _enter(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> tuple[int, Vec]:
     """What is off the first face of an edge and behind the second, and the middle of it where that is a hole."""
     place, off, behind = edge
-    points, _, clock = room
-    p = add_scaled(add_scaled(place, OFF * radius, off), -INTO * radius, behind)
-    mode = STEP if coarseness(scene) <= COARSE * radius else EXACT
-    if _known(points, found, p, radius) or spend(clock, 4 * price(scene)):
-        return NOT, p
+    points, _, clock = tables
+    p = add_scaled(add_scaled(place, FACE_OFFSET * radius, off), -FACE_DEPTH * radius, behind)
+    mode = INTERPOLATED if coarseness(scene) <= MOST_SPACING * radius else EXACT
+    if _known(points, found, p, radius) or spend(clock, 4 * work_of_all(scene)):
+        return NO_HOLE, p
     d, _ = closest(scene, p, radius, mode)
-    if d < LEAST * radius or reach(scene, p, off, radius, mode) == math.inf or spend(clock, 3 * RAYS * price(scene)):
-        return NOT, p
-    ended, middle = next_beside(scene, p, scale(-1.0, behind), (radius, OFF * radius), mode)
+    if (
+        d < LEAST_CLEARANCE * radius
+        or reach(scene, p, off, radius, mode) == math.inf
+        or spend(clock, 3 * CROSS_RAYS * work_of_all(scene))
+    ):
+        return NO_HOLE, p
+    ended, middle = next_beside(scene, p, scale(-1.0, behind), (radius, FACE_OFFSET * radius), mode)
     if ended != UNENDED:
-        return CLOSED, p
-    return NOT if _known(points, found, middle, radius) else ENTERED, middle
+        return HOLE_CLOSED, p
+    return NO_HOLE if _known(points, found, middle, radius) else HOLE_ENTERED, middle
 
 
 def _is_open(scene: Scene, ended: int, p: Vec, radius: float) -> bool:
     """Whether a tube that ends so has a mouth there; `p` is the place beyond its last one."""
     if ended == NO_TUBE:
         d, _ = closest(scene, p, radius, EXACT)
-        return d >= LEAST * radius
+        return d >= LEAST_CLEARANCE * radius
     return ended in (MOUTH, BRANCH)
 
 
@@ -276,34 +280,34 @@ def _follow_both(scene: Scene, behind: Vec, radius: float, clock: Array, points:
     return back - 1 + forth, through and _is_open(scene, last, add_scaled(begun, radius, ahead), radius)
 
 
-def _look(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> Found:
+def _look(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> Found:
     """Look for a tube behind the second face of an edge, off its first one. What ends at a wall is found, too."""
-    points, ends, clock = room
+    points, ends, clock = tables
     tubes, count, vain = found
     left = points.shape[0] - vain - 1
-    if tubes == ends.shape[0] or vain == VAIN or count + 1 >= left:
+    if tubes == ends.shape[0] or vain == MOST_VAIN_PLACES or count + 1 >= left:
         return found
-    what, p = _enter(scene, edge, radius, room, found)
-    if what == NOT:
+    what, p = _enter(scene, edge, radius, tables, found)
+    if what == NO_HOLE:
         return found
-    if what == ENTERED:
+    if what == HOLE_ENTERED:
         put_vec(points, count, 0, p)
         size, through = _follow_both(scene, edge[2], radius, clock, points[count:left])
-        if size > SHORTEST:
+        if size > SHORTEST_TUBE:
             ends[tubes, 0], ends[tubes, 1], ends[tubes, 2] = count, count + size, int(through)
             return tubes + 1, count + size, vain
     put_vec(points, left, 0, p)
     return tubes, count, vain + 1
 
 
-def _look_both(scene: Scene, edge: Edge, radius: float, room: Room, found: Found) -> Found:
+def _look_both(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> Found:
     """Look for a tube on either side of an edge."""
     place, one, other = edge
-    found = _look(scene, (place, one, other), radius, room, found)
-    return _look(scene, (place, other, one), radius, room, found)
+    found = _look(scene, (place, one, other), radius, tables, found)
+    return _look(scene, (place, other, one), radius, tables, found)
 
 
-def _of_box(scene: Scene, i: int, radius: float, room: Room, found: Found) -> Found:
+def _of_box(scene: Scene, i: int, radius: float, tables: TubeTables, found: Found) -> Found:
     """Look beside the twelve edges of a box, in their middles."""
     middle = get_vec(scene.table, i, CENTER)
     for along in range(3):
@@ -311,9 +315,9 @@ def _of_box(scene: Scene, i: int, radius: float, room: Room, found: Found) -> Fo
         for corner in range(4):
             a = scale(-1.0 if corner & 1 else 1.0, axis_of(scene.table, i, u))
             b = scale(-1.0 if corner & 2 else 1.0, axis_of(scene.table, i, v))
-            p = add_scaled(middle, scene.table[i, HALF_EXTENTS + u] + scene.table[i, ROUNDING], a)
-            p = add_scaled(p, scene.table[i, HALF_EXTENTS + v] + scene.table[i, ROUNDING], b)
-            found = _look_both(scene, (p, a, b), radius, room, found)
+            p = add_scaled(middle, scene.table[i, HALF_EXTENTS + u] + scene.table[i, ROUNDING_RADIUS], a)
+            p = add_scaled(p, scene.table[i, HALF_EXTENTS + v] + scene.table[i, ROUNDING_RADIUS], b)
+            found = _look_both(scene, (p, a, b), radius, tables, found)
     return found
 
 
@@ -357,10 +361,10 @@ def find_tubes(
     obstacles = read_scene(scene)
     begin(clock)
     allow(clock, seconds)
-    room, found = (points, ends, clock), (0, 0, 0)
+    tables, found = (points, ends, clock), (0, 0, 0)
     for i in range(obstacles.table.shape[0]):
         if obstacles.table[i, KIND] == BOX and obstacles.table[i, SIGN] > 0.0:
-            found = _of_box(obstacles, i, radius, room, found)
+            found = _of_box(obstacles, i, radius, tables, found)
     for i in range(edges.shape[0]):
-        found = _look_both(obstacles, _of_edge(edges, i), radius, room, found)
+        found = _look_both(obstacles, _of_edge(edges, i), radius, tables, found)
     return found[0]

@@ -14,15 +14,15 @@ from typing import ClassVar
 
 from sinuous.kernels.body.rows import Rows, carve_rows, pick_rows
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
-from sinuous.kernels.clock import SEGMENT_LOOKS, spend
+from sinuous.kernels.clock import SEGMENT_WORK, spend
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options, count, number
+from sinuous.methods.prepared import Capabilities
 from sinuous.methods.search import Answer, Check, Start, begin_from, offer, search_by
 
 MOST_ROWS = 6
@@ -137,7 +137,7 @@ def descend(problem: Problem, check: Check, work: Work, most: int, damping: floa
             least = wrong
             copy(work.q, work.kept)
         met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
-        if met or slow >= PATIENCE or iteration >= most or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
+        if met or slow >= PATIENCE or iteration >= most or spend(check.clock, SEGMENT_WORK * work.q.shape[0]):
             return iteration
         step(problem, work, count, damping, clamp)
         iteration += 1

@@ -17,18 +17,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from sinuous.kernels.body.glance import deepest
+from sinuous.kernels.body.sampling import sampled_clearance
 from sinuous.kernels.chain.kinematics import forward, frame
-from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.fields.distances import price
+from sinuous.kernels.clock import SEGMENT_WORK, over, spend
+from sinuous.kernels.fields.distances import work_of_all
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
-from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options, count, number
+from sinuous.methods.prepared import LIMITS, Capabilities
 from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 
 LOOKS = 8
@@ -97,7 +97,7 @@ def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float
     overlap = travel = 0.0
     for k in range(q.shape[0]):
         rotation, position = frame(check.frames, k)
-        clearance, _, _ = deepest(problem, rotation, position, get_vec(q, k, 0), k, travel, LOOKS)
+        clearance, _, _ = sampled_clearance(problem, rotation, position, get_vec(q, k, 0), k, travel, LOOKS)
         travel += q[k, 2]
         overlap = max(overlap, margin - clearance)
     return wrong + overlap * overlap / (problem.unit * problem.unit), met and overlap == 0.0
@@ -113,7 +113,7 @@ def descend(
     share = NEAR_GIVEN if source == GIVEN else 1.0
     rounds, samples, shrink = int(options[0]), int(options[1]), options[2]
     margin = 0.0
-    cost = work.q.shape[0] * (SEGMENT_LOOKS + LOOKS * price(problem.scene))
+    cost = work.q.shape[0] * (SEGMENT_WORK + LOOKS * work_of_all(problem.scene))
     least, met = judge(problem, check, work.q, margin, math.inf)
     for done in range(rounds + 1):
         if met:

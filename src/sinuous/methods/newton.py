@@ -7,14 +7,13 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables
+from sinuous.kernels.solve.clearance import GRAZING
 from sinuous.kernels.solve.preferences import prefer
-from sinuous.kernels.solve.room import GRAZING
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
-from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
-from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
+from sinuous.methods.prepared import LIMITS, Call, Capabilities, Compiled, Prepared, as_outcomes
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
@@ -46,7 +45,7 @@ class PreparedNewton(Prepared):
     def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
         self._shape = self._segments, 3
-        self._settings[tables.ROOM] = 0.0 if self._preferences else ROOM * thinnest(robot)
+        self._settings[tables.CLEARANCE_MARGIN] = 0.0 if self._preferences else ROOM * thinnest(robot)
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene, tolerance)
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:

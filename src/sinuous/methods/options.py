@@ -12,8 +12,8 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.reprs import ShortRepr
-from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.prepared import Compiled, Prepared
+from sinuous.base.words import suggested
+from sinuous.methods.prepared import Capabilities, Compiled, Prepared
 from sinuous.methods.search import check_size
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
@@ -101,13 +101,13 @@ class Options(ShortRepr):
         kinds = {each.name: each.metadata["kind"] for each in fields(cls)}
         if cls.presets:
             kinds["preset"] = choice("", tuple(cls.presets)).metadata["kind"]
-        known = "one of " + ", ".join(kinds) if kinds else "none: this method has no options"
         values: dict[str, Any] = {}
         for pair in pairs:
             key, equals, text = pair.partition("=")
             if not equals:
                 raise InputError("", "not an option", pair, "KEY=VALUE")
             if key not in kinds:
+                known = suggested(key, kinds) if kinds else "none: this method has no options"
                 raise InputError(key, "unknown option", text, known)
             if key in values:
                 raise InputError(key, "given twice", text, "every option once")

@@ -47,7 +47,7 @@ from sinuous.kernels.solve.starts import face, most_distal, scattered, single_ar
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.limits import bend_cap
-from sinuous.kernels.step.targets import NONE, direction_vector, end_pose, end_segment, rotation_vector
+from sinuous.kernels.step.targets import direction_vector, end_pose, end_segment, rotation_vector
 from sinuous.kernels.tables import Budget
 
 SLACK = 0.1
@@ -106,7 +106,7 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
         rotation, position = end_pose(frames, problem.tool, end_segment(problem.targets, i, frames.shape[0] - 1))
         if problem.targets[i, t.HAS_POSITION] != 0.0:
             off = max(off, norm(sub(get_vec(problem.targets, i, t.TARGET_POSITION), position)))
-        miss = NONE
+        miss = ZERO
         if problem.targets[i, t.ORIENTATION] == t.ROTATION:
             miss = rotation_vector(mat_mat(get_mat(problem.targets, i, t.GOAL), transpose(rotation)))
         elif problem.targets[i, t.ORIENTATION] == t.DIRECTION:

@@ -23,22 +23,22 @@ from typing import ClassVar
 
 import numpy as np
 
-from sinuous.kernels.body.glance import deepest
+from sinuous.kernels.body.sampling import sampled_clearance
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.chain.single_arc import arc_length
-from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.fields.distances import price
+from sinuous.kernels.clock import SEGMENT_WORK, over, spend
+from sinuous.kernels.fields.distances import work_of_all
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import ARC, MAX_LENGTH, MIN_LENGTH
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.fabrik.links import angle_between, axis_of, end_goal, fold, unit_or
 from sinuous.methods.fabrik.reaching import Aside, carve, descend, scratch_size
 from sinuous.methods.options import Options, count, number
+from sinuous.methods.prepared import Capabilities
 from sinuous.methods.search import NO_START, Answer, Check, Start, has_obstacles, offer, own_number, search_by
 
 Tree = namedtuple("Tree", ["frames", "q", "effort", "travel", "parent", "depth", "priority", "open"])
@@ -229,7 +229,7 @@ def expand(
     tree = scratch.tree
     k = tree.depth[node]
     rotation, position = frame(tree.frames, node)
-    number, looks = 0, SEGMENT_LOOKS + LOOKS * price(problem.scene)
+    number, looks = 0, SEGMENT_WORK + LOOKS * work_of_all(problem.scene)
     while size < tree.parent.shape[0] and not spend(check.clock, looks):
         q, there = primitive(problem.limits, k, number, growth.bends, growth.directions, growth.lengths)
         if not there:
@@ -239,7 +239,10 @@ def expand(
         to, place = compose(rotation, position, turn, shift)
         put_frame(tree.frames, size, to, place)
         put_vec(tree.q, size, 0, q)
-        if has_obstacles(problem) and deepest(problem, rotation, position, q, k, tree.travel[node], LOOKS)[0] < 0.0:
+        if (
+            has_obstacles(problem)
+            and sampled_clearance(problem, rotation, position, q, k, tree.travel[node], LOOKS)[0] < 0.0
+        ):
             continue
         tree.parent[size], tree.depth[size] = node, k + 1
         tree.travel[size] = tree.travel[node] + q[2]

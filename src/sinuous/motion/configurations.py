@@ -9,8 +9,8 @@ from sinuous.answer.worst import Worst, find_overlap
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment

@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.kernels.tables import Outcome
 from sinuous.problem.target import Target
 

@@ -1,6 +1,6 @@
 """Control loops: one tick towards a twist or a target, and the best that is reached within given changes.
 
-The compiled tick is `sinuous.kernels.velocity.query.tick`; here is what Python hands over to it and reads from it.
+The compiled step is `sinuous.kernels.velocity.query.control_step`; here is what Python hands over to it and reads.
 """
 
 import math
@@ -20,7 +20,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARGET_WIDTH, UNPROVED, Outcome
 from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
-from sinuous.kernels.velocity.layout import POSE, POSITION, TARGETS
+from sinuous.kernels.velocity.layout import MEET_TARGETS, MOVE_POSE, MOVE_POSITION
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
@@ -81,9 +81,9 @@ class ControlLoop:
 
     def __init__(self, robot: Robot, scene: Scene, options: SolveOptions, tolerance: Tolerance) -> None:
         self._robot, self._scene, self._tolerance = robot, scene, tolerance
-        self._demanded = robot.least_demanded[0]
+        self._demanded = robot._least_clearances[0]
         self._wish, self._time = options.prefer.clearance, options.time
-        self._group = None if robot.hangs else robot_group(robot)
+        self._group = None if robot.has_external_load else robot_group(robot)
         self._settings = settings_group(robot, tolerance)
         self._free = self._limits = RateLimits(robot, Changes())
         self._local = threading.local()
@@ -122,7 +122,7 @@ class ControlLoop:
             targets = target_list("target", target, self._robot)
             if observed is not None:
                 targets = tuple(correct_targets(self._robot, each, observed) for each in targets)
-            kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
+            kind, motion, rows = MEET_TARGETS, STILL, target_table(self._robot, targets)
         wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
         checks.instance("rates", rates, Rates | None, "Rates")
         limits = self._limits_of(rates)
@@ -145,21 +145,21 @@ class ControlLoop:
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
-        asked = StepQuery(TARGETS, STILL, problem._rows, ROUNDS, self._beyond(self._wish), seconds)
+        asked = StepQuery(MEET_TARGETS, STILL, problem._rows, ROUNDS, self._beyond(self._wish), seconds)
         limits = self._limits_of(changes)
         answer = self._answer(problem.scene, asked, problem.targets, initial, limits, 1.0, None)
         if answer[t.START] == NO_BODY:
             return unsolved_start(initial)
-        q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
+        q = answer[t.CONFIGURATION : t.CONFIGURATION + initial.size].reshape(initial.shape).copy()
         off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
-        first = t.SHAPE + initial.size + 1
+        first = t.CONFIGURATION + initial.size + 1
         kinds = answer[first : first + t.ACTIVE_WIDTH * int(answer[t.ACTIVE]) : t.ACTIVE_WIDTH]
         met, code = meets(problem.tolerance, off, turn), FAILED
         if met and min(clearance, own) > 0.0 and self._holds(q) and answer[t.START] == CLEAR:
             code = SOLVED if answer[t.PROVED] else UNPROVED
         elif answer[t.ROUNDS] == 0:
             code = LATE
-        elif answer[t.PROVED] and bool(((kinds >= a.LENGTH_RATE) & (kinds < a.ACCELERATION)).any()):
+        elif answer[t.PROVED] and bool(((kinds >= a.LENGTH_RATE_LIMIT) & (kinds < a.ACCELERATION_LIMIT)).any()):
             code = RATE_BOUND
         rounds, merit = int(answer[t.ROUNDS]), float(answer[t.MERIT])
         return Outcome(q, code, rounds, 1, GIVEN, off, turn, clearance, own, len(kinds) > 0, merit, 0.0)
@@ -180,7 +180,7 @@ class ControlLoop:
     def _holds(self, q: Floats) -> bool:
         """Whether all limits are kept, under load also those of tensions."""
         robot = self._robot
-        return not robot.violations(q) and (not robot.hangs or tensions_kept(robot, Rest(robot, q).pulls))
+        return not robot.violations(q) and (not robot.has_external_load or tensions_kept(robot, Rest(robot, q).pulls))
 
     def _answer(
         self,
@@ -214,7 +214,9 @@ class ControlLoop:
         if velocity is not None:
             limits.write_before(scratch.group[a.HEADER :], dt, velocity)
         answer = np.empty(scratch.answer)
-        t.tick(self._group, table, self._settings, asked.targets, scratch.group, initial, scratch.workspace, answer)
+        t.control_step(
+            self._group, table, self._settings, asked.targets, scratch.group, initial, scratch.workspace, answer
+        )
         return answer
 
     def _scratch(self, sizes: tuple[int, int, int, int], limits: RateLimits, dt: float) -> Scratch:
@@ -224,7 +226,7 @@ class ControlLoop:
             n, m, _, p = self._local.sizes = sizes
             constraints = a.most_constraints(n)
             group = np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
-            answer = t.SHAPE + 3 * n + t.ACTIVE_WIDTH * constraints
+            answer = t.CONFIGURATION + 3 * n + t.ACTIVE_WIDTH * constraints
             kept = Scratch(group, np.empty(a.tick_size(*sizes)), (a.most_bounds(n, m, p), constraints), answer)
             self._local.scratch, self._local.limits = kept, None
         if self._local.limits is not limits or self._local.dt != dt:
@@ -251,5 +253,5 @@ def read_twist(twist: Any, dt: float) -> tuple[int, tuple[float, ...]]:
         numbers = checks.array("twist", twist, (None,), expected).tolist()
         if len(numbers) not in SIZES:
             raise InputError("twist", "", twist, expected)
-    kind = POSITION if len(numbers) == SIZES[0] else POSE
+    kind = MOVE_POSITION if len(numbers) == SIZES[0] else MOVE_POSE
     return kind, (*STILL[len(numbers) :], *[dt * each for each in numbers])

@@ -14,14 +14,14 @@ from sinuous.answer.observer import vector_of
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels import tables as k
-from sinuous.kernels.between.query import SEEN as OF_PROOF
-from sinuous.kernels.between.query import UNTIL, VERDICT
-from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF
+from sinuous.kernels.certificate.query import UNTIL, VERDICT
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.kernels.packing import scales_of
 from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
-from sinuous.kernels.velocity.layout import POSE, TARGETS
+from sinuous.kernels.velocity.layout import MEET_TARGETS, MOVE_POSE
 from sinuous.measures.body import nearest_meeting, segment_ends
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, Tolerance, meets
@@ -138,7 +138,7 @@ class LoadedControlStep:
         room: int,
     ) -> Floats:
         """Return the answer of a tick (see `kernels.velocity.query`), with room for so many constraints."""
-        answer = np.zeros(t.SHAPE + start.size + t.ACTIVE_WIDTH * room)
+        answer = np.zeros(t.CONFIGURATION + start.size + t.ACTIVE_WIDTH * room)
         rest = Rest(self._robot, start)
         if rest.states is None:
             return self._stay(answer, start)
@@ -148,10 +148,10 @@ class LoadedControlStep:
         answer[t.REACHED : t.REACHED + 6] = moves.tip @ self._moved(q - start)
         answer[t.ROUNDS] = rounds
         self._judge(answer, q, goals)
-        answer[t.SHAPE : t.SHAPE + q.size] = q.ravel()
+        answer[t.CONFIGURATION : t.CONFIGURATION + q.size] = q.ravel()
         listed = active[:room]
         answer[t.ACTIVE] = len(listed)
-        first = t.SHAPE + q.size
+        first = t.CONFIGURATION + q.size
         for i, (multiplier, row) in enumerate(listed):
             at = first + t.ACTIVE_WIDTH * i
             answer[at : at + t.ACTIVE_WIDTH] = multiplier, row.kind, row.segment, row.other
@@ -162,7 +162,7 @@ class LoadedControlStep:
         answer[t.START] = NO_BODY
         answer[[t.CLEARANCE, t.SELF_CLEARANCE]] = -math.inf
         answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.MERIT]] = math.inf
-        answer[t.SHAPE : t.SHAPE + start.size] = start.ravel()
+        answer[t.CONFIGURATION : t.CONFIGURATION + start.size] = start.ravel()
         return answer
 
     def _moves(self, rest: Rest, goals: tuple[Target, ...]) -> LinearisedBody:
@@ -243,11 +243,11 @@ class LoadedControlStep:
         All but limits and rates is linear about the drive where the body of `moves` is.
         """
         unit, done = self._robot.mean_length, self._moved(moves.rest.q - start)
-        if asked.kind == TARGETS:
+        if asked.kind == MEET_TARGETS:
             rows, wanted = moves.errors, moves.left
             damping = max(EXACT, DAMPING * easing * float(wanted @ wanted))
         else:
-            weights = np.array([1.0 if asked.kind == POSE else 0.0] * 3 + [1.0 / unit] * 3)
+            weights = np.array([1.0 if asked.kind == MOVE_POSE else 0.0] * 3 + [1.0 / unit] * 3)
             rows, wanted, damping = weights[:, None] * moves.tip, weights * np.array(asked.motion), EXACT
         square: Any = rows.T @ rows + damping * np.eye(len(self._scale))
         root: Floats = np.linalg.cholesky(square)
@@ -291,9 +291,9 @@ class LoadedControlStep:
                 if gap >= wish + ahead:
                     continue
                 weights = slopes[at] @ moves.of_points[at]
-                rows.append(ControlStepRow(weights, min(0.0, keep - gap), a.CLEARANCE, segment, i))
+                rows.append(ControlStepRow(weights, min(0.0, keep - gap), a.CLEARANCE_LIMIT, segment, i))
                 if wish > keep and gap < wish:
-                    rows.append(ControlStepRow(weights, wish - gap, a.CLEARANCE, segment, i, True))
+                    rows.append(ControlStepRow(weights, wish - gap, a.CLEARANCE_LIMIT, segment, i, True))
         return rows
 
     def _of_limits(self, start: Floats, limits: RateLimits, dt: float, velocity: Floats | None) -> list[ControlStepRow]:
@@ -304,16 +304,23 @@ class LoadedControlStep:
             at, rate = np.zeros(len(scale)), limits.segments[j]
             at[3 * j + 2] = scale[3 * j + 2]
             least, most = table[j, k.MIN_LENGTH] - start[j, 2], table[j, k.MAX_LENGTH] - start[j, 2]
-            rows += _sides(at, least, most, dt * rate[a.LENGTH_CHANGE], (a.LENGTH, a.LENGTH_RATE), (j, -1))
+            rows += _sides(at, least, most, dt * rate[a.LENGTH_CHANGE], (a.LENGTH_LIMIT, a.LENGTH_RATE_LIMIT), (j, -1))
             if velocity is not None:
                 rows += _wished(at, dt * velocity[j, 2], dt * dt * rate[a.LENGTH_SECOND], (j, -1))
         for j, actuator in enumerate(limits.actuators):
             at, value = actuator[:own] * scale, float(actuator[:own] @ start.ravel())
-            least, most = actuator[own + a.LEAST] - value, actuator[own + a.MOST] - value
-            rows += _sides(at, least, most, dt * actuator[own + a.CHANGE], (a.ACTUATOR, a.ACTUATOR_RATE), (-1, j))
+            least, most = actuator[own + a.LOWEST] - value, actuator[own + a.HIGHEST] - value
+            rows += _sides(
+                at,
+                least,
+                most,
+                dt * actuator[own + a.LARGEST_CHANGE],
+                (a.ACTUATOR_LIMIT, a.ACTUATOR_RATE_LIMIT),
+                (-1, j),
+            )
             if velocity is not None:
                 before = dt * float(actuator[:own] @ velocity.ravel())
-                rows += _wished(at, before, dt * dt * actuator[own + a.SECOND], (-1, j))
+                rows += _wished(at, before, dt * dt * actuator[own + a.SECOND_DIFFERENCE], (-1, j))
         return [row for row in rows if math.isfinite(row.low) and row.weights.any()]
 
     def _cuts(
@@ -325,12 +332,16 @@ class LoadedControlStep:
         for j in range(len(start)):
             bend, bent, length = start[j, :2], math.hypot(*start[j, :2]), start[j, 2] + change[j, 2]
             curved = table[j, k.MAX_CURVATURE]
-            discs = [(-bend, max(table[j, k.MAX_BEND], bent), 0.0, a.BEND)]
+            discs = [(-bend, max(table[j, k.MAX_BEND], bent), 0.0, a.BEND_LIMIT)]
             if curved < math.inf:
-                discs.append((-bend, curved * length + max(0.0, bent - curved * start[j, 2]), curved, a.CURVATURE))
-            discs.append((np.zeros(2), dt * limits.segments[j, a.BEND_CHANGE], 0.0, a.BEND_RATE))
+                discs.append(
+                    (-bend, curved * length + max(0.0, bent - curved * start[j, 2]), curved, a.CURVATURE_LIMIT)
+                )
+            discs.append((np.zeros(2), dt * limits.segments[j, a.BEND_CHANGE], 0.0, a.BEND_RATE_LIMIT))
             if velocity is not None:
-                discs.append((dt * velocity[j, :2], dt * dt * limits.segments[j, a.BEND_SECOND], 0.0, a.ACCELERATION))
+                discs.append(
+                    (dt * velocity[j, :2], dt * dt * limits.segments[j, a.BEND_SECOND], 0.0, a.ACCELERATION_LIMIT)
+                )
             for center, most, slope, kind in discs:
                 off = change[j, :2] - center
                 size = math.hypot(*off)
@@ -369,17 +380,17 @@ class LoadedControlStep:
         rows = limits.actuators
         before, after = rows[:, :own] @ start.ravel(), rows[:, :own] @ q.ravel()
         kept += [
-            after >= np.minimum(rows[:, own + a.LEAST], before),
-            after <= np.maximum(rows[:, own + a.MOST], before),
-            np.abs(after - before) <= dt * rows[:, own + a.CHANGE],
+            after >= np.minimum(rows[:, own + a.LOWEST], before),
+            after <= np.maximum(rows[:, own + a.HIGHEST], before),
+            np.abs(after - before) <= dt * rows[:, own + a.LARGEST_CHANGE],
         ]
         return all(bool(each.all()) for each in kept)
 
     def _prove(self, answer: Floats, start: Floats, q: Floats) -> Floats:
         """Prove the motion, which is shortened to what is proved; returns where it ends."""
         proof = self._prover.prove(np.stack([start, q]), 1.0)[0]
-        answer[t.SEEN : t.SHAPE] = proof[OF_PROOF : OF_PROOF + 2 * SEEN_WIDTH]
-        answer[t.PROVED], answer[t.SHARE], answer[t.START] = 1.0, 1.0, CLEAR
+        answer[t.CLEARANCES : t.CONFIGURATION] = proof[OF_PROOF : OF_PROOF + 2 * CLEARANCES_WIDTH]
+        answer[t.PROVED], answer[t.STEP_FRACTION], answer[t.START] = 1.0, 1.0, CLEAR
         if proof[VERDICT] == CLEAR:
             return q
         if proof[VERDICT] == SAMPLED:
@@ -387,17 +398,17 @@ class LoadedControlStep:
             return q
         if proof[UNTIL] > 0.0:
             share = SHY * float(proof[UNTIL])
-            answer[t.SHARE] = share
+            answer[t.STEP_FRACTION] = share
             return start + share * (q - start)
         answer[t.START] = self._prover.prove(np.stack([start, start]), 1.0)[0, VERDICT]
-        answer[t.SHARE] = 0.0
+        answer[t.STEP_FRACTION] = 0.0
         if answer[t.START] == CLEAR:
             return start.copy()
         answer[t.PROVED] = 0.0
         gap, share = self._gap(start), 1.0
         for _ in range(HALVINGS):
             if self._gap(start + share * (q - start)) >= gap:
-                answer[t.SHARE] = share
+                answer[t.STEP_FRACTION] = share
                 return start + share * (q - start)
             share *= 0.5
         return start.copy()
@@ -420,7 +431,7 @@ class LoadedControlStep:
         clear = at_rest[VERDICT] == CLEAR
         columns = t.CLEARANCE, t.SELF_CLEARANCE
         for i, column in enumerate(columns):
-            low = float(at_rest[OF_PROOF + i * SEEN_WIDTH + LOW])
+            low = float(at_rest[OF_PROOF + i * CLEARANCES_WIDTH + PROVED_BOUND])
             answer[column] = low if clear else -math.inf
         if goals and rest.states is not None:
             left, off, turn = self._errors(rest, goals)
@@ -438,7 +449,7 @@ def _sides(
 
 def _wished(at: Floats, aim: float, room: float, where: tuple[int, int]) -> list[ControlStepRow]:
     """Both bounds of an acceleration, which come after all else."""
-    return [ControlStepRow(side * at, side * aim - room, a.ACCELERATION, *where, True) for side in (1.0, -1.0)]
+    return [ControlStepRow(side * at, side * aim - room, a.ACCELERATION_LIMIT, *where, True) for side in (1.0, -1.0)]
 
 
 def _nearest_within(

@@ -125,20 +125,24 @@ class LoadCorrection:
 
     def correct(self, q: Floats, problem: Problem) -> tuple[Rest | None, Floats]:
         """Correct a drive until the loaded body meets targets; the shape, and the record of `kernels.solve.loaded`."""
-        from sinuous.kernels.solve.loaded import FOUND, OFF, RECORD_WIDTH, ROUNDS, TURN, correct, room  # noqa: PLC0415
+        from sinuous.kernels.solve.loaded import ANGLE, CORRECTION_WIDTH, OFF, ROUNDS, STABLE, correct, correction_size  # noqa: PLC0415
 
         robot, own = self._robot, self._body_of
-        settings, q, record = settings_group(robot, problem.tolerance), np.array(q, order="C"), np.zeros(RECORD_WIDTH)
+        settings, q, record = (
+            settings_group(robot, problem.tolerance),
+            np.array(q, order="C"),
+            np.zeros(CORRECTION_WIDTH),
+        )
         states, lines = np.empty((len(own.owners), 4)), own.line_table.copy()
         tensions, targets = np.zeros(len(lines)), problem._rows
-        buffer = np.empty(room(len(q), len(states), len(lines), own.slopes, len(targets), len(self._bounds)))
+        buffer = np.empty(correction_size(len(q), len(states), len(lines), own.slopes, len(targets), len(self._bounds)))
         follow, rounds = lines_that_follow(robot, q), 0.0
         for _ in range(PIECES):
             of_robot = own.sections, follow, self._bounds, self._stretches
             tables = own.carried, lines, own.slopes
             correct(self._group, settings, targets, *of_robot, *tables, q, states, tensions, buffer, record)
             rounds += record[ROUNDS]
-            if record[FOUND] == 0.0:
+            if record[STABLE] == 0.0:
                 return None, record
             before, follow = follow, lines_that_follow(robot, q)
             apart = (follow - before) @ np.append(q, 1.0)
@@ -148,7 +152,7 @@ class LoadCorrection:
         if shape.states is None:
             return None, record
         if np.abs(shape.states - states).max() > ALIKE:  # corrections have led to another equilibrium of this drive
-            _, record[OFF], record[TURN] = errors_of(shape, problem.targets, robot.mean_length)
+            _, record[OFF], record[ANGLE] = errors_of(shape, problem.targets, robot.mean_length)
         return shape, record
 
     def judge(self, shape: Rest, problem: Problem, seconds: float) -> Outcome:
@@ -193,14 +197,14 @@ def correct_starts(
 
 def correct_start(own: LoadCorrection, problem: Problem, start: Outcome, seconds: float) -> Outcome:
     """Correct one start, and say what it comes to."""
-    from sinuous.kernels.solve.loaded import OFF, ROUNDS, TURN  # noqa: PLC0415
+    from sinuous.kernels.solve.loaded import ANGLE, OFF, ROUNDS  # noqa: PLC0415
 
     shape, record = own.correct(start.q, problem)
     if shape is None:
         found = unsolved_start(start.q)
     else:
         found = own.judge(shape, problem, seconds)
-        found = found._replace(position_error=float(record[OFF]), angle_error=float(record[TURN]))
+        found = found._replace(position_error=float(record[OFF]), angle_error=float(record[ANGLE]))
     iterations = start.iterations + int(record[ROUNDS])
     return found._replace(source=start.source, route=start.route, iterations=iterations, starts=1)
 

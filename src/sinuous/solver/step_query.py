@@ -34,7 +34,7 @@ class RateLimits:
         n, own = len(robot), most.spread(robot)
         further = most.acceleration if isinstance(most, Rates) else None
         turns = (further or Changes()).spread(robot)
-        self.segments = np.zeros((n, a.RATES_WIDTH))
+        self.segments = np.zeros((n, a.STEP_RATES_WIDTH))
         self.segments[:, a.BEND_CHANGE], self.segments[:, a.LENGTH_CHANGE] = own.bend, own.length
         self.segments[:, a.BEND_SECOND], self.segments[:, a.LENGTH_SECOND] = turns.bend, turns.length
         limits = robot.drive.limits
@@ -43,8 +43,8 @@ class RateLimits:
         self.limited = tuple(robot.actuators[i] for i in np.flatnonzero(listed))
         least, greatest = limits[listed].T
         columns = [np.empty(0)] * a.ACTUATOR_COLUMNS
-        columns[a.LEAST], columns[a.MOST], columns[a.LAST] = least, greatest, np.zeros(len(least))
-        columns[a.CHANGE], columns[a.SECOND] = changes[listed], seconds[listed]
+        columns[a.LOWEST], columns[a.HIGHEST], columns[a.LAST_CHANGE] = least, greatest, np.zeros(len(least))
+        columns[a.LARGEST_CHANGE], columns[a.SECOND_DIFFERENCE] = changes[listed], seconds[listed]
         self.actuators = np.column_stack([robot.drive.jacobian[listed].reshape(-1, 3 * n), *columns])
         self.accelerates = further is not None
 
@@ -54,16 +54,16 @@ class RateLimits:
         segments[:], actuators[:] = self.segments, self.actuators
         n = len(segments)
         segments[:, : a.BEND_SECOND] *= dt
-        segments[:, a.BEND_SECOND : a.BEFORE] *= dt * dt
-        actuators[:, 3 * n + a.CHANGE] *= dt
-        actuators[:, 3 * n + a.SECOND] *= dt * dt
+        segments[:, a.BEND_SECOND : a.CHANGE_BEFORE] *= dt * dt
+        actuators[:, 3 * n + a.LARGEST_CHANGE] *= dt
+        actuators[:, 3 * n + a.SECOND_DIFFERENCE] *= dt * dt
 
     def write_before(self, out: Floats, dt: float, velocity: Floats) -> None:
         """Put in how fast everything moved before: `velocity` (n, 3)."""
         segments, actuators = self._parts(out)
-        segments[:, a.BEFORE :] = dt * velocity
+        segments[:, a.CHANGE_BEFORE :] = dt * velocity
         n = len(segments)
-        actuators[:, 3 * n + a.LAST] = dt * (self.actuators[:, : 3 * n] @ velocity.ravel())
+        actuators[:, 3 * n + a.LAST_CHANGE] = dt * (self.actuators[:, : 3 * n] @ velocity.ravel())
 
     def _parts(self, out: Floats) -> tuple[Floats, Floats]:
         size = self.segments.size

@@ -211,7 +211,7 @@ def _weights(one: Rest, other: Rest, bows: Bows, soft: Floats) -> Weights:
     at, pulls = loads[:, t.LOAD_ARC].astype(int), np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1)
     carried, offsets = np.zeros(count), np.zeros(count)
     np.add.at(carried, at, pulls)
-    np.add.at(offsets, at, pulls * np.linalg.norm(loads[:, t.OFFSET :], axis=1))
+    np.add.at(offsets, at, pulls * np.linalg.norm(loads[:, t.LOAD_OFFSET :], axis=1))
     both, aside = [], np.zeros(count)
     for each in (one, other):
         own = np.linalg.norm(each.tables.arcs[:, t.WEIGHT :], axis=1)
@@ -303,7 +303,7 @@ def _slack(rest: Rest, i: int) -> float:
     line, states = rest.tables.lines[i], rest.states
     through = slice(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1)
     long = states[through, t.LENGTH] - states[through, :2] @ line[t.ARM : t.ARM + 2]
-    return min(0.0, float(long.sum() - line[t.VALUE]) / float(line[t.COMPLIANCE]))
+    return min(0.0, float(long.sum() - line[t.LINE_VALUE]) / float(line[t.COMPLIANCE]))
 
 
 def _least_eigenvalue(tables: Tables, softness: Floats) -> float:

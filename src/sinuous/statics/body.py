@@ -75,9 +75,9 @@ class Tables(NamedTuple):
 
     def buffer(self) -> Floats:
         """Scratch for a search, or for derivatives."""
-        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+        from sinuous.kernels.statics.newton import workspace_size  # noqa: PLC0415
 
-        return np.empty(room_for(len(self.arcs), len(self.lines), self.slopes))
+        return np.empty(workspace_size(len(self.arcs), len(self.lines), self.slopes))
 
 
 class Body(NamedTuple):
@@ -238,9 +238,9 @@ def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -
     table = np.zeros((len(listed), t.LOAD_WIDTH))
     for row, load in zip(table, listed, strict=True):
         row[t.LOAD_ARC] = ends[len(ends) - 1 if load.segment is None else load.segment - 1]
-        row[t.OFFSET :] = load.position
+        row[t.LOAD_OFFSET :] = load.position
         if isinstance(load, Force):
-            row[t.FORCE : t.MOMENT], row[t.MOMENT : t.OFFSET] = load.force, load.moment
+            row[t.FORCE : t.MOMENT], row[t.MOMENT : t.LOAD_OFFSET] = load.force, load.moment
         elif robot.gravity is not None:
             row[t.FORCE : t.MOMENT] = load.mass * robot.gravity
     return table[np.argsort(table[:, t.LOAD_ARC], kind="stable")]

@@ -81,7 +81,7 @@ class Equilibrium(Frozen):
         robot = question.robot
         tensions = np.full(len(robot.drive), np.nan)
         tensions[body_of(robot).lines.actuators] = found.tensions
-        reaction = -found.record[kernel.MOMENT : kernel.RECORD_WIDTH]
+        reaction = -found.record[kernel.TOTAL_MOMENT : kernel.EQUILIBRIUM_WIDTH]
         for array in (found.states, tensions, reaction):
             array.flags.writeable = False
         self._set(
@@ -93,7 +93,7 @@ class Equilibrium(Frozen):
             tensions=tensions,
             stable=bool(found.record[kernel.UNSTABLE] == 0.0),
             reaction=reaction,
-            iterations=int(found.record[kernel.ITERATIONS]),
+            iterations=int(found.record[kernel.NEWTON_STEPS]),
             _begin=tables,
             _pulls=found.tensions,
         )
@@ -242,7 +242,7 @@ def find_equilibrium(question: EquilibriumQuestion) -> Equilibrium:
 
 def under_load(robot: "Robot", q: Floats) -> Equilibrium | None:
     """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         return None
     try:
         return robot.shape(q)
@@ -272,7 +272,7 @@ def _pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], initial: Fl
     if q is None:
         q = straight(robot.segments)
     tables = tables_of(robot, q, loads)
-    tables.lines[:, t.HELD], tables.lines[:, t.VALUE] = 0.0, tensions[own.actuators]
+    tables.lines[:, t.HELD], tables.lines[:, t.LINE_VALUE] = 0.0, tensions[own.actuators]
     through = (np.arange(len(q)) >= own.sections[:, :1]) & (np.arange(len(q)) <= own.sections[:, 1:])
     moments = through.T @ (tensions[own.actuators][:, None] * own.arms)
     bends = body.rest + moments * (q[:, 2] / body.stiffness[:, 0])[:, None]
@@ -293,8 +293,8 @@ def run(robot: "Robot", tables: Tables, descends: bool = True) -> FoundState:
 
     Where it `descends`, for a stable one if there is one near; else for any.
     """
-    from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
+    from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, equilibrate  # noqa: PLC0415
 
-    found = FoundState(tables.states.copy(), tables.tensions.copy(), np.zeros(RECORD_WIDTH))
+    found = FoundState(tables.states.copy(), tables.tensions.copy(), np.zeros(EQUILIBRIUM_WIDTH))
     equilibrate(*tables.body(robot.base), *found[:2], descends, tables.buffer(), found.record)
     return found

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body import proof
-from sinuous.kernels.body.contacts import PER_SEGMENT, Body, Look
+from sinuous.kernels.body.contacts import PER_SEGMENT, ContactSearch, PosedBody
 from sinuous.kernels.body.contacts import contacts as kernel_contacts
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -177,8 +177,10 @@ def contacts(
 ) -> tuple[Any, int, float]:
     rows: Any = make_rows(len(q), PER_SEGMENT)
     scratch = Scratch(np.empty(len(scene), np.int64), make_clock())
-    own = Body(ROBOT.limits, q, frames, 2.0)
-    at, least = kernel_contacts(own, kernel_scene(scene), k, mount, Look(*margins, depth, EXACT), scratch, rows, 0)
+    own = PosedBody(ROBOT.limits, q, frames, 2.0)
+    at, least = kernel_contacts(
+        own, kernel_scene(scene), k, mount, ContactSearch(*margins, depth, EXACT), scratch, rows, 0
+    )
     return rows, at, least
 
 

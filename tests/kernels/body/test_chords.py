@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from sinuous.kernels.body.chords import chord_distance, sag
+from sinuous.kernels.body.chords import chord_distance, sagitta_bound
 from tests.helpers import Floats
 
 ENDS = 4
@@ -63,4 +63,4 @@ def test_an_arc_lies_within_its_sag_of_its_chord(bend: float) -> None:
     arc = radius * np.stack([1.0 - np.cos(turned), np.sin(turned)], axis=-1)
     end = arc[-1]
     along = np.clip(arc @ end / (end @ end), 0.0, 1.0)
-    assert np.linalg.norm(arc - along[:, None] * end, axis=-1).max() <= sag(1.0, bend) * (1.0 + 1e-12)
+    assert np.linalg.norm(arc - along[:, None] * end, axis=-1).max() <= sagitta_bound(1.0, bend) * (1.0 + 1e-12)

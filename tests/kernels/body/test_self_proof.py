@@ -10,7 +10,7 @@ import pytest
 from sinuous.kernels.body import self_proof
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
-from sinuous.kernels.clock import LOOKS, STRIDE
+from sinuous.kernels.clock import STRIDE, WORK
 from sinuous.kernels.packing import segment_row
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
 from tests.kernels.workspace import make_clock
@@ -177,6 +177,15 @@ def test_parts_of_several_radii_touch_where_they_are_folded_and_not_where_they_l
     assert (sampled(q, radii)[0] > 0.0) == (expected == CLEAR)
 
 
+def test_long_arms_of_many_segments_touch_where_they_meet_alone() -> None:
+    """At their ends: whoever passes over what is far must not pass over what comes back."""
+    arm, bend = [[0.0, 0.0, 0.3]] * 10, math.pi + 0.14
+    q, radii = np.array([*arm, [bend, 0.0, 0.2 * bend], *arm]), [0.02] * 21
+    verdict, _gap, where = prove(q, radii)
+    assert (verdict, where[0], where[2] > 18) == (TOUCHING, 0, True)
+    assert sampled(q, radii)[0] < 0.0
+
+
 def test_more_than_the_thickness_allows_is_never_proved() -> None:
     """Curvature above 1 / radius, in pieces each of which is shorter than half a circle."""
     q = np.array([[0.7, 0.0, 0.1]] * 6)
@@ -231,7 +240,7 @@ def test_the_proof_ends_by_its_deadline() -> None:
         radii = [0.1] * 5
         q = curled(rng, np.array(radii), 2.5)
         late = make_clock(0)
-        late[LOOKS] = STRIDE - 1  # with the next look the time is read
+        late[WORK] = STRIDE - 1  # with the next look the time is read
         verdicts.append((prove(q, radii)[0], prove(q, radii, clock=late)[0]))
     assert (CLEAR, UNDECIDED) in verdicts
     assert all(other in (one, UNDECIDED) for one, other in verdicts)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.chain.rates import RATES_WIDTH, bow, measure_rates
+from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, acceleration_bound, measure_rates
 from tests.helpers import Floats, frames_of
 
 STEP = 1e-3
@@ -30,11 +30,11 @@ def test_no_place_bows_more_than_its_bound_nor_travels_farther(seed: int) -> Non
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 6))
     q0, q1 = way(rng, n)
-    rates = np.empty((n, RATES_WIDTH))
+    rates = np.empty((n, MOTION_RATES_WIDTH))
     travel = measure_rates(q0, q1, rates)
     for _ in range(40):
         k, s, t = int(rng.integers(n)), float(rng.random()), float(rng.uniform(STEP, 1.0 - STEP))
         before, here, after = (place(q0, q1, t + d, k, s) for d in (-STEP, 0.0, STEP))
-        bound = bow(rates, k, max(q0[k, 2], q1[k, 2]), s)
+        bound = acceleration_bound(rates, k, max(q0[k, 2], q1[k, 2]), s)
         assert np.linalg.norm(before - 2.0 * here + after) / STEP**2 <= bound * (1.0 + 1e-2) + 1e-6
         assert np.linalg.norm(after - before) <= 2.0 * STEP * travel * (1.0 + 1e-6) + 1e-12

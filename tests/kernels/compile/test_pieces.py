@@ -9,7 +9,7 @@ import pytest
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compile import pieces, store
-from tests.cli.test_progress import Terminal
+from tests.base.test_progress import Terminal
 
 
 @pytest.fixture

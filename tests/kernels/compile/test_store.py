@@ -76,18 +76,12 @@ def loads(entry: Any) -> int:
     return sum(entry.stats.cache_hits.values())
 
 
-@pytest.mark.usefixtures("folder")
-def test_what_was_compiled_is_read_for_the_same_arguments_alone() -> None:
+def test_what_was_compiled_is_read_for_the_same_function_and_arguments_alone(folder: Path) -> None:
     compiling.entry(half)(2.0)
-    again = compiling.entry(half)
-    assert again(3.0) == 1.5
-    assert loads(again) == 1
-    assert again(np.ones(2)[:1][0]) == 0.5
-    assert again(3) == 1.5
-    assert loads(again) == 1
-    other = compiling.entry(third)
-    assert other(3.0) == 1.0
-    assert loads(other) == 0
+    again, other = compiling.entry(half), compiling.entry(third)
+    assert [again(3.0), again(np.ones(2)[:1][0]), again(3), other(3.0)] == [1.5, 0.5, 1.5, 1.0]
+    assert (loads(again), loads(other)) == (1, 0)
+    assert len(list(folder.glob("*.code"))) == 3
 
 
 def test_what_is_not_as_it_was_written_is_compiled_anew(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -107,39 +101,21 @@ def test_what_is_not_as_it_was_written_is_compiled_anew(folder: Path, capsys: py
     assert loads(last) == 1
 
 
-def test_the_code_of_another_function_is_not_taken_for_it(folder: Path) -> None:
-    """As Numba's own cache would, where two processes write one file at once."""
-    compiling.entry(half)(2.0)
-    compiling.entry(third)(2.0)
-    assert len(list(folder.glob("*.code"))) == 2
-    made: Any = compiling.entry(half)
-    context = made.targetctx
-    kinds, types = ("inner", "entry"), ("x", "y")
-    names = {store.Store(f, kind).path(s, context.codegen()) for f in (half, third) for kind in kinds for s in types}
-    assert len(names) == 8
-
-
-def test_a_folder_that_cannot_be_written_to_is_no_error(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("full", [True, False], ids=["disk is full", "no folder"])
+def test_what_cannot_be_kept_is_no_error_and_said_once(
+    full: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setattr(store, "_told", set())
-    monkeypatch.setattr(store, "CACHE", tmp_path / "file" / "cache")
-    for made in (half, third):
-        assert compiling.entry(made)(6.0) == made(6.0)
-    said = capsys.readouterr().err
-    assert re.fullmatch(r"sinuous: compiled code cannot be kept in .*\n", said)
-
-
-@pytest.mark.usefixtures("folder")
-def test_a_full_disk_is_no_error(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def full(path: Path, data: bytes) -> None:
+    def refuse(path: Path, data: bytes) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(store, "_write", full)
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(store, "_told", set())
+    monkeypatch.setattr(store, "CACHE", tmp_path if full else tmp_path / "file" / "cache")
+    if full:
+        monkeypatch.setattr(store, "_write", refuse)
     for made in (half, third):
         assert compiling.entry(made)(6.0) == made(6.0)
-    assert capsys.readouterr().err.count("\n") == 1
+    assert re.fullmatch(r"sinuous: compiled code cannot be kept in .*\n", capsys.readouterr().err)
 
 
 def test_what_was_compiled_of_other_sources_is_neither_kept_nor_read(

@@ -5,6 +5,7 @@ import hashlib
 import json
 import shutil
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,59 +22,47 @@ def third(x: float) -> float:
 
 
 @pytest.fixture
-def prebuilt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Ship a level, and keep all else in a store of its own."""
+def level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Folder of a level that is shipped; all else is in a store of its own."""
     monkeypatch.setattr(store, "CACHE", tmp_path / "store")
     monkeypatch.setattr(targets, "PREBUILT", tmp_path / "prebuilt")
+    folder = tmp_path / "prebuilt" / "level"
+    folder.mkdir(parents=True)
+    yield folder
     targets.shipped.cache_clear()
-    level = tmp_path / "prebuilt" / "level"
-    level.mkdir(parents=True)
-    return level
 
 
-def ship(level: Path, features: str) -> str:
-    """Move what the store has of `third` to what is shipped for a target; return its name."""
-    target = targets.Processor(llvm.get_process_triple(), "generic", features)
+HERE = llvm.get_process_triple()
+FEATURE = next(name for name, has in llvm.get_host_cpu_features().items() if has)
+
+
+@pytest.mark.parametrize(
+    ("triple", "features", "damaged", "read"),
+    [
+        (HERE, "", False, True),
+        (HERE, f"+{FEATURE}", False, True),
+        (HERE, "", True, False),
+        (HERE, "+of another", False, False),
+        ("pdp11-unknown-unix", "", False, False),
+    ],
+    ids=["for all", "for less than this has", "damaged", "for more", "for another system"],
+)
+def test_what_is_shipped_is_read_where_it_runs(
+    level: Path, triple: str, features: str, damaged: bool, read: bool
+) -> None:
+    target = targets.Processor(triple, "generic", features)
     (level / targets.NAME).write_text(json.dumps(target), encoding="utf-8")
-    entry: Any = compiling.entry(third)
-    assert entry(3.0) == 1.0
-    (own,) = store.CACHE.glob("third*.code")
-    (signature,) = entry.signatures
-    shipped = entry._cache._file_name(signature, target)
-    shutil.move(own, level / shipped)
+    first: Any = compiling.entry(third)
+    assert first(3.0) == 1.0
+    (own,), (signature,) = store.CACHE.glob("third*.code"), first.signatures
+    shipped = Path(shutil.move(own, level / first._cache._file_name(signature, target)))
+    if damaged:
+        shipped.write_bytes(b"x" * 99)
     targets.shipped.cache_clear()
-    return str(shipped)
-
-
-def test_what_is_shipped_for_less_than_this_processor_has_is_read(prebuilt: Path) -> None:
-    feature = next(name for name, has in llvm.get_host_cpu_features().items() if has)
-    ship(prebuilt, f"+{feature}")
-    entry: Any = compiling.entry(third)
-    assert entry(6.0) == 2.0
-    assert sum(entry.stats.cache_hits.values()) == 1
-    assert not list(store.CACHE.glob("third*"))
-    targets.shipped.cache_clear()
-
-
-@pytest.mark.parametrize("change", [{"features": "+of another"}, {"triple": "pdp11-unknown-unix"}])
-def test_what_is_shipped_for_more_is_not(prebuilt: Path, change: dict[str, str]) -> None:
-    ship(prebuilt, change.get("features", ""))
-    told = json.loads((prebuilt / targets.NAME).read_text(encoding="utf-8"))
-    (prebuilt / targets.NAME).write_text(json.dumps([change.get("triple", told[0]), *told[1:]]), encoding="utf-8")
-    targets.shipped.cache_clear()
-    entry: Any = compiling.entry(third)
-    assert entry(6.0) == 2.0
-    assert sum(entry.stats.cache_hits.values()) == 0
-    targets.shipped.cache_clear()
-
-
-def test_what_is_shipped_damaged_is_compiled(prebuilt: Path) -> None:
-    name = ship(prebuilt, "")
-    (prebuilt / name).write_bytes(b"x" * 99)
-    entry: Any = compiling.entry(third)
-    assert entry(6.0) == 2.0
-    assert list(store.CACHE.glob("third*"))
-    targets.shipped.cache_clear()
+    again: Any = compiling.entry(third)
+    assert again(6.0) == 2.0
+    assert sum(again.stats.cache_hits.values()) == read
+    assert bool(list(store.CACHE.glob("third*"))) is not read
 
 
 def test_levels_grow() -> None:

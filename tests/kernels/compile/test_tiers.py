@@ -91,20 +91,23 @@ def test_a_call_without_code_is_interpreted_and_its_code_ordered_once_it_is_ther
     assert len(orders) == 2
 
 
-@pytest.mark.parametrize("why", ["heavy", "large", "code first", "no helpers", "compiled"])
+WAITS = ["heavy", "large", "code first", "no helpers", "compiled", "sources changed"]
+
+
+@pytest.mark.parametrize("why", WAITS)
 def test_a_call_waits_for_its_code_where_that_is_better(
     why: str, orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(pieces, "PIECES", (piece(9, most={"heavy": 0, "large": 3}.get(why)),))
+    monkeypatch.setattr(tiers, "MODE", "compiled" if why == "compiled" else "auto")
     orders.taken = why != "no helpers"
-    if why == "compiled":
-        monkeypatch.setattr(tiers, "MODE", "compiled")
     entry: Any = compiling.entry(fill)
-    with tiers.code_first() if why == "code first" else no_work():
+    if why == "sources changed":
+        monkeypatch.setattr(store, "unchanged", lambda file: False)
+    with tiers.code_first(why == "code first"):
         assert entry(np.zeros(4), 1.5) == 1
-    assert len(entry.signatures) == 1
-    assert len(orders) == (why == "no helpers")
-    assert capsys.readouterr().err.count("\n") == 1
+    assert (len(entry.signatures), len(orders)) == (1, why == "no helpers")
+    assert "compiling halves" in capsys.readouterr().err
     assert tiers._Waiting.count == 0
 
 
@@ -116,13 +119,6 @@ def test_what_takes_a_moment_is_not_said(
     assert entry(np.zeros(3), 1.5) == 1
     assert (len(entry.signatures), len(orders)) == (0, 1)
     assert capsys.readouterr().err == ""
-
-
-def test_what_cannot_be_kept_is_compiled_at_once(orders: Orders, monkeypatch: pytest.MonkeyPatch) -> None:
-    entry: Any = compiling.entry(half)
-    monkeypatch.setattr(store, "unchanged", lambda file: False)
-    assert entry(3.0) == 1.5
-    assert (len(entry.signatures), len(orders)) == (1, 0)
 
 
 @pytest.mark.parametrize("there", [True, False], ids=["code is there", "long enough"])
@@ -150,12 +146,6 @@ def test_an_interpreted_call_is_abandoned_and_made_again_with_its_code(
     np.testing.assert_array_equal(values, [1.0, 2.0, 2.0, 2.0, 2.0])
     assert len(orders) == 1
     monkeypatch.undo()
-
-
-def test_what_a_call_may_change_is_found_in_tuples_too() -> None:
-    still, inner = np.zeros(3), np.ones(2)
-    still.flags.writeable = False
-    assert [id(one) for one in tiers._written_to((still, (inner, 3)))] == [id(inner)]
 
 
 def test_where_interpreted_calls_took_long_code_is_waited_for(orders: Orders, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from sinuous.kernels import tables
 from sinuous.kernels.fields import distances
-from sinuous.kernels.fields.solids import EXACT, STEP
+from sinuous.kernels.fields.solids import EXACT, INTERPOLATED
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
@@ -130,11 +130,11 @@ def test_what_is_within_reach_is_exact_and_what_is_not_is_bounded_on_both_sides(
     obstacle, _, _ = draw(kind, rng, inside and kind in ("sphere", "box", "cylinder"))
     scene, spared = kernel_scene(Scene([obstacle])), 0
     for p in around(obstacle, rng, 200):
-        exact = distances.look(scene, 0, vec(p), math.inf, EXACT)[0]
+        exact = distances.evaluate(scene, 0, vec(p), math.inf, EXACT)[0]
         for reach in (-0.1, 0.0, 0.3, 2.0):
-            low, high = distances.look(scene, 0, vec(p), reach, STEP)
+            low, high = distances.evaluate(scene, 0, vec(p), reach, INTERPOLATED)
             assert low == high == exact if exact < reach else reach <= low <= exact <= high
-            assert distances.look(scene, 0, vec(p), reach, EXACT) == (exact, exact)
+            assert distances.evaluate(scene, 0, vec(p), reach, EXACT) == (exact, exact)
             spared += low < exact
     assert (spared > 0) == (kind in ("box", "capsule", "cylinder") and obstacle.row[tables.SIGN] > 0.0)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.fields import grids
-from sinuous.kernels.fields.grids import Grid
+from sinuous.kernels.fields.grids import SampleGrid
 from tests.helpers import Floats, vec
 
 LOW, SPACING, SHAPE = (0.5, -1.0, 2.0), 0.25, (5, 4, 6)
@@ -14,8 +14,8 @@ NODES = np.array(LOW) + SPACING * np.argwhere(np.ones(SHAPE))
 HIGH = NODES.max(axis=0)
 
 
-def grid(shape: tuple[int, int, int] = SHAPE) -> Grid:
-    return Grid(2, shape, LOW, SPACING)
+def grid(shape: tuple[int, int, int] = SHAPE) -> SampleGrid:
+    return SampleGrid(2, shape, LOW, SPACING)
 
 
 def store(values: Floats) -> Floats:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import ASIDE, SIDES, distances_along, measure_line, widths_across
+from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, distances_along, measure_line, widths_across
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -43,9 +43,9 @@ def test_the_width_across_a_line_is_that_of_a_place_at_most_so_far_aside(seed: i
     ahead = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
     x = np.cross(ahead, (0.3, 0.5, 0.8))
     x /= np.linalg.norm(x)
-    angles = np.linspace(0.0, 2.0 * np.pi, 200 * SIDES)[:, None]
+    angles = np.linspace(0.0, 2.0 * np.pi, 200 * LINE_SIDES)[:, None]
     ring = np.cos(angles) * x + np.sin(angles) * np.cross(ahead, x)
-    around = line[:, None, None] + radius * np.arange(1, ASIDE + 1)[:, None, None] * ring
+    around = line[:, None, None] + radius * np.arange(1, SIDE_STEPS + 1)[:, None, None] * ring
     most = np.maximum(own, scene.distance(around).max(axis=(1, 2)))
     free = (own > 0.0) & (own < enough)
     assert free.any()

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
+from sinuous.kernels.clock import SEGMENT_WORK, STRIDE
 from sinuous.kernels.fitting.fit import fit_workspace_size
-from sinuous.kernels.fitting.settle import REACH, ROUNDS, settle_chain
+from sinuous.kernels.fitting.settle import MOST_STEPS, REACH_STEP, settle_chain
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -45,7 +45,7 @@ def test_no_step_is_long() -> None:
     """However far the target is: the end comes no nearer than all steps are long, and a little for curves."""
     goal = TIP[:3, 3] + [-9.0, 0.0, 0.0]
     moved = np.linalg.norm(ROBOT.tip(settled(Scene([]), Target(goal)))[:3, 3] - TIP[:3, 3])
-    assert 0.1 < moved < 1.2 * ROUNDS * REACH * RADIUS
+    assert 0.1 < moved < 1.2 * MOST_STEPS * REACH_STEP * RADIUS
 
 
 def test_what_overlaps_is_pushed_off() -> None:
@@ -60,5 +60,5 @@ def test_what_overlaps_is_pushed_off() -> None:
 
 def test_without_time_it_takes_few_steps() -> None:
     found = settled(Scene([]), Target((0.0, 0.0, 0.0)), seconds=0.0)
-    steps = math.ceil(STRIDE / (SEGMENT_LOOKS * len(ROBOT)))
-    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1.1 * steps * REACH * RADIUS
+    steps = math.ceil(STRIDE / (SEGMENT_WORK * len(ROBOT)))
+    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1.1 * steps * REACH_STEP * RADIUS

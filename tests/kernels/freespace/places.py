@@ -8,9 +8,9 @@ import numpy as np
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import DEADLINE
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.cells import Memory, carve, clear, memory_size
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -28,7 +28,7 @@ def memory(most: int = 1 << 14, deadline: int = NEVER) -> Memory:
     return work
 
 
-def grid(**changed: Any) -> Grid:
+def grid(**changed: Any) -> SearchGrid:
     """A grid of cells of one size, unless `levels` says more."""
     values: dict[str, Any] = {
         "origin": (0.0, 0.0, 0.0),
@@ -36,7 +36,7 @@ def grid(**changed: Any) -> Grid:
         "levels": 0,
         "clearance": RADIUS - HALF_DIAGONAL * CELL,
         "radius": RADIUS,
-        "room": 0.3,
+        "free_margin": 0.3,
         "reach": REACH,
         "start": (0.0, 0.0, 0.0),
         "start_radius": 0.5 * CELL,
@@ -48,11 +48,11 @@ def grid(**changed: Any) -> Grid:
         "inflation": 1.0,
         "clearance_weight": 1.0,
         "longest": math.inf,
-        "mode": STEP,
+        "mode": INTERPOLATED,
     }
     values |= changed
     clearance = values["clearance"]
-    return Grid(**({"ample": max(clearance, 2.0 * HALF_DIAGONAL * values["cell"] - clearance)} | values))
+    return SearchGrid(**({"ample": max(clearance, 2.0 * HALF_DIAGONAL * values["cell"] - clearance)} | values))
 
 
 def query(**changed: Any) -> Floats:
@@ -74,7 +74,7 @@ def query(**changed: Any) -> Floats:
         "other_length": 2.5,
         "cell": 0.05,
         "clearance": 0.1 - HALF_DIAGONAL * 0.05,
-        "room": 0.1,
+        "free_margin": 0.1,
         "most_cells": 1 << 14,
         "prove": True,
     }
@@ -84,7 +84,7 @@ def query(**changed: Any) -> Floats:
         out[at : at + np.size(value)] = value
     return packing.plan_search(
         out,
-        **{name: (values | changed)[name] for name in ("cell", "clearance", "room", "most_cells", "prove")},
+        **{name: (values | changed)[name] for name in ("cell", "clearance", "free_margin", "most_cells", "prove")},
     )
 
 

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.freespace import grid_astar
 from sinuous.kernels.freespace.cells import Memory
-from sinuous.kernels.freespace.grid import FINEST, HALF_DIAGONAL, Grid
+from sinuous.kernels.freespace.grid import FINEST_STEP, HALF_DIAGONAL, SearchGrid
 from sinuous.kernels.tables import CLOSED, FOUND
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
@@ -20,12 +20,12 @@ from tests.helpers import Floats, kernel_scene
 from tests.kernels.freespace.places import CELL, GOAL, RADIUS, REACH, grid, memory, spheres
 
 
-def explore(work: Memory, where: Grid, scene: Scene) -> tuple[int, int]:
+def explore(work: Memory, where: SearchGrid, scene: Scene) -> tuple[int, int]:
     found: tuple[int, int] = grid_astar.explore(work, where, kernel_scene(scene))
     return found
 
 
-def trace(work: Memory, where: Grid, met: int) -> Floats:
+def trace(work: Memory, where: SearchGrid, met: int) -> Floats:
     """Middles of the cells of a route, from the start on."""
     halves = []
     for which in (grid_astar.FROM_START, grid_astar.FROM_GOAL):
@@ -41,7 +41,7 @@ def cost(work: Memory, met: int) -> float:
     return float(work.sides.cost[:, met].sum()) if met >= 0 else math.inf
 
 
-def walled(where: Grid, scene: Scene, a: Floats, b: Floats) -> Any:
+def walled(where: SearchGrid, scene: Scene, a: Floats, b: Floats) -> Any:
     """Whether walls are met on lines (m, 3) from one end to the other, with steps as long as the distance from them."""
     lengths = np.linalg.norm(b - a, axis=-1)
     gone, found = np.zeros(len(a)), np.zeros(len(a), bool)
@@ -50,7 +50,7 @@ def walled(where: Grid, scene: Scene, a: Floats, b: Floats) -> Any:
         share = (gone[going] / lengths[going])[:, None]
         d = scene.distance(a[going] + share * (b[going] - a[going]))
         found[going] = d < where.clearance
-        gone[going] += np.maximum(d - where.clearance, FINEST * lengths[going])
+        gone[going] += np.maximum(d - where.clearance, FINEST_STEP * lengths[going])
         going = ~found & (gone < lengths)
     return found
 
@@ -61,15 +61,15 @@ def within_reach(middles: Floats, reach: float, cell: float = CELL) -> Any:
     return length <= reach + 2.0 * HALF_DIAGONAL * cell
 
 
-def prices(where: Grid, d: Floats) -> Floats:
+def prices(where: SearchGrid, d: Floats) -> Floats:
     """What a unit of length costs: 1 in the open, more within `room`, and steeply more where the body overlaps."""
     free = d - where.radius
-    beside = 1.0 + where.clearance_weight * 2.0 * (1.0 - free / where.room)
+    beside = 1.0 + where.clearance_weight * 2.0 * (1.0 - free / where.free_margin)
     overlapping = 1.0 + where.clearance_weight * (2.0 - 20.0 * free / where.cell)
-    return np.select([free >= where.room, free >= 0.0], [np.ones_like(d), beside], overlapping)
+    return np.select([free >= where.free_margin, free >= 0.0], [np.ones_like(d), beside], overlapping)
 
 
-def whole_grid(where: Grid, scene: Scene) -> tuple[Floats, Floats, Any, Any, Floats]:
+def whole_grid(where: SearchGrid, scene: Scene) -> tuple[Floats, Floats, Any, Any, Floats]:
     """Middles and distances (-inf: cannot be passed) of all cells within reach; edges from and to cells, and costs."""
     most = math.ceil(REACH / where.cell) + 1
     axis = np.arange(-most, most + 1, dtype=np.float64)
@@ -98,7 +98,7 @@ def whole_grid(where: Grid, scene: Scene) -> tuple[Floats, Floats, Any, Any, Flo
     return middles, d, np.concatenate(rows), np.concatenate(columns), np.concatenate(costs)
 
 
-def least_cost(where: Grid, scene: Scene) -> float:
+def least_cost(where: SearchGrid, scene: Scene) -> float:
     """Cost of the cheapest route, by Dijkstra's search from one more place, beside the cells about the goal."""
     middles, d, rows, columns, costs = whole_grid(where, scene)
     off = np.linalg.norm(middles - GOAL, axis=1)
@@ -158,7 +158,7 @@ def world(seed: int) -> Scene:
 HALVED = 0.5 * RADIUS
 
 
-def is_joined(where: Grid, scene: Scene) -> bool:
+def is_joined(where: SearchGrid, scene: Scene) -> bool:
     """Whether the finest cells about the start and those about the goal hang together, by all cells of the grid."""
     middles, d, rows, columns, costs = whole_grid(where, scene)
     edges: Any = coo_array((costs, (rows, columns)), shape=(len(middles),) * 2).tocsr()
@@ -176,7 +176,7 @@ def is_world_joined(seed: int) -> bool:
     return is_joined(of_sizes(1), world(seed))
 
 
-def of_sizes(levels: int, **changed: Any) -> Grid:
+def of_sizes(levels: int, **changed: Any) -> SearchGrid:
     clearance = RADIUS - HALF_DIAGONAL * HALVED
     changed = {"cell": HALVED, "start_radius": HALVED, "clearance": clearance, "inflation": 2.0} | changed
     return grid(levels=levels, **changed)

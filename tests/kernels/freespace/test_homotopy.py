@@ -7,13 +7,13 @@ import pytest
 
 from sinuous.kernels.freespace.homotopy import (
     EASED,
+    LEASH_SLACK,
     PASSES,
-    SLACK,
     deforms,
     draw_tight,
     halfway,
     homotopy_workspace_size,
-    see,
+    trace_lines,
 )
 from sinuous.scene.obstacles import Cylinder, Sphere
 from sinuous.scene.scene import Scene
@@ -78,7 +78,7 @@ def test_curves_drawn_tight_keep_ends_distance_and_windings() -> None:
         drawn = tight(PILLARS, curve)
         np.testing.assert_allclose(drawn[[0, -1]], curve[[0, -1]], atol=1e-12)
         assert length(drawn) <= length(curve) + 1e-9
-        assert PILLARS.distance(drawn).min() > 0.9 * SLACK * EASED ** (PASSES - 1) * KEEP
+        assert PILLARS.distance(drawn).min() > 0.9 * LEASH_SLACK * EASED ** (PASSES - 1) * KEEP
         assert windings(drawn) == windings(curve)
 
 
@@ -120,7 +120,7 @@ def test_halfway_is_clear_and_leads_round() -> None:
     aside = even(np.array([START, (0.0, 1.1 * np.sin(angle), 1.1 * np.cos(angle)), END]))
     group, middle = BALL.snapshot().group.copy(), np.full_like(up, np.nan)
     assert halfway(group, up, aside, KEEP, math.inf, workspace(), middle)
-    assert BALL.distance(middle).min() > SLACK * KEEP
+    assert BALL.distance(middle).min() > LEASH_SLACK * KEEP
     assert deform(BALL, up, middle)
     assert deform(BALL, middle, aside)
 
@@ -129,12 +129,12 @@ def test_lines_of_sight_end_where_they_come_near() -> None:
     rng = np.random.default_rng(3)
     starts, ends = rng.uniform(-2.0, 2.0, (2, 200, 3))
     lengths, which = np.full(200, np.nan), np.full(200, -9)
-    see(PILLARS.snapshot().group.copy(), starts, ends, KEEP, math.inf, workspace(), lengths, which)
+    trace_lines(PILLARS.snapshot().group.copy(), starts, ends, KEEP, math.inf, workspace(), lengths, which)
     shares = np.linspace(0.0, 1.0, 4001)
     for i in range(200):
         whole = float(np.linalg.norm(ends[i] - starts[i]))
         distances = PILLARS.distance(starts[i] + shares[:, None] * (ends[i] - starts[i]))
-        near = distances < SLACK * KEEP
+        near = distances < LEASH_SLACK * KEEP
         if which[i] < 0:
             assert not near.any()
             assert lengths[i] == pytest.approx(whole)

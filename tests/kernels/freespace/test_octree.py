@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sinuous.kernels.freespace import octree
 from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, NONE
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, middle
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, middle
 from sinuous.kernels.freespace.keys import key_of, touch
 from tests.helpers import Floats, kernel_scene
 from tests.kernels.freespace.places import CELL, grid, spheres
@@ -29,7 +29,7 @@ def test_cells_touch_where_two_of_their_finest_cells_are_neighbours(one: Any, ot
     assert touch(key_of(*one), key_of(*other)) == (between <= 1)
 
 
-def middles(where: Grid, cell: tuple[int, int, int, int]) -> Floats:
+def middles(where: SearchGrid, cell: tuple[int, int, int, int]) -> Floats:
     """Middles of the finest cells in a cell."""
     found: Floats = np.array(where.origin) + where.cell * finest(cell)
     return found

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sinuous.kernels.fields.solids import ABOVE
+from sinuous.kernels.fields.solids import UPPER_BOUND
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid
 from sinuous.scene.obstacles import Box
@@ -40,7 +40,7 @@ def test_straight_pieces_end_at_a_wall() -> None:
 def test_a_proof_grants_whatever_any_body_may_do() -> None:
     asked = read_query(query(free_length=0.3, goal_radius=0.2, goal_slack=0.01, clearance=0.09))
     grid = proof_grid(asked, kernel_scene(Scene()))
-    assert (grid.turn, grid.longest, grid.mode) == (0.0, math.inf, ABOVE)
+    assert (grid.turn, grid.longest, grid.mode) == (0.0, math.inf, UPPER_BOUND)
     assert grid.clearance == pytest.approx(0.1 - HALF_DIAGONAL * 0.05)
     assert grid.start_radius == pytest.approx(0.3 + HALF_DIAGONAL * 0.05)
     assert grid.goal_radius == pytest.approx(0.21)

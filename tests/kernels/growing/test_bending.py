@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.bending import KEPT, Nearby, come_out
+from sinuous.kernels.growing.bending import MOST_OVERLAP, Nearby, come_out
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
@@ -55,7 +55,7 @@ def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: in
         assert tuple(arc) == q
         return
     assert Robot([segment]).excess(arc[None]) <= 1e-12
-    assert overlap <= KEPT
+    assert overlap <= MOST_OVERLAP
     # The overlap is that of places, some of which lie in between.
     assert gap(scene, segment, arc) >= -overlap - 0.15
 
@@ -80,8 +80,8 @@ def test_an_arc_in_a_tube_follows_it_beyond_its_end(bend: float) -> None:
         rods += [Capsule(a, b, 0.3) for a, b in pairwise(points)]
     tube, segment = Scene(rods), Segment((1.0, 1.0), 3.0, radius=RADIUS)
     arc, overlap = out(tube, (bend, 0.3, 1.0), segment)
-    assert overlap <= KEPT
-    assert gap(tube, segment, arc) >= -KEPT - 0.1
+    assert overlap <= MOST_OVERLAP
+    assert gap(tube, segment, arc) >= -MOST_OVERLAP - 0.1
     beyond = Robot([Segment(1.0 + RADIUS, 6.0)]).backbone((1.0 + RADIUS) * arc[None], 100)
     assert tube.distance(beyond).min() > 0.0  # as if it went on for one more radius
 
@@ -95,8 +95,8 @@ def test_a_rigid_link_is_not_bent_and_cut_before_what_is_across() -> None:
     across = Scene([Box((0.0, 0.0, 1.0), (0.2, 1.0, 1.0))])
     arc, overlap = out(across, (0.0, 0.0, 1.5), link)
     assert arc[:2].tolist() == [0.0, 0.0]
-    assert 0.3 < arc[2] <= 0.5 - (1.0 - KEPT) * RADIUS
-    assert overlap <= KEPT
+    assert 0.3 < arc[2] <= 0.5 - (1.0 - MOST_OVERLAP) * RADIUS
+    assert overlap <= MOST_OVERLAP
     assert out(across, (0.0, 0.0, 1.5), Segment(1.5, 0.0, radius=RADIUS))[1] == math.inf
 
 

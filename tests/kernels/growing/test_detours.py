@@ -4,7 +4,7 @@ import numpy as np
 
 from sinuous import Box, Cylinder, Scene, Sphere
 from sinuous.base.checks import Floats
-from sinuous.kernels.growing.detours import ENOUGH, NUMBERS, TURNS, detours_size, lead_aside
+from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
 
 POINTS, RADIUS = 64, 0.1
 LINE = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), POINTS)
@@ -13,9 +13,9 @@ AROUND = np.concatenate([np.linspace((0.0, 0.0, 0.0), (0.0, 0.6, 1.5), 32), np.l
 
 
 def led(line: Floats, wanted: float, seed: int, scene: Scene = SCENE, unit: float = 1.0) -> tuple[float, Floats]:
-    points, numbers = unit * line, np.random.default_rng(seed).random((TURNS, NUMBERS))
+    points, numbers = unit * line, np.random.default_rng(seed).random((MOST_DETOURS, NUMBERS))
     group, work = scene.snapshot()._kernel_group, np.full(detours_size(len(line)), np.nan)
-    return lead_aside(group, unit * wanted, unit * RADIUS, numbers, 60.0, work, points), points
+    return add_detours(group, unit * wanted, unit * RADIUS, numbers, 60.0, work, points), points
 
 
 def test_a_route_becomes_as_long_as_wanted_and_stays_out_of_obstacles() -> None:
@@ -27,7 +27,7 @@ def test_a_route_becomes_as_long_as_wanted_and_stays_out_of_obstacles() -> None:
         assert SCENE.distance(points).min() > 0.0
         assert length <= 6.0
         lengths.append(length)
-    assert np.mean(np.array(lengths) >= ENOUGH * 6.0) > 0.5
+    assert np.mean(np.array(lengths) >= LONG_ENOUGH * 6.0) > 0.5
     assert len(set(lengths)) == 20
 
 

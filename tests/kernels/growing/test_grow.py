@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, DISTANCE, FRAME, LAST, PARENT
+from sinuous.kernels.growing.beam import CHAIN_WIDTH, END_DISTANCE, FRAME, LAST_SEGMENT_Q, PARENT, SEGMENT_BEFORE_Q
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
@@ -47,9 +47,9 @@ def grown(
         at = i
         for k in range(n, 0, -1):
             if k == n:
-                q[k - 1] = levels[k, at, LAST : LAST + 3]
+                q[k - 1] = levels[k, at, LAST_SEGMENT_Q : LAST_SEGMENT_Q + 3]
             if k > 1:
-                q[k - 2] = levels[k, at, BEFORE : BEFORE + 3]
+                q[k - 2] = levels[k, at, SEGMENT_BEFORE_Q : SEGMENT_BEFORE_Q + 3]
             at = int(levels[k, at, PARENT])
         assert np.allclose(levels[n, i, FRAME : FRAME + 12], _pose(robot, q, n))
     return chains
@@ -95,6 +95,15 @@ def test_no_chain_crosses_a_wall() -> None:
     through = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 30)
     for q in grown(ROBOT, wall, [Target((0.0, 0.0, 4.0))], [through]):
         assert ROBOT.backbone(q, 50)[:, 2].max() < 1.5
+
+
+def test_of_the_chains_none_ends_as_another_one_does_and_few_begin_alike() -> None:
+    chains = grown(ROBOT, Scene([]), [Target((1.2, 0.0, -2.0))], [BEHIND], count=8)
+    tips = np.stack([ROBOT.tip(q) for q in chains])
+    ends = np.concatenate([tips[:, :3, 3], tips[:, :3, 2]], axis=1)
+    assert len(chains) == 8
+    assert (np.abs(ends[:, None] - ends).max(axis=-1) + np.eye(8) > 1e-9).all()
+    assert len({tuple(q[0]) for q in chains.round(6)}) > 1
 
 
 @pytest.mark.parametrize("unit", [0.01, 50.0])
@@ -152,4 +161,6 @@ def test_chains_stop_in_the_open() -> None:
     assert (counts[4:] == 0).all()
     room = [problem.scene.distance(levels[k, : counts[k], FRAME + 9 : FRAME + 12]) / RADIUS for k in range(4)]
     assert max(max(own) for own in room[:3]) < 3.5 <= max(room[3])
-    np.testing.assert_allclose(np.minimum(levels[3, : counts[3], DISTANCE], 3.5), np.minimum(room[3], 3.5), rtol=1e-6)
+    np.testing.assert_allclose(
+        np.minimum(levels[3, : counts[3], END_DISTANCE], 3.5), np.minimum(room[3], 3.5), rtol=1e-6
+    )

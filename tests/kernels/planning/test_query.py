@@ -7,15 +7,15 @@ import pytest
 
 import sinuous as sn
 from benchmarks.motion.p5 import draw
-from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, VERDICT
-from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH, sweep_size
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, VERDICT
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND, sweep_size
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size
 from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
-from tests.kernels.between.motions import shape
+from tests.kernels.certificate.motions import shape
 
 NODES, KNOTS = 4000, 500
 ROBOT = sn.Robot([sn.Segment((0.8, 1.2), 2.8, radius=0.05)] * 4)
@@ -64,7 +64,7 @@ def test_every_edge_is_clear_and_the_ends_are_those_that_were_asked_for() -> Non
         assert again.proved.all()
         answers = made.answers[: len(path) - 1]
         assert (answers[:, VERDICT] == CLEAR).all()
-        for column in (SEEN + LOW, SEEN + SEEN_WIDTH + LOW):
+        for column in (CLEARANCES + PROVED_BOUND, CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND):
             assert answers[:, column].min() == pytest.approx(again.answers[:, column].min(), rel=0.2)
         assert max(ROBOT.excess(q) for q in path) < 1e-12
         knots.append(len(path))
@@ -92,7 +92,7 @@ def test_the_bound_of_a_path_is_tight_and_that_of_any_edge_half_as_large_as_it_m
         made = Plan(ROBOT, scene)
         path = made.grow(ends)
         tight = prove_steps(ROBOT, made.scene, path, slack=0.01).clearances
-        found = made.answers[: len(path) - 1, SEEN + LOW]
+        found = made.answers[: len(path) - 1, CLEARANCES + PROVED_BOUND]
         assert (found >= 0.49 * tight).all()
         assert found.min() >= 0.89 * tight.min()
         edges += len(found)

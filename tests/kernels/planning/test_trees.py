@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.planning.query import GLANCES
+from sinuous.kernels.planning.query import UNPROVED_DRAWS
 from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
-from tests.kernels.between.motions import shape
+from tests.kernels.certificate.motions import shape
 
 SEGMENTS, NODES = 2, 40
 ROBOT = sn.Robot([sn.Segment(1.0, 2.8, radius=0.03)] * 3)
@@ -76,7 +76,7 @@ def test_what_looks_miss_is_on_no_path_and_in_no_tree() -> None:
     for seed in range(24):
         scene, ends = thin_walls(seed)
         trees = RRTConnect(ROBOT, scene.snapshot())
-        path = trees.grow(ends, seed, (0, GLANCES), Deadline(60.0))
+        path = trees.grow(ends, seed, (0, UNPROVED_DRAWS), Deadline(60.0))
         if path is None:
             reached = trees.reached
             assert np.isfinite(reached).all()
@@ -84,7 +84,7 @@ def test_what_looks_miss_is_on_no_path_and_in_no_tree() -> None:
             assert sum(trees.sizes) >= 2
             for q in reached:
                 assert prove_steps(ROBOT, scene.snapshot(), np.stack([q, q]), slack=1.0).proved.all()
-            path = trees.grow(ends[:1], seed, (GLANCES, 4096), Deadline(60.0))
+            path = trees.grow(ends[:1], seed, (UNPROVED_DRAWS, 4096), Deadline(60.0))
             met += 1
         assert path is not None, seed
         np.testing.assert_array_equal(path.q[[0, -1]], ends)

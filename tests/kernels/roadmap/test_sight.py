@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.roadmap.sight import KEPT, cutting, in_sight
+from sinuous.kernels.roadmap.sight import LINE_CLEARANCE, cutting, in_sight
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, vec
@@ -33,8 +33,8 @@ def test_a_line_that_keeps_away_is_in_sight_and_one_that_does_not_is_not(seed: i
         least = scene.distance(along(line)).min() / RADIUS
         visible, looks = in_sight(packed, grid(), vec(line[0]), vec(line[1]))
         assert looks > 0
-        assert visible or least < KEPT + 1e-6
-        assert not visible or least > KEPT - 0.08  # no step is shorter than 0.15 radii
+        assert visible or least < LINE_CLEARANCE + 1e-6
+        assert not visible or least > LINE_CLEARANCE - 0.08  # no step is shorter than 0.15 radii
         seen += visible
     assert 5 < seen < 55
 

@@ -23,7 +23,7 @@ TOLERANCE = (1e-3, 1e-2)
 
 
 def verdict(robot: Robot, targets: Any, scene: Scene | None = None, tolerance: tuple[float, float] = TOLERANCE) -> int:
-    return verdicts.verdict_of(kernel_problem(robot, targets, scene, Tolerance(*tolerance), margin=0.0, look_depth=2))
+    return verdicts.verdict_of(kernel_problem(robot, targets, scene, Tolerance(*tolerance), margin=0.0, coarse_depth=2))
 
 
 def robots(seed: int) -> Robot:

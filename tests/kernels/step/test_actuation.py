@@ -68,7 +68,7 @@ def test_straighten_bends_less_until_all_limits_are_kept(seed: int) -> None:
 def test_share_is_the_last_place_on_the_way_that_keeps_all_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, aim = draw_within(rng), draw(rng, rng.choice([0.05, 0.5, 5.0]))
-    t = actuation.share(TABLE, q, aim)
+    t = actuation.admissible_step(TABLE, q, aim)
     assert 0.0 <= t <= 1.0
     assert excess(q + t * (aim - q)) <= 1e-12
     if t < 1.0:

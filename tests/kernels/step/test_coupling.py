@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT
-from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, self_contacts
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, PAIR_WEIGHTS, self_contacts
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import couple
@@ -80,7 +80,7 @@ def test_contacts_ask_for_what_is_missing(several: bool) -> None:
             assert least > 0.02 - 1e-12
             continue
         seen += 1
-        asked = 2.0 * pairs[:, VALUE].max()
+        asked = 2.0 * pairs[:, PAIR_VALUE].max()
         assert low <= least + 1e-12
         # A tenth of the gap and a quarter of the margin may be missing.
         assert asked >= 0.02 - least - 0.1 * abs(least) - 0.25 * 0.02 - 2.0 * spacing
@@ -98,15 +98,17 @@ def test_weights_are_the_derivative_of_the_distance() -> None:
         pairs, _ = found(q, radii, 0.05)
         elsewhere, _ = found(q, radii, 0.05, base=random_pose(rng, 2.0))
         np.testing.assert_allclose(elsewhere, pairs, atol=1e-8)
-        if len(pairs) != 1 or pairs[0, VALUE] < 0.06:
+        if len(pairs) != 1 or pairs[0, PAIR_VALUE] < 0.06:
             continue
         # Where gaps are least, moving the places changes nothing to first order: differences of the least gap are it.
         direction = rng.normal(size=q.shape)
-        slope = pairs[0, WEIGHTS:] @ direction.ravel()
+        slope = pairs[0, PAIR_WEIGHTS:] @ direction.ravel()
         step = 1e-4
         ahead, behind = (least_gap(q + sign * step * direction, radii) for sign in (1.0, -1.0))
         if abs(ahead + behind - 2.0 * least_gap(q, radii)) < 1e-6:
-            assert (ahead - behind) / (2.0 * step) == pytest.approx(slope, abs=0.25 * np.abs(pairs[0, WEIGHTS:]).sum())
+            assert (ahead - behind) / (2.0 * step) == pytest.approx(
+                slope, abs=0.25 * np.abs(pairs[0, PAIR_WEIGHTS:]).sum()
+            )
             checked += 1
 
 

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body.rows import END, INNER, SOFT
-from sinuous.kernels.step.dense import MOST_SEGMENTS, are_few, carve_dense, dense_size, dense_step, see
+from sinuous.kernels.step.dense import (
+    MOST_SEGMENTS,
+    are_few,
+    carve_dense,
+    dense_size,
+    dense_step,
+    fill_constraint_jacobian,
+)
 from tests.helpers import columns_of, configurations
 from tests.kernels.step.test_sweeps import dense_step as expected_step
 from tests.kernels.step.test_sweeps import random_rows
@@ -27,7 +34,7 @@ def test_few_rows_give_the_step(n: int, mu: float, bound: bool) -> None:
         expected = expected_step(columns, root, mean, rows, mu)
         sights, system = carve_dense(np.full(dense_size(n), np.nan), n)
         step = np.full((n, 3), np.nan)
-        see(columns, rows, sights)
+        fill_constraint_jacobian(columns, rows, sights)
         for _ in range(2):  # what rows see stays for the next time
             dense_step(sights, root, mean, rows, mu, system, step)
             np.testing.assert_allclose(step, expected, atol=1e-9 * (1.0 + np.abs(expected).max()))

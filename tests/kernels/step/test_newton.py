@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
+from sinuous.kernels.clock import SEGMENT_WORK, STRIDE
 from sinuous.kernels.fields import solids
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
-from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, pick
+from sinuous.kernels.step.states import ANGLE, CLEARANCE_SEEN, MERIT, POSITION, pick
 from sinuous.model.actuators import Tendons
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
@@ -89,7 +89,7 @@ def test_norms_are_what_is_missing(seed: int) -> None:
     assert state.norms[MERIT] == pytest.approx(missing @ missing)
     assert state.norms[POSITION] == pytest.approx(farthest)
     assert state.norms[ANGLE] == pytest.approx(np.linalg.norm(turn))
-    assert state.norms[SEEN] == math.inf
+    assert state.norms[CLEARANCE_SEEN] == math.inf
 
 
 @pytest.mark.parametrize("mu", [1e-6, 1e-2, 10.0])
@@ -190,7 +190,7 @@ def test_a_deadline_ends_a_descent_when_the_time_is_read() -> None:
     *_, free = descended(problem, q)
     *_, verdict, used = descended(problem, q, 60, 0)
     assert verdict == MISSED
-    assert used * len(WIDE) * SEGMENT_LOOKS <= STRIDE
+    assert used * len(WIDE) * SEGMENT_WORK <= STRIDE
     assert used <= free
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from sinuous.kernels.body.contacts import SOFTNESS
 from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT, Rows
-from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
+from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.sweeps import HARD_SHARE, SOFT_VARIANCE
+from sinuous.kernels.step.sweeps import HARD_VARIANCE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, make_rows
 
 SIZES = (1, 2, 5, 9)
@@ -65,10 +65,10 @@ def dense_step(
         for i in range(table.start[k], table.start[k + 1]):
             if table.kind[i] == HARD:
                 b = root[k].reshape(3, 3).T @ table.inner[i]
-                variance[i] = HARD_SHARE * (b @ b + table.total[i] @ table.total[i])
+                variance[i] = HARD_VARIANCE * (b @ b + table.total[i] @ table.total[i])
     variance = variance[used]
     if pairs is not None:
-        J, value = np.concatenate([J, pairs[:, WEIGHTS:]]), np.concatenate([value, pairs[:, VALUE]])
+        J, value = np.concatenate([J, pairs[:, PAIR_WEIGHTS:]]), np.concatenate([value, pairs[:, PAIR_VALUE]])
         variance = np.concatenate([variance, np.full(len(pairs), mu)])
     weight = 1.0 / np.sqrt(variance)
     system = np.concatenate([weight[:, None] * (J @ L), np.eye(3 * n)])

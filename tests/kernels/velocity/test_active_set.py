@@ -5,14 +5,14 @@ import pytest
 from scipy.optimize import nnls
 
 from sinuous.kernels.velocity.active_set import activate, most_violated
-from sinuous.kernels.velocity.layout import CONSTRAINT_WIDTH, MULTIPLIER, VALUE, WorkingSet
+from sinuous.kernels.velocity.layout import CONSTRAINT_VALUE, CONSTRAINT_WIDTH, MULTIPLIER, WorkingSet
 
 
 def working_set(system: np.ndarray, values: np.ndarray) -> WorkingSet:
     """Constraints that move each other so (r, r), and have these values (r,)."""
     r = len(values)
     about = np.zeros((r, CONSTRAINT_WIDTH))
-    about[:, VALUE] = values
+    about[:, CONSTRAINT_VALUE] = values
     none = np.zeros((r, 3))
     active, listed = np.zeros((2, r), np.int64)
     return WorkingSet(none, none, about, system, np.zeros((r, r + 1)), active, listed, np.zeros((1, 3)), none)

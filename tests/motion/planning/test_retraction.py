@@ -8,8 +8,8 @@ import pytest
 
 import sinuous as sn
 from benchmarks.judges.motions import wrong_in
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.planning.local_planner import LocalPlanner, QueryEnds
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.retraction import (

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
-from sinuous.kernels.between.sweep import LEAST, LOW, WHEN
 from sinuous.kernels.body.proof import CLEAR, TOUCHING
+from sinuous.kernels.certificate.query import CLEARANCES, UNTIL, VERDICT
+from sinuous.kernels.certificate.sweep import LEAST_SEEN, PROVED_BOUND, WHEN
 from sinuous.measures.obstacles import measure
 from sinuous.solver.certificates.steps import Prover
 from tests.helpers import Floats, random_rotation, refused
-from tests.kernels.between.motions import Case, random_case, shape
+from tests.kernels.certificate.motions import Case, random_case, shape
 from tests.scene.shapes import cube
 
 TIMES, PLACES = 41, 16
@@ -123,10 +123,12 @@ def test_the_proof_agrees_with_dense_sampling_in_time(slack: float) -> None:
         if answer[VERDICT] == CLEAR:
             clear += 1
             assert least > 0.0, seed
-            assert answer[SEEN + LOW] <= least + 1e-9, seed
-            if slack < 1.0 and answer[SEEN + LEAST] < math.inf:  # as tight as was asked for
-                assert answer[SEEN + LOW] >= 0.89 * answer[SEEN + LEAST] - 1e-5, seed
-                assert clearances_at(case, answer[[SEEN + WHEN]])[0] <= answer[SEEN + LEAST] + 0.05, seed
+            assert answer[CLEARANCES + PROVED_BOUND] <= least + 1e-9, seed
+            if slack < 1.0 and answer[CLEARANCES + LEAST_SEEN] < math.inf:  # as tight as was asked for
+                assert answer[CLEARANCES + PROVED_BOUND] >= 0.89 * answer[CLEARANCES + LEAST_SEEN] - 1e-5, seed
+                assert clearances_at(case, answer[[CLEARANCES + WHEN]])[0] <= answer[CLEARANCES + LEAST_SEEN] + 0.05, (
+                    seed
+                )
             continue
         touching += answer[VERDICT] == TOUCHING
         undecided += answer[VERDICT] != TOUCHING
@@ -143,8 +145,8 @@ def test_an_overlap_is_when_and_where_it_is_said_to_be() -> None:
     looked = 0
     for seed in range(80):
         case = moving_case(seed)
-        seen = prove(seed, 0.1)[SEEN:]
-        if not seen[LEAST] < 0.0:
+        seen = prove(seed, 0.1)[CLEARANCES:]
+        if not seen[LEAST_SEEN] < 0.0:
             continue
         looked += 1
         assert clearances_at(case, seen[[WHEN]])[0] < 0.05 * case.robot.mean_length / len(case.robot), seed

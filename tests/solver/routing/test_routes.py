@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.places import make
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
+from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import attempts_of, plans_of
 from tests.helpers import Floats
-from tests.solver.routing.questions import place
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 HIDDEN = np.array([[0.9, 0.2, 1.0], [-0.8, 1.2, 1.1], [0.3, -1.5, 0.9], [1.2, 0.4, 1.0], [-1.0, -0.9, 1.0]])
@@ -222,7 +222,7 @@ def test_all_solutions_come_from_no_more_starts_than_allowed(narrow: Scene, targ
 @pytest.mark.parametrize("family", ["cells", "bore"])
 @pytest.mark.parametrize("without", [slice(None), slice(1), slice(-1, None), slice(0, None, 2)])
 def test_segments_of_no_thickness_find_routes(family: str, without: slice) -> None:
-    there = place(family, 0)
+    there = make(family, 0)
     segments = list(there.robot.segments)
     segments[without] = [segment.changed(radius=0.0) for segment in segments[without]]
     solver = Solver(there.robot.changed(segments=segments), there.scene, tolerance=there.tolerance, time=10.0)

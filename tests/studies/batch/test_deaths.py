@@ -19,7 +19,7 @@ import sinuous as sn
 from sinuous.studies.batch.batch import Batch
 from tests.studies.batch.questions import BALL, ROBOT, points
 
-ROWS, CHUNK = 12_000, 200
+ROWS, CHUNK = 6_000, 100
 PATIENCE = 300.0
 TIME = 60.0
 """Seconds for a target: none ends by the clock, whatever else the machine does, so files are equal byte for byte."""
@@ -153,7 +153,7 @@ def small_disk(place: Path, size: str) -> Iterator[None]:
 
 
 def test_the_disk_is_full(folder: Path, expected: bytes) -> None:
-    with small_disk(folder / "small", "700k"):
+    with small_disk(folder / "small", "400k"):
         process = begin(folder, out="small/out.npz")
         one_line(process, "No space left on device", "chunks are kept", "goes on")
         assert process.returncode == 1

@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.studies.batch.batch import Batch
 from sinuous.studies.batch.solve import owns
-from sinuous.studies.batch.tables.layout import STATUSES
+from sinuous.studies.batch.tables.results import STATUSES
 from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
 
 COUNT = 130

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.studies.workspace import find
+from sinuous.studies.workspace import find, rounds
 from sinuous.studies.workspace.reach import Verdict
 from tests.studies.workspace.maps import ROBOT, WALL, made
 
@@ -85,7 +85,7 @@ def test_the_obstacle_in_the_way_is_named(found: sn.studies.Reach) -> None:
 def test_neighbours_find_what_the_arc_does_not() -> None:
     robot = sn.Robot.uniform(4, length=(45, 70), max_bend=2.4, radius=4)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(find, "TRIES", 0)
+        patch.setattr(rounds, "TRIES", 0)
         without = sn.studies.reach(robot, WALL, 40.0, 6)
     found = sn.studies.reach(robot, WALL, 40.0, 6)
     gained = (found.verdicts == Verdict.SOLVED) & (without.verdicts != Verdict.SOLVED)
@@ -103,8 +103,8 @@ def test_a_base_that_is_blocked_is_said_of_all() -> None:
 def test_wherever_it_ends_the_same_call_goes_on(
     found: sn.studies.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(find, "TOGETHER", 3000)
-    monkeypatch.setattr(find, "TOGETHER", 3000)
+    for module in (find, rounds):
+        monkeypatch.setattr(module, "CALL_SIZE", 3000)
     calls, solve_many = 0, sn.Solver.solve_many
 
     def interrupted(*arguments: Any, **options: Any) -> Any:

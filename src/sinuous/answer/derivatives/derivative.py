@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.answer.derivatives.directional import Kept, least_motion
 from sinuous.answer.derivatives.parameters import DerivativePlan, circles_of, plan_for, read_wrt
 from sinuous.answer.derivatives.preferred import Wish, follow_minimum
-from sinuous.answer.derivatives.rows import KeptRows, fixed_lengths
+from sinuous.answer.derivatives.rows import Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.answer.step import Active
 from sinuous.base import checks
 from sinuous.base.arguments import Parameter, Rows, Vector
@@ -97,7 +96,9 @@ class Derivative:
     def active(self) -> tuple[Active, ...]:
         """What nothing is left of; once for each limit, each obstacle and segment, each pair of segments."""
         limited = [self._problem.robot.actuators[i] for i in self._plan.limited]
-        rows = self._rows.about[self._rows.targets :, [a.KIND, a.SEGMENT, a.OTHER]].astype(np.int64).tolist()
+        rows = (
+            self._rows.about[self._rows.targets :, [a.ROW_KIND, a.ROW_SEGMENT, a.ROW_OTHER]].astype(np.int64).tolist()
+        )
         return tuple(dict.fromkeys(Active.of(row, self._problem.scene, limited) for row in rows))
 
     @property
@@ -297,8 +298,8 @@ def clearance_change(problem: Problem, q: Floats, plan: DerivativePlan, moved: F
     found = KeptRows.near(problem, plan, q, bound + SAME_GAP * robot.mean_length)
     if not len(found.rows):
         return np.full(plan.columns, np.nan)
-    left = found.about[:, a.SLACK]
+    left = found.about[:, a.ROW_SLACK]
     near = left - left.min() <= SAME_GAP * robot.mean_length
-    changes = (found.rows[near] @ moved - found.sides[near]) / found.about[near, a.FACTOR][:, None]
+    changes = (found.rows[near] @ moved - found.sides[near]) / found.about[near, a.ROW_FACTOR][:, None]
     alike = np.ptp(changes, axis=0) <= SAME_GAP * (1.0 + np.abs(changes).max(axis=0))
     return np.where(alike, changes[0], np.nan)

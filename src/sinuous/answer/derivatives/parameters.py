@@ -10,7 +10,7 @@ from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
 from sinuous.base.parameter_groups import TWIST, read_names
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.derivative.sides import COLUMN, NUMBER, RADIUS_OF
+from sinuous.kernels.derivative.sides import ACTUATOR_NUMBER, CIRCLE, RADIUS_OF
 from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot, robot_group
 from sinuous.model.segment import coordinate_names
@@ -139,7 +139,7 @@ class DerivativePlan:
         self.lines = self._lines()
         self.group, self.settings = robot_group(robot), settings_group(robot, problem.tolerance)
         self.answer = self.asked[a.ANSWER] = a.answer_size(n, self.targets, self.columns)
-        self.workspace = np.empty(a.desk_size(n, self.obstacles, self.targets, self.columns))
+        self.workspace = np.empty(a.workspace_size(n, self.obstacles, self.targets, self.columns))
 
     def fits(self, problem: Problem, wrt: tuple[Parameter, ...]) -> bool:
         """Whether it serves such a problem and these parameters."""
@@ -157,7 +157,7 @@ class DerivativePlan:
         for row, number in zip(table, self.limited, strict=True):
             actuator = robot.drive.actuators[number]
             i = numbers.get((f"{actuator.kind}s", actuator.segment - 1), -1)
-            row[COLUMN], row[NUMBER] = i, number
+            row[CIRCLE], row[ACTUATOR_NUMBER] = i, number
             row[RADIUS_OF] = self.circles[i][2] if i >= 0 else 1.0
         return table
 

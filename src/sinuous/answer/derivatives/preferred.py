@@ -12,14 +12,19 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.answer.constraints import limits_of
-from sinuous.answer.derivatives.directional import RANK, Kept, least_motion
 from sinuous.answer.derivatives.parameters import DerivativePlan
-from sinuous.answer.derivatives.rows import KeptRows, fixed_lengths
+from sinuous.answer.derivatives.rows import RANK, Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.derivative.sides import COLUMN, RADIUS_OF
+from sinuous.kernels.derivative.sides import CIRCLE, RADIUS_OF
 from sinuous.kernels.packing import scales_of
-from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, SELF_CLEARANCE
+from sinuous.kernels.velocity.layout import (
+    ACTUATOR_LIMIT,
+    BEND_LIMIT,
+    CLEARANCE_LIMIT,
+    CURVATURE_LIMIT,
+    SELF_CLEARANCE_LIMIT,
+)
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences, Problem
 
@@ -83,7 +88,7 @@ def follow_minimum(problem: Problem, q: Floats, plan: DerivativePlan, wish: Wish
     """
     begin, robot, rows = q, problem.robot, rows.at(q)
     for _ in range(STEPS):
-        if not rows.smooth or np.isin(rows.about[:, a.KIND], (CLEARANCE, SELF_CLEARANCE)).any():
+        if not rows.smooth or np.isin(rows.about[:, a.ROW_KIND], (CLEARANCE_LIMIT, SELF_CLEARANCE_LIMIT)).any():
             return None  # how contacts curve is not known
         q = rows.q
         system = _System(problem, q, wish, rows)
@@ -129,7 +134,7 @@ class _System:
         self._slope = slope
         limits = forces[rows.targets :]
         self.pushes = bool((limits > PUSHING * (1.0 + np.abs(slope).max())).all())
-        self._forces = forces * rows.about[:, a.FACTOR]
+        self._forces = forces * rows.about[:, a.ROW_FACTOR]
         curvature = np.diag((weight + bends).ravel()) - self._of_targets() - self._of_limits()
         self._bent = self.scale[:, None] * curvature
 
@@ -191,12 +196,16 @@ class _System:
                     change[:, own[0]] -= (np.cross(np.cross(rotation.T, tangent), pull.along) @ turning).T
                     change[:, own[1]] -= (np.cross(rotation.T, pull.force) @ turning).T
         for row, about, sides, force in zip(rows.rows, rows.about, rows.sides, self._forces, strict=True):
-            k, kind = int(about[a.SEGMENT]), int(about[a.KIND])
-            if kind == CURVATURE:
-                change[3 * k + 2] += float(force / about[a.FACTOR] / self._q[k, 2]) * sides
-            if kind == ACTUATOR and asked[a.TENDONS] >= 0 and (line := plan.lines[int(about[a.OTHER])])[COLUMN] >= 0.0:
-                bends = np.where(np.arange(len(row)) % 3 < 2, row, 0.0) / about[a.FACTOR]
-                change[:, asked[a.TENDONS] + int(line[COLUMN])] -= force * bends / line[RADIUS_OF]
+            k, kind = int(about[a.ROW_SEGMENT]), int(about[a.ROW_KIND])
+            if kind == CURVATURE_LIMIT:
+                change[3 * k + 2] += float(force / about[a.ROW_FACTOR] / self._q[k, 2]) * sides
+            if (
+                kind == ACTUATOR_LIMIT
+                and asked[a.TENDONS] >= 0
+                and (line := plan.lines[int(about[a.ROW_OTHER])])[CIRCLE] >= 0.0
+            ):
+                bends = np.where(np.arange(len(row)) % 3 < 2, row, 0.0) / about[a.ROW_FACTOR]
+                change[:, asked[a.TENDONS] + int(line[CIRCLE])] -= force * bends / line[RADIUS_OF]
         return self.scale[:, None] * change + self._bent @ fixed_lengths(plan)
 
     @cached_property
@@ -204,8 +213,8 @@ class _System:
         """What all targets pull with."""
         robot, found = self._problem.robot, []
         for i, target in enumerate(self._problem.targets):
-            own = np.flatnonzero(self._rows.about[: self._rows.targets, a.OTHER] == i)
-            wrench = self._rows.about[own, a.WRENCH :]
+            own = np.flatnonzero(self._rows.about[: self._rows.targets, a.ROW_OTHER] == i)
+            wrench = self._rows.about[own, a.ROW_WRENCH :]
             placed = np.abs(wrench[:, 3:]).max(axis=1) > 0.0
             force = self._forces[own[placed]] @ wrench[placed, 3:]
             torque = self._forces[own[~placed]] @ wrench[~placed, :3]
@@ -239,8 +248,8 @@ class _System:
         """Curvature (3 n, 3 n) of active limits of bends and curvatures; all others are flat."""
         curvature = np.zeros((self._q.size, self._q.size))
         for about, force in zip(self._rows.about, self._forces, strict=True):
-            if int(about[a.KIND]) in (BEND, CURVATURE):
-                k = int(about[a.SEGMENT])
+            if int(about[a.ROW_KIND]) in (BEND_LIMIT, CURVATURE_LIMIT):
+                k = int(about[a.ROW_SEGMENT])
                 bend = self._q[k, :2]
                 size = float(np.hypot(*bend))
                 normal = bend / size

@@ -7,12 +7,10 @@ a circle of curvature k that are as far apart along it, up to once around (Schur
 
 import math
 
-from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
+from sinuous.kernels.maths.vectors import TINY, Vec, add_scaled, dot, norm, sub
 
 PARALLEL = 1e-14
 """Square of the sine of an angle below which two chords count as parallel."""
-
-TINY = 1e-300
 
 
 def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]:
@@ -37,8 +35,8 @@ def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]
     return norm(add_scaled(add_scaled(w, s, u), -t, v)) - loss, s, t
 
 
-def sag(length: float, bend: float) -> float:
-    """Upper bound of how far an arc that bends by at most half a turn is from its chord."""
+def sagitta_bound(length: float, bend: float) -> float:
+    """Upper bound of how far an arc that bends by at most half a turn is from its chord (its sagitta)."""
     return 0.125 * length * bend
 
 

@@ -3,12 +3,12 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, near, price_among
+from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, near, work_among
 from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import Scene, slope_known
-from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Vec, scale
 from sinuous.kernels.tables import RADIUS
 
@@ -18,21 +18,28 @@ PER_SEGMENT = 32
 SOFTNESS = 1e-4
 """Scale of rows that are only wished for; with their variance, 1e-10, they weigh 100 times a radian."""
 
-Body = namedtuple("Body", ["limits", "q", "frames", "unit"])
+PosedBody = namedtuple("PosedBody", ["limits", "q", "frames", "unit"])
 """Rows of segments (n, 8), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
 
-Look = namedtuple("Look", ["margin", "wish", "depth", "mode"])
-"""How closely contacts are looked for: clearance that is needed, clearance that is wished for (lengths), how often a
-segment is halved where it may be too near, and the mode of the distances, STEP or EXACT."""
+ContactSearch = namedtuple("ContactSearch", ["margin", "wish", "depth", "mode"])
+"""How closely contacts are searched for: clearance that is needed, clearance that is wished for (lengths), how often a
+segment is halved where it may be too near, and the mode of the distances, INTERPOLATED or EXACT."""
 
 
 def contacts(
-    body: Body, scene: Scene | None, k: int, mount: float, look: Look, scratch: Scratch, rows: Rows, at: int
+    body: PosedBody,
+    scene: Scene | None,
+    k: int,
+    mount: float,
+    search: ContactSearch,
+    scratch: Scratch,
+    rows: Rows,
+    at: int,
 ) -> tuple[int, float]:
-    """Write a row for every place of segment `k` that is closer than `look.margin` to an obstacle, from row `at` on.
+    """Write a row for every place of segment `k` that is closer than `search.margin` to an obstacle, from row `at` on.
 
-    Between `look.margin` and `look.wish` the row is SOFT. `mount` is what is left of the mount where the segment
-    begins. Returns the next free row and the least clearance that was seen at a place (infinite: none was looked at
+    Between `search.margin` and `search.wish` the row is SOFT. `mount` is what is left of the mount where the segment
+    begins. Returns the next free row and the least clearance that was seen at a place (infinite: none was examined
     closely). When the time of the clock in `scratch` is over, rows are missing.
     """
     if scene is None:
@@ -45,20 +52,20 @@ def contacts(
     if part <= 0.0 or spend(clock, scene.table.shape[0]):
         return at, least
     half = 0.5 * length * part
-    needed, wished = radius + look.margin, radius + max(look.margin, look.wish)
+    needed, wished = radius + search.margin, radius + max(search.margin, search.wish)
     count, _ = near(scene, body_point(q, frames, k, start + 0.5 * part), wished + half, among)
     last = at + PER_SEGMENT
-    looks = price_among(scene, among, count)
+    units = work_among(scene, among, count)
     level, piece = 0, 0
-    while count > 0 and piece < 1 << level and not spend(clock, looks):
+    while count > 0 and piece < 1 << level and not spend(clock, units):
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
-        halves, reach, mode = level < look.depth, wished, look.mode
+        halves, reach, mode = level < search.depth, wished, search.mode
         if halves:  # only whether anything is in reach matters, and samples mostly know that
-            reach, mode = wished + 0.5 * length * width, BOUND if mode == EXACT else mode
+            reach, mode = wished + 0.5 * length * width, LOWER_BOUND if mode == EXACT else mode
         d, most, nearest = closest(scene, among, count, p, reach, mode)
-        if mode == BOUND and d < reach <= most:
+        if mode == LOWER_BOUND and d < reach <= most:
             d, _, nearest = closest(scene, among, count, p, reach, EXACT)
         if halves and d < reach:
             level, piece = level + 1, 2 * piece
@@ -69,11 +76,13 @@ def contacts(
             for j in range(count):
                 if at < last:
                     known = d if among[j] == nearest else math.inf
-                    at = _contact(body, scene, among[j], (k, s, p), (needed, wished, known), look.mode, rows, at)
+                    at = _contact(body, scene, among[j], (k, s, p), (needed, wished, known), search.mode, rows, at)
     return at, least
 
 
-def _contact(body: Body, scene: Scene, i: int, place: Place, distances: Vec, mode: int, rows: Rows, at: int) -> int:
+def _contact(
+    body: PosedBody, scene: Scene, i: int, place: Place, distances: Vec, mode: int, rows: Rows, at: int
+) -> int:
     """Write the row of a place near obstacle `i`.
 
     `distances`: what is needed, what is wished for, and what is there, where that is known, else infinite.

@@ -4,15 +4,15 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.compile import inline
-from sinuous.kernels.fields.distances import Scene, look, price_of
-from sinuous.kernels.fields.solids import BOUND, STEP
+from sinuous.kernels.fields.distances import Scene, evaluate, work_of
+from sinuous.kernels.fields.solids import INTERPOLATED, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.tables import KIND, ROUNDOFF, TREE
 
 Scratch = namedtuple("Scratch", ["among", "clock"])
-"""What looking at obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
+"""What examining obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
 
-look_here = inline(look)
+evaluate_here = inline(evaluate)
 
 
 def free_part(q: Array, k: int, mount: float) -> float:
@@ -27,12 +27,12 @@ def free_part(q: Array, k: int, mount: float) -> float:
 def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others.
 
-    No upper bound is asked for, so STEP serves for primitives: most are far, and balls about them say so.
+    No upper bound is asked for, so INTERPOLATED serves for primitives: most are far, and balls about them say so.
     """
     count, rest = 0, math.inf
     for i in range(scene.table.shape[0]):
-        roundoff, mode = scene.table[i, ROUNDOFF], BOUND if scene.table[i, KIND] >= TREE else STEP
-        d = look_here(scene, i, p, reach + roundoff, mode)[0] - roundoff
+        roundoff, mode = scene.table[i, ROUNDOFF], LOWER_BOUND if scene.table[i, KIND] >= TREE else INTERPOLATED
+        d = evaluate_here(scene, i, p, reach + roundoff, mode)[0] - roundoff
         if d < reach:
             among[count] = i
             count += 1
@@ -41,12 +41,12 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     return count, rest
 
 
-def price_among(scene: Scene, among: Array, count: int) -> int:
-    """Looks that the distance to the first `count` obstacles costs that `among` lists."""
-    looks = 0
+def work_among(scene: Scene, among: Array, count: int) -> int:
+    """Work units that the distance to the first `count` obstacles costs that `among` lists."""
+    units = 0
     for j in range(count):
-        looks += price_of(scene, among[j])
-    return looks
+        units += work_of(scene, among[j])
+    return units
 
 
 def following(level: int, piece: int) -> tuple[int, int]:
@@ -65,12 +65,13 @@ def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: 
 
     The distance is less by what arithmetic may make of it for the size of the obstacle's coordinates.
 
-    `mode` of the query, and `reach`, beyond which a distance does not matter: see `distances.look`. `among` (m,) int64.
+    `mode` of the query, and `reach`, beyond which a distance does not matter: see `distances.evaluate`. `among` (m,)
+    int64.
     """
     least, most, which = math.inf, math.inf, -1
     for j in range(count):
         roundoff = scene.table[among[j], ROUNDOFF]
-        d, upper = look_here(scene, among[j], p, min(reach, least) + roundoff, mode)
+        d, upper = evaluate_here(scene, among[j], p, min(reach, least) + roundoff, mode)
         d, most = d - roundoff, min(most, upper)
         if d < least:
             least, which = d, among[j]

@@ -8,24 +8,24 @@ where that bound is what keeps a piece from being decided.
 
 Close to a convex primitive that would take pieces as short as the clearance. Its distance is a convex function: on a
 chord it is no less than its tangent at the middle says at the worse end, and the piece is no farther from its chord
-than it sags. Both are of second order in h where the tangent is across the gradient, as it is at the closest place. The
-same is true of each triangle of a mesh, and of each ball of a cloud.
+than its sagitta. Both are of second order in h where the tangent is across the gradient, as it is at the closest place.
+The same is true of each triangle of a mesh, and of each ball of a cloud.
 """
 
 import math
 
-from sinuous.kernels.body.chords import sag
-from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, look_here, near, price_among
+from sinuous.kernels.body.chords import sagitta_bound
+from sinuous.kernels.body.pieces import Scratch, closest, evaluate_here, following, free_part, near, work_among
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.fields.distances import Scene, beside, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
-from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import RADIUS, ROUNDOFF
 
-ROUNDING = 1e-13
+BODY_ROUNDING = 1e-13
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world. What it makes of the
 coordinates of an obstacle is in the row of that: `tables.ROUNDOFF`."""
 
@@ -46,7 +46,7 @@ def rounding_of(q: Array, frames: Array) -> float:
     far = norm(frame(frames, 0)[1])
     for k in range(q.shape[0]):
         far += q[k, 2]
-    return ROUNDING * far
+    return BODY_ROUNDING * far
 
 
 def _exact(scene: Scene, i: int, d: float, most: float) -> bool:
@@ -61,7 +61,7 @@ def _by_tangents(
     middle: Vec,
     ends: tuple[Vec, Vec],
     half: float,
-    sagging: float,
+    sagitta: float,
     closest_one: tuple[float, int],
     wanted: float,
 ) -> float:
@@ -76,10 +76,10 @@ def _by_tangents(
         i, roundoff = among[j], scene.table[among[j], ROUNDOFF]
         d = closest_one[0]
         if i != closest_one[1]:
-            d = look_here(scene, i, middle, least + half + roundoff, BOUND)[0] - roundoff
+            d = evaluate_here(scene, i, middle, least + half + roundoff, LOWER_BOUND)[0] - roundoff
         low = d - half
-        if low < least and d > 0.0 and tangents_pay(scene, i, d, half, d - sagging - wanted):
-            low = max(low, beside(scene, i, patch, sagging, least + roundoff)[0] - roundoff)
+        if low < least and d > 0.0 and tangents_pay(scene, i, d, half, d - sagitta - wanted):
+            low = max(low, beside(scene, i, patch, sagitta, least + roundoff)[0] - roundoff)
         least = min(least, low)
     return least
 
@@ -112,17 +112,17 @@ def prove(
         reach = 0.5 * length * part + radius + rounding
         count, rest = near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
         bound = min(bound, rest - reach)
-        looks = price_among(scene, among, count)
+        units = work_among(scene, among, count)
         level, piece = 0, 0
         while count > 0 and piece < 1 << level:
-            if spend(clock, looks):
+            if spend(clock, units):
                 return UNDECIDED, least, where, fraction, which
             width = part / (1 << level)
             s = start + (piece + 0.5) * width
             half = 0.5 * length * width
             p = body_point(q, frames, k, s)
             away = max(0.0, least) + half + radius + rounding
-            d, most, nearest_one = closest(scene, among, count, p, away, BOUND)
+            d, most, nearest_one = closest(scene, among, count, p, away, LOWER_BOUND)
             sure = d - half - radius - rounding
             decided = _decided(sure, min(least, most - radius), slack)
             if not decided and most > d and (most - d > LOOSENESS * half or 2.0 * half <= finest):
@@ -130,12 +130,12 @@ def prove(
                 sure = d - half - radius - rounding
                 decided = _decided(sure, min(least, most - radius), slack)
             bend = width * math.hypot(q[k, 0], q[k, 1])
-            sagging = sag(2.0 * half, bend) if bend <= math.pi else math.inf
-            low = d - sagging - radius - rounding
+            sagitta = sagitta_bound(2.0 * half, bend) if bend <= math.pi else math.inf
+            low = d - sagitta - radius - rounding
             if not decided and _decided(low, min(least, most - radius), slack):
                 ends = body_point(q, frames, k, s - 0.5 * width), body_point(q, frames, k, s + 0.5 * width)
                 wanted = (1.0 - slack) * max(0.0, min(least, most - radius)) + radius + rounding
-                by_tangents = _by_tangents(scene, among, count, p, ends, half, sagging, (d, nearest_one), wanted)
+                by_tangents = _by_tangents(scene, among, count, p, ends, half, sagitta, (d, nearest_one), wanted)
                 sure = max(sure, by_tangents - radius - rounding)
                 decided = _decided(sure, min(least, most - radius), slack)
             if most - radius < least:

@@ -6,8 +6,8 @@ know rows of one place alone; `step.coupling` adds these afterwards.
 
 import math
 
-from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
+from sinuous.kernels.body.self_pairs import Meeting, Shape, next_pair, own_gap, survey
+from sinuous.kernels.body.self_pieces import GAP_SLACK, GapAccuracy, at_rest, nearest_places, pair_of
 from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import (
@@ -28,19 +28,16 @@ from sinuous.kernels.maths.vectors import (
 MOST_PAIRS = 6
 """Most self-contacts that enter a step: those that overlap the most."""
 
-VALUE, WEIGHTS = 0, 1
+PAIR_VALUE, PAIR_WEIGHTS = 0, 1
 """Columns of a self-contact: what it asks for, and `c` (3 n)."""
 
-FLOOR, FINEST = 0.25, 0.1
-"""How closely gaps are known, and the shortest pieces that are looked at, as shares of the margin."""
-
-Meeting = tuple[int, float, int, float]
-"""Two places of the body: segment and fraction of it, segment and fraction."""
+GAP_FLOOR, FINEST_PIECE = 0.25, 0.1
+"""How closely gaps are known, and the shortest pieces that are examined, as shares of the margin."""
 
 
 def pair_width(segments: int) -> int:
     """Numbers of one self-contact."""
-    return WEIGHTS + 3 * segments
+    return PAIR_WEIGHTS + 3 * segments
 
 
 @shared
@@ -56,7 +53,7 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
     count, low = 0, math.inf
     if thickest == 0.0:
         return count, low
-    aim = Aim(margin, margin, -math.inf, SLACK, FLOOR * margin, FINEST * margin, 0.0, False)
+    accuracy = GapAccuracy(margin, margin, -math.inf, GAP_SLACK, GAP_FLOOR * margin, FINEST_PIECE * margin, 0.0, False)
     still = at_rest(shape)
     i, j = -1, n
     while True:
@@ -68,13 +65,13 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
             gap, t = own_gap(shape, i)
             sure = gap
         else:
-            sure, gap, s, t, _, _ = nearest_places(still, pair_of(still, i, j), aim, math.inf)
+            sure, gap, s, t, _, _ = nearest_places(still, pair_of(still, i, j), accuracy, math.inf)
         if gap >= margin:
             continue
         low = min(low, sure)
         at = _place_for(pairs, count, (margin - gap) / unit)
         if at >= 0:
-            pairs[at, VALUE] = (margin - gap) / unit
+            pairs[at, PAIR_VALUE] = (margin - gap) / unit
             _put_weights(shape, columns, (i, s, j, t), unit, pairs, at)
             count = max(count, at + 1)
 
@@ -85,9 +82,9 @@ def _place_for(pairs: Array, count: int, value: float) -> int:
         return count
     least = 0
     for a in range(1, count):
-        if pairs[a, VALUE] < pairs[least, VALUE]:
+        if pairs[a, PAIR_VALUE] < pairs[least, PAIR_VALUE]:
             least = a
-    return least if pairs[least, VALUE] < value else -1
+    return least if pairs[least, PAIR_VALUE] < value else -1
 
 
 def pull_along(columns: Array, k: int, torque: Vec, force: Vec) -> Vec:
@@ -109,6 +106,24 @@ def pull_at(shape: Shape, origin: Vec, k: int, s: float, torque: Vec, force: Vec
     )
 
 
+def put_place_weights(
+    shape: Shape, columns: Array, place: tuple[int, float, Vec], force: Vec, rows: Array, at: int
+) -> Vec:
+    """Write into row `at` how a place, as `rows.Place`, moves along `force` with every coordinate; returns its torque.
+
+    The torque is about the base, where `force` acts at the place.
+    """
+    k, s, p = place
+    origin = frame(shape.frames, 0)[1]
+    torque = cross(sub(p, origin), force)
+    for j in range(shape.q.shape[0]):
+        weights = pull_along(columns, j, torque, force) if j < k else ZERO
+        if j == k:
+            weights = pull_at(shape, origin, k, s, torque, force)
+        put_vec(rows, at, 3 * j, weights)
+    return torque
+
+
 def _put_weights(shape: Shape, columns: Array, places: Meeting, unit: float, pairs: Array, at: int) -> None:
     """Write `c`: how the distance of two places, in units of `unit`, changes with every coordinate.
 
@@ -127,4 +142,4 @@ def _put_weights(shape: Shape, columns: Array, places: Meeting, unit: float, pai
             weights = add_scaled(weights, -1.0, pull_at(shape, origin, i, s, torque, force))
         if k == j:
             weights = add(weights, pull_at(shape, origin, j, t, torque, force))
-        put_vec(pairs, at, WEIGHTS + 3 * k, weights)
+        put_vec(pairs, at, PAIR_WEIGHTS + 3 * k, weights)

@@ -28,10 +28,10 @@ from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import SELF_RADIUS
 
-ALONG, TURNED, CURVATURE, RUN, FIRST = range(5)
+ALONG, TURNED, CURVATURE, RUN, FIRST_PARTNER = range(5)
 """Columns of `spans`, a row a segment and one more for the tip: length and turn (rad) of the backbone before the
 segment; its curvature; the number of its run, which is a row of neighbours of the same radius; the first segment, not
-before itself, that it may have to be looked at with."""
+before itself, that it may have to be examined with."""
 
 SPAN_WIDTH = 5
 
@@ -39,9 +39,12 @@ Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
 """Rows of segments (n, 8), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
 
 HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
-"""Turn (rad) from which on places are looked at: of one run, and of two."""
+"""Turn (rad) from which on places are examined: of one run, and of two."""
 
 NO_LENGTH = 1e-300
+
+Meeting = tuple[int, float, int, float]
+"""Two places of the body: segment and fraction of it, segment and fraction; segments are -1 where none are known."""
 
 
 def survey(shape: Shape) -> tuple[float, float]:
@@ -70,7 +73,7 @@ def survey(shape: Shape) -> tuple[float, float]:
         if run == 0:
             while first < n and spans[first + 1, TURNED] - spans[k, TURNED] < HALF_TURN:
                 first += 1
-        spans[k, FIRST] = first if run == 0 else k
+        spans[k, FIRST_PARTNER] = first if run == 0 else k
     return min(most, least_of_run(limits[n - 1, SELF_RADIUS], along - begun, tightest)), thickest
 
 
@@ -83,7 +86,7 @@ def least_of_run(radius: float, length: float, curvature: float) -> float:
 
 
 def enough_between(shape: Shape, i: int, j: int) -> float:
-    """Turn (rad) between places of segments i < j from which on these are looked at."""
+    """Turn (rad) between places of segments i < j from which on these are examined."""
     return HALF_TURN if shape.spans[i, RUN] == shape.spans[j, RUN] else QUARTER_TURN
 
 
@@ -107,7 +110,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             i += 1
             if i >= n:
                 return n, n, low
-            j = int(spans[i, FIRST])
+            j = int(spans[i, FIRST_PARTNER])
         if j == i:
             if meets_itself(shape, i):
                 return i, i, low

@@ -2,22 +2,22 @@
 
 Both segments are halved until bounds decide. A body at rest is on its way from a shape to the same shape, in no time.
 
-On the way both segments are looked at from a joint between them. Seen from there only what turns in between moves them,
-so within an interval of duration h a place stays within `h^2 A / 8` of the chord of its path, with an `A` that begins
-at that joint, see `chain.rates`. So all differences of places of two pieces, at all times of the interval, are within
-both sags and both of these bounds of the hull of eight: of the ends of the pieces at the ends of the interval. A
-direction in which all eight are far enough from 0 proves the pieces apart.
+On the way both segments are examined from a junction between them. Seen from there only what turns in between moves
+them, so within an interval of duration h a place stays within `h^2 A / 8` of the chord of its path, with an `A` that
+begins at that junction, see `chain.rates`. So all differences of places of two pieces, at all times of the interval,
+are within both sagittas and both of these bounds of the hull of eight: of the ends of the pieces at the ends of the
+interval. A direction in which all eight are far enough from 0 proves the pieces apart.
 """
 
 import math
 from collections import namedtuple
 
-from sinuous.kernels.body.chords import arc_chord, chord_distance, sag
+from sinuous.kernels.body.chords import arc_chord, chord_distance, sagitta_bound
 from sinuous.kernels.body.pieces import following
 from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Shape, enough_between
 from sinuous.kernels.chain.kinematics import frame, place_on, tangent
-from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, bow_from
-from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
+from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, added_acceleration
+from sinuous.kernels.maths.vectors import TINY, Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import SELF_RADIUS
 
 Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
@@ -25,32 +25,30 @@ Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
 motion, and when it begins and how long it is, in times of the whole motion. At rest both shapes are one, the duration
 is 0, and nobody reads the rates."""
 
-Aim = namedtuple("Aim", ["unseen", "most", "least", "slack", "floor", "finest", "rounding", "first"])
+GapAccuracy = namedtuple("GapAccuracy", ["unseen", "most", "least", "slack", "floor", "finest", "rounding", "first"])
 """How closely gaps are to be known. A lower bound of them is good enough when it is above `least` and no less than
 `unseen`, where no gap is known; else than `most`, or than the least known gap less `slack` of it and `floor`. Pieces
 shorter than `finest` are not halved; `rounding` is what arithmetic may be wrong by. With `first` the first overlap is
 enough. All are lengths, but for `slack`."""
 
-SLACK = 0.1
+GAP_SLACK = 0.1
 """How far below the true gap its bound may be at rest, as a share of it."""
 
-MOST_LOOKS = 4000
-"""Most pairs of pieces that are looked at for one pair of segments."""
+MOST_PAIRS_OF_PIECES = 4000
+"""Most pairs of pieces that are examined for one pair of segments."""
 
-TINY = 1e-300
-
-Pair = namedtuple("Pair", ["i", "j", "needed", "enough", "tightest", "stepped", "joint", "back", "ahead"])
+Pair = namedtuple("Pair", ["i", "j", "needed", "enough", "tightest", "stepped", "junction", "back", "ahead"])
 """Two segments i < j; the sum of their radii; the turn (rad) between places from which on these may concern each other;
-the largest curvature between the segments; whether the radius changes between them. On the way also the joint from
-which they are looked at, and the rate of turning W and the acceleration A where each of them begins, seen from there;
-at rest the joint is -1: they are looked at from the world."""
+the largest curvature between the segments; whether the radius changes between them. On the way also the junction from
+which they are examined, and the rate of turning W and the acceleration A where each of them begins, seen from there;
+at rest the junction is -1: they are examined from the world."""
 
 Pieces = tuple[float, float, float, float]
 """A piece of each of two segments: where it begins and how long it is, in fractions of its segment."""
 
 Nearest = tuple[float, float, float, float, float, int]
 """A lower bound of the gaps of two segments (infinite: none counts); the least that was seen, the fractions of both
-segments and the time where that was; and how many pairs of pieces were looked at."""
+segments and the time where that was; and how many pairs of pieces were examined."""
 
 
 def at_rest(shape: Shape) -> Swept:
@@ -58,21 +56,21 @@ def at_rest(shape: Shape) -> Swept:
     return Swept(shape, shape, shape.q, 0.0, 0.0)
 
 
-def _good_enough(aim: Aim, low: float, least: float) -> bool:
+def _good_enough(accuracy: GapAccuracy, low: float, least: float) -> bool:
     """Whether a lower bound of gaps is as good as it has to be where `least` is the least gap that is known."""
-    wanted = aim.unseen
+    wanted = accuracy.unseen
     if least < math.inf:
-        wanted = min(aim.most, least - aim.slack * abs(least) - aim.floor)
-    return bool(low > aim.least and low >= wanted)
+        wanted = min(accuracy.most, least - accuracy.slack * abs(least) - accuracy.floor)
+    return bool(low > accuracy.least and low >= wanted)
 
 
-def _joint(rates: Array, i: int, j: int) -> int:
-    """The joint between segments i < j, with about as much turning before it as after: the segment that it begins."""
+def _junction(rates: Array, i: int, j: int) -> int:
+    """The junction between segments i < j with as much turning before as after, about: the segment that it begins."""
     half = 0.5 * (rates[i, TURNING] + rates[j, TURNING] + rates[j, BEND_RATE])
-    joint = i + 1
-    while joint < j and rates[joint, TURNING] + 0.5 * rates[joint, BEND_RATE] < half:
-        joint += 1
-    return joint
+    junction = i + 1
+    while junction < j and rates[junction, TURNING] + 0.5 * rates[junction, BEND_RATE] < half:
+        junction += 1
+    return junction
 
 
 def _longest(swept: Swept, k: int) -> float:
@@ -83,11 +81,11 @@ def _longest(swept: Swept, k: int) -> float:
 def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
     """W and A past the segments from `begin` on, up to `end` without that one."""
     rates = swept.rates
-    turning = bowing = 0.0
+    turning = acceleration = 0.0
     for k in range(begin, end, step):
-        bowing += bow_from(turning, rates[k, BEND_RATE], rates[k, LENGTH_RATE], _longest(swept, k), 1.0)
+        acceleration += added_acceleration(turning, rates[k, BEND_RATE], rates[k, LENGTH_RATE], _longest(swept, k), 1.0)
         turning += rates[k, BEND_RATE]
-    return turning, bowing
+    return turning, acceleration
 
 
 def pair_of(swept: Swept, i: int, j: int) -> Pair:
@@ -98,11 +96,11 @@ def pair_of(swept: Swept, i: int, j: int) -> Pair:
     tightest = 0.0
     for k in range(i, j + 1):
         tightest = max(tightest, first.spans[k, CURVATURE], last.spans[k, CURVATURE])
-    joint, back, ahead = -1, (0.0, 0.0), (0.0, 0.0)
+    junction, back, ahead = -1, (0.0, 0.0), (0.0, 0.0)
     if swept.h > 0.0:
-        joint = _joint(swept.rates, i, j)
-        back, ahead = _past(swept, joint - 1, i, -1), _past(swept, joint, j, 1)
-    return Pair(i, j, needed, enough_between(first, i, j), tightest, stepped, joint, back, ahead)
+        junction = _junction(swept.rates, i, j)
+        back, ahead = _past(swept, junction - 1, i, -1), _past(swept, junction, j, 1)
+    return Pair(i, j, needed, enough_between(first, i, j), tightest, stepped, junction, back, ahead)
 
 
 def _every_second_bit(x: int) -> int:
@@ -146,28 +144,28 @@ def _by_circle(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     return min(arc_chord(pair.tightest, far), arc_chord(pair.tightest, pair.enough / pair.tightest)) - pair.needed
 
 
-def _seen(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
-    """A place of the body, as it is seen from the joint of a pair."""
+def _from_junction(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
+    """A place of the body, as it is seen from the junction of a pair."""
     place = place_on(shape.q, shape.frames, k, s)
-    if pair.joint < 0:
+    if pair.junction < 0:
         return place
-    rotation, position = frame(shape.frames, pair.joint)
+    rotation, position = frame(shape.frames, pair.junction)
     return vec_mat(sub(place, position), rotation)
 
 
-def _seen_tangent(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
-    """The tangent at a place of the body, as it is seen from the joint of a pair."""
+def _tangent_from_junction(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
+    """The tangent at a place of the body, as it is seen from the junction of a pair."""
     along = tangent(shape.q, shape.frames, k, s)
-    return along if pair.joint < 0 else vec_mat(along, frame(shape.frames, pair.joint)[0])
+    return along if pair.junction < 0 else vec_mat(along, frame(shape.frames, pair.junction)[0])
 
 
 def _lag(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     """How far differences of places of two pieces may be from the chords of their paths."""
-    if pair.joint < 0:
+    if pair.junction < 0:
         return 0.0
     rates, i, j, a, t = swept.rates, pair.i, pair.j, pieces[0], pieces[2] + pieces[3]
-    back = bow_from(pair.back[0], rates[i, BEND_RATE], rates[i, LENGTH_RATE], _longest(swept, i), 1.0 - a)
-    ahead = bow_from(pair.ahead[0], rates[j, BEND_RATE], rates[j, LENGTH_RATE], _longest(swept, j), t)
+    back = added_acceleration(pair.back[0], rates[i, BEND_RATE], rates[i, LENGTH_RATE], _longest(swept, i), 1.0 - a)
+    ahead = added_acceleration(pair.ahead[0], rates[j, BEND_RATE], rates[j, LENGTH_RATE], _longest(swept, j), t)
     return float(0.125 * swept.h * swept.h * (pair.back[1] + back + pair.ahead[1] + ahead))
 
 
@@ -184,13 +182,13 @@ def _by_corners(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float,
     bend_i, bend_j = u * _bend(swept, i), v * _bend(swept, j)
     if max(bend_i, bend_j) > math.pi:
         return -math.inf, math.inf, 0.0, a + 0.5 * u, b + 0.5 * v
-    sags = sag(u * _longest(swept, i), bend_i) + sag(v * _longest(swept, j), bend_j)
-    p0, p1 = _seen(first, pair, i, a), _seen(first, pair, i, a + u)
-    r0, r1 = _seen(first, pair, j, b), _seen(first, pair, j, b + v)
+    sagittas = sagitta_bound(u * _longest(swept, i), bend_i) + sagitta_bound(v * _longest(swept, j), bend_j)
+    p0, p1 = _from_junction(first, pair, i, a), _from_junction(first, pair, i, a + u)
+    r0, r1 = _from_junction(first, pair, j, b), _from_junction(first, pair, j, b + v)
     p2, p3, r2, r3 = p0, p1, r0, r1
-    if pair.joint >= 0:
-        p2, p3 = _seen(last, pair, i, a), _seen(last, pair, i, a + u)
-        r2, r3 = _seen(last, pair, j, b), _seen(last, pair, j, b + v)
+    if pair.junction >= 0:
+        p2, p3 = _from_junction(last, pair, i, a), _from_junction(last, pair, i, a + u)
+        r2, r3 = _from_junction(last, pair, j, b), _from_junction(last, pair, j, b + v)
     p, pp = scale(0.5, add(p0, p2)), scale(0.5, add(p1, p3))
     r, rr = scale(0.5, add(r0, r2)), scale(0.5, add(r1, r3))
     _, s, t = chord_distance(p, pp, r, rr)
@@ -200,9 +198,9 @@ def _by_corners(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float,
     y0, y1, y2, y3 = dot(g, r0), dot(g, r1), dot(g, r2), dot(g, r3)
     low = min(min(y0, y1) - max(x0, x1), min(y2, y3) - max(x2, x3))
     lag = _lag(swept, pair, pieces)
-    space = sags + 0.5 * max(abs(x1 - x0) + abs(y1 - y0), abs(x3 - x2) + abs(y3 - y2))
+    space = sagittas + 0.5 * max(abs(x1 - x0) + abs(y1 - y0), abs(x3 - x2) + abs(y3 - y2))
     moved = max(max(y2 - y0, y3 - y1) - min(x2 - x0, x3 - x1), max(x2 - x0, x3 - x1) - min(y2 - y0, y3 - y1))
-    return low - sags - lag - pair.needed, space, lag + 0.5 * moved, a + s * u, b + t * v
+    return low - sagittas - lag - pair.needed, space, lag + 0.5 * moved, a + s * u, b + t * v
 
 
 def _ahead(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, float]:
@@ -215,12 +213,15 @@ def _ahead(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, floa
     a, u, b, v = pieces
     i, j, first, last = pair.i, pair.j, swept.first, swept.last
     e0 = _across(first, pair, pieces)
-    e1 = _across(last, pair, pieces) if pair.joint >= 0 else e0
+    e1 = _across(last, pair, pieces) if pair.junction >= 0 else e0
     reach, lag = 0.5 * (u * _longest(swept, i) + v * _longest(swept, j)), _lag(swept, pair, pieces)
     far = max(norm(e0), norm(e1)) + reach + lag
-    along_i, along_j = _seen_tangent(first, pair, i, a + 0.5 * u), _seen_tangent(first, pair, j, b + 0.5 * v)
+    along_i, along_j = (
+        _tangent_from_junction(first, pair, i, a + 0.5 * u),
+        _tangent_from_junction(first, pair, j, b + 0.5 * v),
+    )
     turning_i = turning_j = 0.0
-    if pair.joint >= 0:
+    if pair.junction >= 0:
         turning_i = swept.h * (pair.back[0] + swept.rates[i, BEND_RATE])
         turning_j = swept.h * (pair.ahead[0] + swept.rates[j, BEND_RATE])
     space = reach + 0.5 * far * max(u * _bend(swept, i), v * _bend(swept, j))
@@ -232,8 +233,10 @@ def _ahead(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, floa
 def _across(shape: Shape, pair: Pair, pieces: Pieces) -> Vec:
     """From the middle of the chord of one piece to that of the other."""
     a, u, b, v = pieces
-    first = add(_seen(shape, pair, pair.i, a), _seen(shape, pair, pair.i, a + u))
-    return scale(0.5, sub(add(_seen(shape, pair, pair.j, b), _seen(shape, pair, pair.j, b + v)), first))
+    first = add(_from_junction(shape, pair, pair.i, a), _from_junction(shape, pair, pair.i, a + u))
+    return scale(
+        0.5, sub(add(_from_junction(shape, pair, pair.j, b), _from_junction(shape, pair, pair.j, b + v)), first)
+    )
 
 
 def _concern(shape: Shape, pair: Pair, s: float, t: float) -> bool:
@@ -247,14 +250,14 @@ def _concern(shape: Shape, pair: Pair, s: float, t: float) -> bool:
     return bool(dot(across, here) <= 0.0 or dot(across, there) <= 0.0)
 
 
-def _look(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tuple[float, float, float, float]:
+def _gap_at(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tuple[float, float, float, float]:
     """Least gap between the fractions s and t of two segments at the ends of an interval, where that is and when.
 
     Where these do not concern each other, the places of their pieces that are farthest apart along the body are taken.
     Infinite where these do not, either.
     """
     least, at, on, when = math.inf, s, t, swept.begin
-    for at_end in range(2 if pair.joint >= 0 else 1):
+    for at_end in range(2 if pair.junction >= 0 else 1):
         shape = swept.last if at_end else swept.first
         here, there = s, t
         if not _concern(shape, pair, here, there):
@@ -269,28 +272,28 @@ def _look(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tuple
 
 
 def _bound(
-    swept: Swept, pair: Pair, pieces: Pieces, aim: Aim, known: float
+    swept: Swept, pair: Pair, pieces: Pieces, accuracy: GapAccuracy, known: float
 ) -> tuple[float, float, float, float, float]:
     """Lower bound of the gap of two pieces, infinite where no places of them concern each other.
 
     Where that is not good enough for the least gap that is `known`: what place and time leave open, and where the
     pieces seem to be nearest.
     """
-    sure = _by_circle(swept, pair, pieces) - aim.rounding
-    if _good_enough(aim, sure, known):
+    sure = _by_circle(swept, pair, pieces) - accuracy.rounding
+    if _good_enough(accuracy, sure, known):
         return sure, 0.0, 0.0, 0.5, 0.5
     by_corners, space, time, s, t = _by_corners(swept, pair, pieces)
-    sure = max(sure, by_corners - aim.rounding)
-    if pair.stepped and not _good_enough(aim, sure, known):
+    sure = max(sure, by_corners - accuracy.rounding)
+    if pair.stepped and not _good_enough(accuracy, sure, known):
         ahead, in_space, in_time = _ahead(swept, pair, pieces)
-        if ahead > aim.rounding:
+        if ahead > accuracy.rounding:
             return math.inf, 0.0, 0.0, s, t
         if by_corners + space + time <= 0.0:  # then nothing else can decide
             space, time = in_space, in_time
     return sure, space, time, s, t
 
 
-def nearest_places(swept: Swept, pair: Pair, aim: Aim, least: float) -> Nearest:
+def nearest_places(swept: Swept, pair: Pair, accuracy: GapAccuracy, least: float) -> Nearest:
     """Bound the gaps of two segments, of those places that concern each other, during an interval.
 
     What is not below `least`, a gap found elsewhere, is of no interest. On the way the bound is -inf where a part of
@@ -298,26 +301,26 @@ def nearest_places(swept: Swept, pair: Pair, aim: Aim, least: float) -> Nearest:
     """
     low = found = math.inf
     at, on, when = 0.5, 0.5, swept.begin
-    level = piece = looks = 0
+    level = piece = evaluations = 0
     while piece < 1 << level:
         pieces = _pieces_of(level, piece)
         a, u, b, v = pieces
         if _most_between(swept, pair, TURNED, a, b + v) >= pair.enough:
-            looks += 1
-            sure, space, time, s, t = _bound(swept, pair, pieces, aim, min(least, found))
-            if not _good_enough(aim, sure, min(least, found)):
-                gap, s, t, then = _look(swept, pair, pieces, s, t)
+            evaluations += 1
+            sure, space, time, s, t = _bound(swept, pair, pieces, accuracy, min(least, found))
+            if not _good_enough(accuracy, sure, min(least, found)):
+                gap, s, t, then = _gap_at(swept, pair, pieces, s, t)
                 if gap < found:
                     found, at, on, when = gap, s, t, then
-                if aim.first and gap < 0.0:
-                    return min(gap, sure), found, at, on, when, looks
-                if not _good_enough(aim, sure, min(least, found)):
+                if accuracy.first and gap < 0.0:
+                    return min(gap, sure), found, at, on, when, evaluations
+                if not _good_enough(accuracy, sure, min(least, found)):
                     size = u * _longest(swept, pair.i) + v * _longest(swept, pair.j)
-                    if space > time and size > aim.finest and looks < MOST_LOOKS:
+                    if space > time and size > accuracy.finest and evaluations < MOST_PAIRS_OF_PIECES:
                         level, piece = level + 1, 2 * piece
                         continue
-                    if pair.joint >= 0:
-                        return -math.inf, found, at, on, when, looks
+                    if pair.junction >= 0:
+                        return -math.inf, found, at, on, when, evaluations
             low = min(low, sure)
         level, piece = following(level, piece)
-    return low, found, at, on, when, looks
+    return low, found, at, on, when, evaluations

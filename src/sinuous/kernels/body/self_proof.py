@@ -1,23 +1,20 @@
 """The proof that the body does not run through itself.
 
-`self_pairs` says which places concern each other, which pairs of segments are to be looked at, and bounds all others;
-`self_pieces` looks. So the proved self-clearance holds for all places, also for those that nobody looked at.
+`self_pairs` says which places concern each other, which pairs of segments are to be examined, and bounds all others;
+`self_pieces` evaluations. So the proved self-clearance holds for all places, also for those that nobody examined.
 """
 
 import math
 
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, rounding_of
-from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
+from sinuous.kernels.body.self_pairs import Meeting, Shape, next_pair, own_gap, survey
+from sinuous.kernels.body.self_pieces import GAP_SLACK, GapAccuracy, at_rest, nearest_places, pair_of
 from sinuous.kernels.clock import late, spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array
 
-PAIR_LOOKS = 16
-"""What a look at a pair of pieces costs, see `kernels.clock`."""
-
-Meeting = tuple[int, float, int, float]
-"""Two places of the body: segment and fraction of it, segment and fraction; segments are -1 where none are known."""
+PAIR_WORK = 16
+"""What a examine a pair of pieces costs, see `kernels.clock`."""
 
 
 @shared
@@ -36,12 +33,12 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
     rounding = rounding_of(shape.q, shape.frames)
     # What the survey bounds needs no better bound; where it bounds nothing, a radius is enough.
     worth = most if 0.0 < most < math.inf else thickest
-    aim = Aim(worth, worth, -math.inf, SLACK, 0.0, finest, rounding, True)
+    accuracy = GapAccuracy(worth, worth, -math.inf, GAP_SLACK, 0.0, finest, rounding, True)
     bound, least = most, math.inf
     still = at_rest(shape)
     i, j = -1, shape.q.shape[0]
     while True:
-        i, j, passed = next_pair(shape, i, j, min(worth, (1.0 - SLACK) * least), thickest)
+        i, j, passed = next_pair(shape, i, j, min(worth, (1.0 - GAP_SLACK) * least), thickest)
         bound = min(bound, passed)
         if i == shape.q.shape[0]:
             break
@@ -50,8 +47,8 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
             gap, t = own_gap(shape, i)
             low = gap
         else:
-            low, gap, s, t, _, looks = nearest_places(still, pair_of(still, i, j), aim, least)
-            spend(clock, PAIR_LOOKS * looks)
+            low, gap, s, t, _, evaluations = nearest_places(still, pair_of(still, i, j), accuracy, least)
+            spend(clock, PAIR_WORK * evaluations)
         bound = min(bound, low)
         if gap < least:
             least, where = gap, (i, s, j, t)

@@ -11,34 +11,34 @@ import math
 
 from sinuous.kernels.maths.vectors import Array
 
-TURNING, STRETCHING, BOWING, BEND_RATE, LENGTH_RATE = range(5)
+TURNING, STRETCHING, ACCELERATION_BOUND, BEND_RATE, LENGTH_RATE = range(5)
 """Columns of `rates`: W (rad), the sum of the rates of lengths, and A (length unit) where a segment begins; how much
 it bends (rad) and changes its length in the whole motion."""
 
-RATES_WIDTH = 5
+MOTION_RATES_WIDTH = 5
 
 
 def measure_rates(q0: Array, q1: Array, rates: Array) -> float:
     """Fill `rates` (n, 5); return a bound of how far any place of the body travels."""
-    turning = stretching = bowing = travel = 0.0
+    turning = stretching = acceleration = travel = 0.0
     for k in range(q0.shape[0]):
         bend = math.hypot(q1[k, 0] - q0[k, 0], q1[k, 1] - q0[k, 1])
         stretch = abs(q1[k, 2] - q0[k, 2])
-        rates[k, TURNING], rates[k, STRETCHING], rates[k, BOWING] = turning, stretching, bowing
+        rates[k, TURNING], rates[k, STRETCHING], rates[k, ACCELERATION_BOUND] = turning, stretching, acceleration
         rates[k, BEND_RATE], rates[k, LENGTH_RATE] = bend, stretch
-        bowing = bow(rates, k, max(q0[k, 2], q1[k, 2]), 1.0)
+        acceleration = acceleration_bound(rates, k, max(q0[k, 2], q1[k, 2]), 1.0)
         travel += stretch + max(q0[k, 2], q1[k, 2]) * (turning + 0.5 * bend)
         turning, stretching = turning + bend, stretching + stretch
     return travel
 
 
-def bow(rates: Array, k: int, length: float, s: float) -> float:
+def acceleration_bound(rates: Array, k: int, length: float, s: float) -> float:
     """The acceleration A of places up to the fraction `s` of segment `k`, of no more than this length."""
-    own = bow_from(rates[k, TURNING], rates[k, BEND_RATE], rates[k, LENGTH_RATE], length, s)
-    return float(rates[k, BOWING] + own)
+    own = added_acceleration(rates[k, TURNING], rates[k, BEND_RATE], rates[k, LENGTH_RATE], length, s)
+    return float(rates[k, ACCELERATION_BOUND] + own)
 
 
-def bow_from(turning: float, bend: float, stretch: float, length: float, s: float) -> float:
+def added_acceleration(turning: float, bend: float, stretch: float, length: float, s: float) -> float:
     """What a segment adds to A up to its fraction `s`: W where it begins, its rates, and its largest length."""
     squares = turning * turning + s * turning * bend + s * s * bend * bend / 3.0
     return s * (length * squares + 2.0 * stretch * (turning + 0.5 * s * bend))

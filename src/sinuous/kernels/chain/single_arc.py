@@ -17,10 +17,10 @@ def arc_length(chord: float, half: float) -> float:
     return chord * half / math.sin(half) if half > STRAIGHT else chord
 
 
-def arc_to(aside: float, ahead: float) -> tuple[float, float]:
+def arc_to(lateral: float, ahead: float) -> tuple[float, float]:
     """Half the bend (rad) and the length of the arc to a point so far aside of the first tangent, and ahead along it.
 
-    `aside` is not negative; both are in the length unit.
+    `lateral` is not negative; both are in the length unit.
     """
-    half = min(math.atan2(aside, ahead), MOST_HALF_BEND)
-    return half, arc_length(math.hypot(aside, ahead), half)
+    half = min(math.atan2(lateral, ahead), MOST_HALF_BEND)
+    return half, arc_length(math.hypot(lateral, ahead), half)

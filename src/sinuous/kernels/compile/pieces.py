@@ -66,7 +66,7 @@ PIECES = (
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.follow_tube",
             "kernels.tubes.find_tubes",
-            "kernels.growing.detours.lead_aside",
+            "kernels.growing.detours.add_detours",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",
             "kernels.fitting.settle.settle_chain",
@@ -108,15 +108,15 @@ PIECES = (
     Piece(
         "classes of routes",
         6,
-        tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "see")),
+        tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "trace_lines")),
     ),
     Piece(
         "motions",
         9,
         (
-            "kernels.between.query.prove_motions",
-            "kernels.between.courses.fill_drifts",
-            "kernels.between.tip.leave_line",
+            "kernels.certificate.query.certify_motions",
+            "kernels.certificate.courses.fill_drifts",
+            "kernels.certificate.tip.leave_line",
         ),
     ),
     Piece(
@@ -136,7 +136,7 @@ PIECES = (
             "kernels.solve.loaded.correct",
         ),
     ),
-    Piece("control loops", 15, ("kernels.velocity.query.tick",), most=0),
+    Piece("control loops", 15, ("kernels.velocity.query.control_step",), most=0),
     Piece(
         "derivatives",
         6,

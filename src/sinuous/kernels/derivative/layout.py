@@ -27,7 +27,7 @@ answer."""
 
 ASKED_WIDTH = 14
 
-KIND, SEGMENT, OTHER, SIDE, SLACK, FACTOR, WRENCH = range(7)
+ROW_KIND, ROW_SEGMENT, ROW_OTHER, ROW_SIDE, ROW_SLACK, ROW_FACTOR, ROW_WRENCH = range(7)
 """Columns of what is known about a row: TARGET_ROW, or the kind of constraint as `velocity.layout` numbers them; its
 segment, and the obstacle, actuator limit, target or other segment; 0 for a lower and 1 for an upper end; what is left
 of a limit or gap beyond what is kept (length, rad); what the row was multiplied by, so that it has length 1 in the
@@ -37,20 +37,20 @@ ABOUT_WIDTH = 12
 
 TARGET_ROW = -1
 
-STATUS, COUNT, TARGET_ROWS, RESIDUAL = range(4)
+STATUS, ROW_COUNT, TARGET_ROWS, WORST_RESIDUAL = range(4)
 """Header of an answer: how it ended, bits of `SINGULAR`, `KINK` and `FULL`; rows in all; rows of targets, which come
 first; and the largest residual of these (rad, robot lengths)."""
 
 ANSWER_HEADER = 4
 
-SINGULAR, KINK, FULL, PREFERRED = 1, 2, 4, 8
+SINGULAR, KINK, TOO_MANY, PREFERRED = 1, 2, 4, 8
 """Rows of targets depend on each other; an active row is in the way of some changes and not of the opposite ones; there
 were more active rows than there is room for; preferences have chosen the answer, which kernels do not know."""
 
 MOST_ACTIVE = 256
 """Most rows of limits and contacts."""
 
-Desk = namedtuple("Desk", "q frames columns near spans pairs rows about sides forces system moved way values")
+Workspace = namedtuple("Workspace", "q frames columns near spans pairs rows about sides forces system moved way values")
 """A configuration (n, 3), frames (n + 1, 12), columns (n, 18); numbers of obstacles (m,) int64; spans and self-contacts
 as `body.self_contacts` has them; rows (r, 3 n), what is known about them (r, 12), and their right sides (r, p); what
 becomes of these while the system is solved (r, p); the triangular factor of the system (r, r); what a unit of each
@@ -63,18 +63,20 @@ def most_rows(segments: int, targets: int) -> int:
 
 
 def answer_size(segments: int, targets: int, columns: int) -> int:
-    """Numbers of one answer: header, `moved` (3 n, p), rows (r, 3 n), about (r, 12), sides (r, p), as in `Desk`."""
+    """Numbers of one answer: header, `moved` (3 n, p), rows (r, 3 n), about (r, 12), sides (r, p)."""
     r = most_rows(segments, targets)
     return ANSWER_HEADER + 3 * segments * columns + r * (3 * segments + ABOUT_WIDTH + columns)
 
 
-def desk_size(segments: int, obstacles: int, targets: int, columns: int) -> int:
+def workspace_size(segments: int, obstacles: int, targets: int, columns: int) -> int:
     """Numbers (float64) of workspace beside the answer."""
     n, r = segments, most_rows(segments, targets)
     return 36 * n + 12 + obstacles + SPAN_WIDTH * (n + 1) + MOST_PAIRS * (1 + 3 * n) + r * (r + 1 + columns)
 
 
-def carve_desk(buffer: Array, answer: Array, base: Array, obstacles: int, sizes: tuple[int, int, int]) -> Desk:
+def carve_workspace(
+    buffer: Array, answer: Array, base: Array, obstacles: int, sizes: tuple[int, int, int]
+) -> Workspace:
     """Lay out a workspace in `buffer`, and the answer behind its header; `base` (1, 12).
 
     `sizes`: segments, most rows, columns of all parameters.
@@ -96,4 +98,4 @@ def carve_desk(buffer: Array, answer: Array, base: Array, obstacles: int, sizes:
     rows, told = cut(told, r, 3 * n)
     about, told = cut(told, r, ABOUT_WIDTH)
     sides, told = cut(told, r, p)
-    return Desk(q, frames, columns, near, spans, pairs, rows, about, sides, forces, system, moved, way, values)
+    return Workspace(q, frames, columns, near, spans, pairs, rows, about, sides, forces, system, moved, way, values)

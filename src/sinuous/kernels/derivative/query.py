@@ -14,7 +14,7 @@ import math
 from sinuous.kernels.chain.kinematics import forward_with_columns
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.derivative import layout as d
-from sinuous.kernels.derivative.layout import Desk, carve_desk
+from sinuous.kernels.derivative.layout import Workspace, carve_workspace
 from sinuous.kernels.derivative.rows import add_contacts, add_limits, add_self_contacts, add_targets, normalise
 from sinuous.kernels.derivative.sides import fill_sides, move_directly
 from sinuous.kernels.fields.distances import number_of
@@ -42,13 +42,13 @@ def weight(limits: Array, i: int) -> float:
     return float(scale * scale)
 
 
-def factorise(limits: Array, desk: Desk, count: int, targets: int) -> int:
-    """Fill the lower triangle of `desk.system` with the root of A W A'.
+def factorise(limits: Array, work: Workspace, count: int, targets: int) -> int:
+    """Fill the lower triangle of `work.system` with the root of A W A'.
 
     A row that depends on earlier ones has a zero on the diagonal, and plays no part. Says how many of those there are
     among the first `targets` rows.
     """
-    rows, system, dependent = desk.rows, desk.system, 0
+    rows, system, dependent = work.rows, work.system, 0
     for a in range(count):
         for b in range(a + 1):
             total = 0.0
@@ -74,12 +74,12 @@ def _is_idle(sides: Array, moved: Array, count: int, c: int) -> bool:
     return not used
 
 
-def settle(limits: Array, desk: Desk, count: int, targets: int, sides: Array, moved: Array) -> float:
+def settle(limits: Array, work: Workspace, count: int, targets: int, sides: Array, moved: Array) -> float:
     """Add to the motions `moved` (3 n, p) the least ones with which the rows have their right sides (r, p).
 
     The first `targets` of the `count` rows are those of targets. Returns the most that another row is asked for.
     """
-    rows, system, forces, most = desk.rows, desk.system, desk.forces, 0.0
+    rows, system, forces, most = work.rows, work.system, work.forces, 0.0
     for c in range(moved.shape[1]):
         if _is_idle(sides, moved, count, c):
             continue
@@ -105,27 +105,27 @@ def settle(limits: Array, desk: Desk, count: int, targets: int, sides: Array, mo
     return most
 
 
-def _find_rows(problem: Problem, desk: Desk) -> tuple[int, int, float, int]:
-    """Fill the rows at `desk.q`; returns all, those of targets, their largest residual, and bits of a status."""
-    forward_with_columns(desk.q, desk.frames, desk.columns)
-    targets, residual = add_targets(problem, desk)
-    count, told = add_limits(problem, desk, targets, NEAR_BY)
-    count, more = add_contacts(problem.scene, problem, desk, count, problem.margin)
+def _find_rows(problem: Problem, work: Workspace) -> tuple[int, int, float, int]:
+    """Fill the rows at `work.q`; returns all, those of targets, their largest residual, and bits of a status."""
+    forward_with_columns(work.q, work.frames, work.columns)
+    targets, residual = add_targets(problem, work)
+    count, told = add_limits(problem, work, targets, NEAR_BY)
+    count, more = add_contacts(problem.scene, problem, work, count, problem.margin)
     told |= more
-    count, more = add_self_contacts(problem, desk, count, problem.margin)
-    normalise(problem.limits, desk, count)
+    count, more = add_self_contacts(problem, work, count, problem.margin)
+    normalise(problem.limits, work, count)
     return count, targets, residual, told | more
 
 
-def _correct(problem: Problem, desk: Desk, count: int, targets: int) -> None:
+def _correct(problem: Problem, work: Workspace, count: int, targets: int) -> None:
     """Go on to where the targets are met: one Newton step that keeps all other rows."""
     for a in range(count):
-        desk.values[a, 0] = desk.about[a, d.FACTOR] * desk.about[a, d.SLACK] if a < targets else 0.0
-    for i in range(desk.way.shape[0]):
-        desk.way[i, 0] = 0.0
-    settle(problem.limits, desk, count, targets, desk.values, desk.way)
-    for i in range(desk.way.shape[0]):
-        desk.q[i // 3, i % 3] += desk.way[i, 0]
+        work.values[a, 0] = work.about[a, d.ROW_FACTOR] * work.about[a, d.ROW_SLACK] if a < targets else 0.0
+    for i in range(work.way.shape[0]):
+        work.way[i, 0] = 0.0
+    settle(problem.limits, work, count, targets, work.values, work.way)
+    for i in range(work.way.shape[0]):
+        work.q[i // 3, i % 3] += work.way[i, 0]
 
 
 def _largest(sides: Array) -> float:
@@ -145,23 +145,23 @@ def _lay_out(
     q: Array,
     workspace: Array,
     answer: Array,
-) -> tuple[Problem, Desk]:
+) -> tuple[Problem, Workspace]:
     """Read the problem, and lay out a desk for the configuration `q` (n, 3); arguments as for `derive`."""
     problem = read_problem(robot, scene, settings, targets)
     sizes = q.shape[0], asked[d.ROWS], asked[d.COLUMNS]
-    desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
-    copy(q, desk.q)
-    return problem, desk
+    work = carve_workspace(workspace, answer, problem.base, number_of(problem.scene), sizes)
+    copy(q, work.q)
+    return problem, work
 
 
-def _follow(problem: Problem, asked: Array, lines: Array, desk: Desk, count: int, targets: int) -> int:
-    """Move `desk.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
+def _follow(problem: Problem, asked: Array, lines: Array, work: Workspace, count: int, targets: int) -> int:
+    """Move `work.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
     status = 0
-    fill_sides(problem.scene, problem, asked, lines, desk, count)
-    if factorise(problem.limits, desk, count, targets) > 0:
+    fill_sides(problem.scene, problem, asked, lines, work, count)
+    if factorise(problem.limits, work, count, targets) > 0:
         status |= d.SINGULAR
-    called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
-    if called > STILL * (1.0 + _largest(desk.sides[:count])):
+    called = settle(problem.limits, work, count, targets, work.sides, work.moved)
+    if called > STILL * (1.0 + _largest(work.sides[:count])):
         status |= d.KINK
     return status
 
@@ -183,15 +183,20 @@ def _derive(
     Where targets are not quite met, Newton's way from there to where they are is derived as well: its first step D b
     leaves what its second one adds, D' (b' - A' D b).
     """
-    problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    count, met, residual, status = _find_rows(problem, desk)
-    move_directly(problem, asked, desk.moved)
-    status |= _follow(problem, asked, lines, desk, count, met)
+    problem, work = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
+    count, met, residual, status = _find_rows(problem, work)
+    move_directly(problem, asked, work.moved)
+    status |= _follow(problem, asked, lines, work, count, met)
     if residual > CONVERGED and status == 0:
-        _correct(problem, desk, count, met)
-        count, met, _, status = _find_rows(problem, desk)
-        status |= _follow(problem, asked, lines, desk, count, met)
-    answer[d.STATUS], answer[d.COUNT], answer[d.TARGET_ROWS], answer[d.RESIDUAL] = status, count, met, residual
+        _correct(problem, work, count, met)
+        count, met, _, status = _find_rows(problem, work)
+        status |= _follow(problem, asked, lines, work, count, met)
+    answer[d.STATUS], answer[d.ROW_COUNT], answer[d.TARGET_ROWS], answer[d.WORST_RESIDUAL] = (
+        status,
+        count,
+        met,
+        residual,
+    )
 
 
 @entry
@@ -210,7 +215,7 @@ def derive(
 
     `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says; `scene` is `None` without
     obstacles. `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
-    `lines` (p, 3): see `sides`. `workspace`: see `layout.desk_size`.
+    `lines` (p, 3): see `sides`. `workspace`: see `layout.workspace_size`.
     """
     _derive(robot, scene, settings, targets, asked, lines, q, workspace, answer)
 
@@ -259,9 +264,9 @@ def find_contacts(
     Arguments as for `derive`; fills the rows of the answer, and of its header how it ended and their number. What is
     left of a gap is counted from `keep`.
     """
-    problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    forward_with_columns(desk.q, desk.frames, desk.columns)
-    count, status = add_contacts(problem.scene, problem, desk, 0, keep)
-    normalise(problem.limits, desk, count)
-    fill_sides(problem.scene, problem, asked, lines, desk, count)
-    answer[d.STATUS], answer[d.COUNT], answer[d.TARGET_ROWS], answer[d.RESIDUAL] = status, count, 0, 0.0
+    problem, work = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
+    forward_with_columns(work.q, work.frames, work.columns)
+    count, status = add_contacts(problem.scene, problem, work, 0, keep)
+    normalise(problem.limits, work, count)
+    fill_sides(problem.scene, problem, asked, lines, work, count)
+    answer[d.STATUS], answer[d.ROW_COUNT], answer[d.TARGET_ROWS], answer[d.WORST_RESIDUAL] = status, count, 0, 0.0

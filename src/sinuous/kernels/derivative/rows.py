@@ -3,15 +3,15 @@
 import math
 
 from sinuous.kernels import tables as t
-from sinuous.kernels.body.contacts import Body
-from sinuous.kernels.body.pieces import free_part, look_here, near
-from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS, pull_along, pull_at, self_contacts
+from sinuous.kernels.body.contacts import PosedBody
+from sinuous.kernels.body.pieces import evaluate_here, free_part, near
+from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS, pull_along, put_place_weights, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.derivative import layout as v
-from sinuous.kernels.derivative.layout import Desk
+from sinuous.kernels.derivative.layout import Workspace
 from sinuous.kernels.fields.distances import Scene
-from sinuous.kernels.fields.solids import BOUND
+from sinuous.kernels.fields.solids import LOWER_BOUND
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
@@ -32,7 +32,6 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.step.targets import (
-    NONE,
     X,
     Y,
     Z,
@@ -42,7 +41,14 @@ from sinuous.kernels.step.targets import (
     rotation_vector,
 )
 from sinuous.kernels.velocity.contacts import closest_place
-from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
+from sinuous.kernels.velocity.layout import (
+    ACTUATOR_LIMIT,
+    BEND_LIMIT,
+    CLEARANCE_LIMIT,
+    CURVATURE_LIMIT,
+    LENGTH_LIMIT,
+    SELF_CLEARANCE_LIMIT,
+)
 
 BESIDE = 1.001
 """Gaps up to so many times what is kept are active."""
@@ -50,72 +56,72 @@ BESIDE = 1.001
 BESIDE_ITSELF = 2.0
 """The same of the body and itself: these gaps are known to about a quarter of what is kept."""
 
-PIECES = 16
+SEARCH_PIECES = 16
 """Pieces of a segment in each of which one place is the closest: beside an obstacle a bent body may have several."""
 
-STRAIGHT, CLOSELY = 1e-11, 60
-"""Cosine between gradient and tangent at which a place is the closest, and most looks for it: at a place beside it,
-what moves it along the body would count."""
+CLOSEST_COSINE, MOST_EVALUATIONS = 1e-11, 60
+"""Cosine between gradient and tangent at which a place is the closest, and most evaluations for it: at a place beside
+it, what moves it along the body would count."""
 
 SAME = 1e-6
 """Difference of fractions of a segment up to which two places are one."""
 
 
-def _begin(desk: Desk, at: int, kind: int, segment: int, other: int, side: int, slack: float) -> None:
+def _begin(work: Workspace, at: int, kind: int, segment: int, other: int, side: int, slack: float) -> None:
     """Begin row `at` with no weights and no wrench."""
-    about, rows = desk.about, desk.rows
-    about[at, v.KIND], about[at, v.SEGMENT], about[at, v.OTHER] = kind, segment, other
-    about[at, v.SIDE], about[at, v.SLACK] = side, slack
-    put_vec(about, at, v.WRENCH, ZERO)
-    put_vec(about, at, v.WRENCH + 3, ZERO)
+    about, rows = work.about, work.rows
+    about[at, v.ROW_KIND], about[at, v.ROW_SEGMENT], about[at, v.ROW_OTHER] = kind, segment, other
+    about[at, v.ROW_SIDE], about[at, v.ROW_SLACK] = side, slack
+    put_vec(about, at, v.ROW_WRENCH, ZERO)
+    put_vec(about, at, v.ROW_WRENCH + 3, ZERO)
     for i in range(rows.shape[1]):
         rows[at, i] = 0.0
 
 
-def _put_end(desk: Desk, at: int, k: int, torque: Vec, force: Vec) -> None:
+def _put_end(work: Workspace, at: int, k: int, torque: Vec, force: Vec) -> None:
     """Put in what a wrench about the base does at the end of segment `k`."""
-    put_vec(desk.about, at, v.WRENCH, torque)
-    put_vec(desk.about, at, v.WRENCH + 3, force)
+    put_vec(work.about, at, v.ROW_WRENCH, torque)
+    put_vec(work.about, at, v.ROW_WRENCH + 3, force)
     for j in range(k + 1):
-        put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
+        put_vec(work.rows, at, 3 * j, pull_along(work.columns, j, torque, force))
 
 
-def _target_row(desk: Desk, at: int, i: int, k: int, torque: Vec, force: Vec, value: float) -> int:
-    _begin(desk, at, v.TARGET_ROW, k, i, 0, value)
-    _put_end(desk, at, k, torque, force)
+def _target_row(work: Workspace, at: int, i: int, k: int, torque: Vec, force: Vec, value: float) -> int:
+    _begin(work, at, v.TARGET_ROW, k, i, 0, value)
+    _put_end(work, at, k, torque, force)
     return at + 1
 
 
-def add_targets(problem: Problem, desk: Desk) -> tuple[int, float]:
+def add_targets(problem: Problem, work: Workspace) -> tuple[int, float]:
     """Write the rows of all targets; returns their number, and the largest residual (robot lengths, rad).
 
     The slack of such a row is its residual.
     """
-    targets, n = problem.targets, desk.q.shape[0]
-    origin, inverse = frame(desk.frames, 0)[1], 1.0 / problem.unit
+    targets, n = problem.targets, work.q.shape[0]
+    origin, inverse = frame(work.frames, 0)[1], 1.0 / problem.unit
     at, worst = 0, 0.0
     for i in range(targets.shape[0]):
         k = end_segment(targets, i, n)
-        rotation, position = end_pose(desk.frames, problem.tool, k)
+        rotation, position = end_pose(work.frames, problem.tool, k)
         if targets[i, t.HAS_POSITION] != 0.0:
             miss = scale(inverse, sub(get_vec(targets, i, t.TARGET_POSITION), position))
             arm = scale(inverse, sub(position, origin))
-            at = _target_row(desk, at, i, k, cross(arm, X), scale(inverse, X), miss[0])
-            at = _target_row(desk, at, i, k, cross(arm, Y), scale(inverse, Y), miss[1])
-            at = _target_row(desk, at, i, k, cross(arm, Z), scale(inverse, Z), miss[2])
+            at = _target_row(work, at, i, k, cross(arm, X), scale(inverse, X), miss[0])
+            at = _target_row(work, at, i, k, cross(arm, Y), scale(inverse, Y), miss[1])
+            at = _target_row(work, at, i, k, cross(arm, Z), scale(inverse, Z), miss[2])
             worst = max(worst, norm(miss))
         if targets[i, t.ORIENTATION] == t.ROTATION:
             turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
-            at = _target_row(desk, at, i, k, X, NONE, turn[0])
-            at = _target_row(desk, at, i, k, Y, NONE, turn[1])
-            at = _target_row(desk, at, i, k, Z, NONE, turn[2])
+            at = _target_row(work, at, i, k, X, ZERO, turn[0])
+            at = _target_row(work, at, i, k, Y, ZERO, turn[1])
+            at = _target_row(work, at, i, k, Z, ZERO, turn[2])
             worst = max(worst, norm(turn))
         elif targets[i, t.ORIENTATION] == t.DIRECTION:
             tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
             turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
             a, b = across(tangent)
-            at = _target_row(desk, at, i, k, a, NONE, dot(turn, a))
-            at = _target_row(desk, at, i, k, b, NONE, dot(turn, b))
+            at = _target_row(work, at, i, k, a, ZERO, dot(turn, a))
+            at = _target_row(work, at, i, k, b, ZERO, dot(turn, b))
             worst = max(worst, norm(turn))
     return at, worst
 
@@ -125,26 +131,26 @@ def _is_active(slack: float, size: float, near_by: float) -> bool:
     return size > 0.0 and slack <= near_by * size
 
 
-def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
+def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) -> tuple[int, int]:
     """Write a row for every limit of a segment or an actuator of which at most `near_by` is left, from row `first` on.
 
     `near_by` in the metric: rad, and mean lengths of the segment. The row is the gradient of the slack. Returns the
-    next free row, and bits of a status: FULL where there was no room, KINK where a segment that is straight must not
+    next free row, and bits of a status: TOO_MANY where they do not fit, KINK where a segment that is straight must not
     bend, as one that is drawn in.
     """
-    limits, q, at, room, told = problem.limits, desk.q, first, desk.rows.shape[0], 0
+    limits, q, at, capacity, told = problem.limits, work.q, first, work.rows.shape[0], 0
     for k in range(q.shape[0]):
-        if at + 4 > room:
-            return at, v.FULL
+        if at + 4 > capacity:
+            return at, v.TOO_MANY
         turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
         low, high = q[k, 2] - limits[k, t.MIN_LENGTH], limits[k, t.MAX_LENGTH] - q[k, 2]
         if _is_active(low, stretching, near_by):
-            _begin(desk, at, LENGTH, k, -1, 0, low)
-            desk.rows[at, 3 * k + 2] = 1.0
+            _begin(work, at, LENGTH_LIMIT, k, -1, 0, low)
+            work.rows[at, 3 * k + 2] = 1.0
             at += 1
         if _is_active(high, stretching, near_by):
-            _begin(desk, at, LENGTH, k, -1, 1, high)
-            desk.rows[at, 3 * k + 2] = -1.0
+            _begin(work, at, LENGTH_LIMIT, k, -1, 1, high)
+            work.rows[at, 3 * k + 2] = -1.0
             at += 1
         bend = math.hypot(q[k, 0], q[k, 1])
         cap = bend_cap(limits, k, q[k, 2])
@@ -156,18 +162,18 @@ def add_limits(problem: Problem, desk: Desk, first: int, near_by: float) -> tupl
         inverse, most = -1.0 / max(bend, 1e-300), limits[k, t.MAX_CURVATURE]
         nx, ny = inverse * q[k, 0], inverse * q[k, 1]
         if _is_active(limits[k, t.MAX_BEND] - bend, turning, near_by):
-            _begin(desk, at, BEND, k, -1, 1, limits[k, t.MAX_BEND] - bend)
-            desk.rows[at, 3 * k], desk.rows[at, 3 * k + 1] = nx, ny
+            _begin(work, at, BEND_LIMIT, k, -1, 1, limits[k, t.MAX_BEND] - bend)
+            work.rows[at, 3 * k], work.rows[at, 3 * k + 1] = nx, ny
             at += 1
         if math.isfinite(most) and _is_active(most * q[k, 2] - bend, turning + most * stretching, near_by):
-            _begin(desk, at, CURVATURE, k, -1, 1, most * q[k, 2] - bend)
-            put_vec(desk.rows, at, 3 * k, (nx, ny, most))
+            _begin(work, at, CURVATURE_LIMIT, k, -1, 1, most * q[k, 2] - bend)
+            put_vec(work.rows, at, 3 * k, (nx, ny, most))
             at += 1
-    at, full = _add_actuators(problem, desk, at, near_by)
+    at, full = _add_actuators(problem, work, at, near_by)
     return at, told | full
 
 
-def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> tuple[int, int]:
+def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float) -> tuple[int, int]:
     limits, table, at = problem.limits, problem.actuation, first
     for j in range(table.shape[0]):
         last = int(table[j, t.LAST_SEGMENT])
@@ -175,47 +181,51 @@ def _add_actuators(problem: Problem, desk: Desk, first: int, near_by: float) -> 
         weights = get_vec(table, j, t.WEIGHTS)
         value = square = 0.0
         for k in range(begin, last + 1):
-            value += dot(weights, get_vec(desk.q, k, 0))
+            value += dot(weights, get_vec(work.q, k, 0))
             for i in range(3):
                 moves = limits[k, t.BEND_SCALE] if i < 2 else limits[k, t.LENGTH_SCALE]
                 square += (weights[i] * moves) ** 2
         for side in range(2):
             slack = table[j, t.MAX_VALUE] - value if side == 1 else value - table[j, t.MIN_VALUE]
             if _is_active(slack, math.sqrt(square), near_by):
-                if at == desk.rows.shape[0]:
-                    return at, v.FULL
-                _begin(desk, at, ACTUATOR, last, j, side, slack)
+                if at == work.rows.shape[0]:
+                    return at, v.TOO_MANY
+                _begin(work, at, ACTUATOR_LIMIT, last, j, side, slack)
                 for k in range(begin, last + 1):
-                    put_vec(desk.rows, at, 3 * k, scale(1.0 - 2.0 * side, weights))
+                    put_vec(work.rows, at, 3 * k, scale(1.0 - 2.0 * side, weights))
                 at += 1
     return at, 0
 
 
-def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, keep: float) -> tuple[int, int]:
+def add_contacts(scene: Scene | None, problem: Problem, work: Workspace, first: int, keep: float) -> tuple[int, int]:
     """Write a row for every place of the body whose gap to an obstacle is about `keep` or less, from row `first` on.
 
-    The row is the gradient of the gap. Returns the next free row, and FULL where there was no room.
+    The row is the gradient of the gap. Returns the next free row, and TOO_MANY where they do not fit.
     """
     if scene is None:
         return first, 0
-    q, ahead, mount, at = desk.q, BESIDE * keep, problem.mount, first
-    body = Body(problem.limits, q, desk.frames, problem.unit)
+    q, ahead, mount, at = work.q, BESIDE * keep, problem.mount, first
+    body = PosedBody(problem.limits, q, work.frames, problem.unit)
+    shape = Shape(problem.limits, q, work.frames, work.spans)
     for k in range(q.shape[0]):
         start, length, radius = free_part(q, k, mount), q[k, 2], problem.limits[k, t.RADIUS]
         mount -= length
         part = 1.0 - start
         if part <= 0.0:
             continue
-        middle = body_point(q, desk.frames, k, start + 0.5 * part)
-        those, _ = near(scene, middle, 0.5 * length * part + radius + ahead, desk.near)
+        middle = body_point(q, work.frames, k, start + 0.5 * part)
+        those, _ = near(scene, middle, 0.5 * length * part + radius + ahead, work.near)
         for e in range(those):
-            i, before, ended, least = desk.near[e], -1, False, 0.0
-            for piece in range(PIECES):
-                a, b = start + part * piece / PIECES, start + part * (piece + 1) / PIECES
+            i, before, ended, least = work.near[e], -1, False, 0.0
+            for piece in range(SEARCH_PIECES):
+                a, b = start + part * piece / SEARCH_PIECES, start + part * (piece + 1) / SEARCH_PIECES
                 reach = 0.5 * length * (b - a) + radius + ahead
-                if look_here(scene, i, body_point(q, desk.frames, k, 0.5 * (a + b)), reach, BOUND)[0] >= reach:
+                if (
+                    evaluate_here(scene, i, body_point(q, work.frames, k, 0.5 * (a + b)), reach, LOWER_BOUND)[0]
+                    >= reach
+                ):
                     continue
-                s, d, g, p = closest_place(problem, body, i, (k, a, b), STRAIGHT, CLOSELY)
+                s, d, g, p = closest_place(problem, body, i, (k, a, b), CLOSEST_COSINE, MOST_EVALUATIONS)
                 if d - radius > ahead:
                     continue
                 if before >= 0 and before == piece - 1:  # of the border between two pieces the closer one tells more
@@ -223,62 +233,53 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
                         continue
                     if ended and d <= least:
                         at -= 1
-                if at == desk.rows.shape[0]:
-                    return at, v.FULL
+                if at == work.rows.shape[0]:
+                    return at, v.TOO_MANY
                 before, ended, least = piece, b - s < SAME, d
-                _begin(desk, at, CLEARANCE, k, i, 0, d - radius - keep)
-                _put_contact(problem, desk, at, k, s, p, g)
+                _begin(work, at, CLEARANCE_LIMIT, k, i, 0, d - radius - keep)
+                put_vec(
+                    work.about, at, v.ROW_WRENCH, put_place_weights(shape, work.columns, (k, s, p), g, work.rows, at)
+                )
+                put_vec(work.about, at, v.ROW_WRENCH + 3, g)
                 at += 1
     return at, 0
 
 
-def _put_contact(problem: Problem, desk: Desk, at: int, k: int, s: float, p: Vec, force: Vec) -> None:
-    """Put in how the place `p`, at the fraction `s` of segment `k`, moves along the unit vector `force`."""
-    origin = frame(desk.frames, 0)[1]
-    torque = cross(sub(p, origin), force)
-    put_vec(desk.about, at, v.WRENCH, torque)
-    put_vec(desk.about, at, v.WRENCH + 3, force)
-    for j in range(k):
-        put_vec(desk.rows, at, 3 * j, pull_along(desk.columns, j, torque, force))
-    shape = Shape(problem.limits, desk.q, desk.frames, desk.spans)
-    put_vec(desk.rows, at, 3 * k, pull_at(shape, origin, k, s, torque, force))
-
-
-def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> tuple[int, int]:
+def add_self_contacts(problem: Problem, work: Workspace, first: int, keep: float) -> tuple[int, int]:
     """The same for the body and itself."""
     if not problem.avoids_itself:
         return first, 0
-    shape = Shape(problem.limits, desk.q, desk.frames, desk.spans)
+    shape = Shape(problem.limits, work.q, work.frames, work.spans)
     ahead = BESIDE_ITSELF * keep
-    found, _ = self_contacts(shape, desk.columns, ahead, problem.unit, desk.pairs)
+    found, _ = self_contacts(shape, work.columns, ahead, problem.unit, work.pairs)
     at = first
     for a in range(found):
-        if at == desk.rows.shape[0]:
-            return at, v.FULL
-        gap, begin, end = ahead - desk.pairs[a, VALUE] * problem.unit, -1, -1
-        for k in range(desk.q.shape[0]):
-            weights = get_vec(desk.pairs, a, WEIGHTS + 3 * k)
+        if at == work.rows.shape[0]:
+            return at, v.TOO_MANY
+        gap, begin, end = ahead - work.pairs[a, PAIR_VALUE] * problem.unit, -1, -1
+        for k in range(work.q.shape[0]):
+            weights = get_vec(work.pairs, a, PAIR_WEIGHTS + 3 * k)
             if dot(weights, weights) > 0.0:
                 begin, end = k if begin < 0 else begin, k
-        _begin(desk, at, SELF_CLEARANCE, begin, end, 0, gap - keep)
-        for k in range(desk.q.shape[0]):
-            put_vec(desk.rows, at, 3 * k, scale(problem.unit, get_vec(desk.pairs, a, WEIGHTS + 3 * k)))
+        _begin(work, at, SELF_CLEARANCE_LIMIT, begin, end, 0, gap - keep)
+        for k in range(work.q.shape[0]):
+            put_vec(work.rows, at, 3 * k, scale(problem.unit, get_vec(work.pairs, a, PAIR_WEIGHTS + 3 * k)))
         at += 1
     return at, 0
 
 
-def normalise(limits: Array, desk: Desk, count: int) -> None:
+def normalise(limits: Array, work: Workspace, count: int) -> None:
     """Bring the first `count` rows to length 1 in the metric: rad, and mean lengths of the segment.
 
     A row that nothing moves stays as it is.
     """
     for at in range(count):
         square = 0.0
-        for k in range(desk.q.shape[0]):
+        for k in range(work.q.shape[0]):
             turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
-            x, y, z = turning * desk.rows[at, 3 * k], turning * desk.rows[at, 3 * k + 1], desk.rows[at, 3 * k + 2]
+            x, y, z = turning * work.rows[at, 3 * k], turning * work.rows[at, 3 * k + 1], work.rows[at, 3 * k + 2]
             square += x * x + y * y + (stretching * z) ** 2
         factor = 1.0 / math.sqrt(square) if square > 0.0 else 1.0
-        desk.about[at, v.FACTOR] = factor
-        for i in range(desk.rows.shape[1]):
-            desk.rows[at, i] *= factor
+        work.about[at, v.ROW_FACTOR] = factor
+        for i in range(work.rows.shape[1]):
+            work.rows[at, i] *= factor

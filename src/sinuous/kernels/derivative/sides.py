@@ -7,18 +7,25 @@ the derivative of that by the parameter. World axes; a twist is `(omega, v)`.
 from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.derivative import layout as d
-from sinuous.kernels.derivative.layout import Desk
+from sinuous.kernels.derivative.layout import Workspace
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, cross, dot, get_vec, mat_vec, put_vec, scale, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.targets import end_segment
-from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
+from sinuous.kernels.velocity.layout import (
+    ACTUATOR_LIMIT,
+    BEND_LIMIT,
+    CLEARANCE_LIMIT,
+    CURVATURE_LIMIT,
+    LENGTH_LIMIT,
+    SELF_CLEARANCE_LIMIT,
+)
 
 THICK = 1e-6
 """By what share the largest curvature may be below 1 / radius where the thickness of the body limits it."""
 
-COLUMN, RADIUS_OF, NUMBER = range(3)
+CIRCLE, RADIUS_OF, ACTUATOR_NUMBER = range(3)
 """Columns of `lines`, a row an actuator limit: number of the circle that its line is on (-1: none), the radius of that
 circle (length), and the number of the actuator."""
 
@@ -39,21 +46,21 @@ def place_of(scene: Scene, i: int) -> Vec:
     return 0.0, 0.0, 0.0
 
 
-def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array, desk: Desk, count: int) -> None:
-    """Fill `desk.sides` for the first `count` rows."""
-    sides, about = desk.sides[:count], desk.about
+def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array, work: Workspace, count: int) -> None:
+    """Fill `work.sides` for the first `count` rows."""
+    sides, about = work.sides[:count], work.about
     _nothing(sides)
     for at in range(count):
-        wrench = (get_vec(about, at, d.WRENCH), get_vec(about, at, d.WRENCH + 3))
+        wrench = (get_vec(about, at, d.ROW_WRENCH), get_vec(about, at, d.ROW_WRENCH + 3))
         if asked[d.BASE] >= 0:
             put_vec(sides, at, asked[d.BASE], scale(-1.0, wrench[0]))
             put_vec(sides, at, asked[d.BASE] + 3, scale(-1.0, wrench[1]))
-        if about[at, d.KIND] == d.TARGET_ROW:
-            _of_target(problem, asked, desk, at, wrench)
+        if about[at, d.ROW_KIND] == d.TARGET_ROW:
+            _of_target(problem, asked, work, at, wrench)
         else:
-            _of_constraint(scene, problem, asked, lines, desk, at, wrench)
+            _of_constraint(scene, problem, asked, lines, work, at, wrench)
         for c in range(sides.shape[1]):
-            sides[at, c] *= about[at, d.FACTOR]
+            sides[at, c] *= about[at, d.ROW_FACTOR]
 
 
 def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
@@ -71,8 +78,8 @@ def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
                     moved[3 * k + i, asked[d.INITIAL] + 3 * k + i] = 1.0
 
 
-def _of_target(problem: Problem, asked: Array, desk: Desk, at: int, wrench: tuple[Vec, Vec]) -> None:
-    sides, targets, i = desk.sides, problem.targets, int(desk.about[at, d.OTHER])
+def _of_target(problem: Problem, asked: Array, work: Workspace, at: int, wrench: tuple[Vec, Vec]) -> None:
+    sides, targets, i = work.sides, problem.targets, int(work.about[at, d.ROW_OTHER])
     torque, force = wrench
     placed = dot(force, force) > 0.0
     if asked[d.TARGET] >= 0:
@@ -80,9 +87,9 @@ def _of_target(problem: Problem, asked: Array, desk: Desk, at: int, wrench: tupl
             put_vec(sides, at, asked[d.TARGET] + d.TARGET_COLUMNS * i, force)
         else:
             put_vec(sides, at, asked[d.TARGET] + d.TARGET_COLUMNS * i + 3, torque)
-    n = desk.q.shape[0]
+    n = work.q.shape[0]
     if asked[d.TOOL] >= 0 and end_segment(targets, i, n) == n - 1:
-        rotation = frame(desk.frames, n)[0]
+        rotation = frame(work.frames, n)[0]
         if placed:
             put_vec(sides, at, asked[d.TOOL] + 3, scale(-1.0, _across(force, rotation)))
         else:
@@ -100,48 +107,50 @@ def _of_constraint(
     problem: Problem,
     asked: Array,
     lines: Array,
-    desk: Desk,
+    work: Workspace,
     at: int,
     wrench: tuple[Vec, Vec],
 ) -> None:
-    sides, about, limits = desk.sides, desk.about, problem.limits
-    kind, k, other = int(about[at, d.KIND]), int(about[at, d.SEGMENT]), int(about[at, d.OTHER])
-    upper = about[at, d.SIDE] == 1.0
-    if asked[d.LENGTHS] >= 0 and kind == LENGTH:
+    sides, about, limits = work.sides, work.about, problem.limits
+    kind, k, other = int(about[at, d.ROW_KIND]), int(about[at, d.ROW_SEGMENT]), int(about[at, d.ROW_OTHER])
+    upper = about[at, d.ROW_SIDE] == 1.0
+    if asked[d.LENGTHS] >= 0 and kind == LENGTH_LIMIT:
         sides[at, asked[d.LENGTHS] + k] = -1.0 if upper else 1.0
-    if asked[d.BENDS] >= 0 and kind == BEND:
+    if asked[d.BENDS] >= 0 and kind == BEND_LIMIT:
         sides[at, asked[d.BENDS] + k] = -1.0
-    if kind == CURVATURE:
+    if kind == CURVATURE_LIMIT:
         thick = problem.avoids_itself and limits[k, t.MAX_CURVATURE] * limits[k, t.SELF_RADIUS] >= 1.0 - THICK
         if asked[d.CURVATURES] >= 0 and not thick:
-            sides[at, asked[d.CURVATURES] + k] = -desk.q[k, 2]
+            sides[at, asked[d.CURVATURES] + k] = -work.q[k, 2]
         if asked[d.RADII] >= 0 and thick:
-            sides[at, asked[d.RADII] + k] = desk.q[k, 2] * limits[k, t.MAX_CURVATURE] ** 2
-    if asked[d.RADII] >= 0 and kind in (CLEARANCE, SELF_CLEARANCE):
+            sides[at, asked[d.RADII] + k] = work.q[k, 2] * limits[k, t.MAX_CURVATURE] ** 2
+    if asked[d.RADII] >= 0 and kind in (CLEARANCE_LIMIT, SELF_CLEARANCE_LIMIT):
         sides[at, asked[d.RADII] + k] += 1.0
-        if kind == SELF_CLEARANCE:
+        if kind == SELF_CLEARANCE_LIMIT:
             sides[at, asked[d.RADII] + other] += 1.0
-    if kind == ACTUATOR:
-        _of_actuator(problem, asked, lines, desk, at, (k, other), upper)
-    if kind == CLEARANCE and asked[d.OBSTACLES] >= 0 and scene is not None:
+    if kind == ACTUATOR_LIMIT:
+        _of_actuator(problem, asked, lines, work, at, (k, other), upper)
+    if kind == CLEARANCE_LIMIT and asked[d.OBSTACLES] >= 0 and scene is not None:
         torque, force = wrench
         first = asked[d.OBSTACLES] + 6 * other
-        arm = sub(place_of(scene, other), frame(desk.frames, 0)[1])
+        arm = sub(place_of(scene, other), frame(work.frames, 0)[1])
         put_vec(sides, at, first, sub(torque, cross(arm, force)))
         put_vec(sides, at, first + 3, force)
 
 
 def _of_actuator(
-    problem: Problem, asked: Array, lines: Array, desk: Desk, at: int, which: tuple[int, int], upper: bool
+    problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, which: tuple[int, int], upper: bool
 ) -> None:
     """`which`: the last segment that the actuator sees, and the number of its limit."""
     last, j = which
     if asked[d.ACTUATORS] >= 0:
-        desk.sides[at, asked[d.ACTUATORS] + 2 * int(lines[j, NUMBER]) + (1 if upper else 0)] = -1.0 if upper else 1.0
-    if asked[d.TENDONS] >= 0 and lines[j, COLUMN] >= 0.0:
+        work.sides[at, asked[d.ACTUATORS] + 2 * int(lines[j, ACTUATOR_NUMBER]) + (1 if upper else 0)] = (
+            -1.0 if upper else 1.0
+        )
+    if asked[d.TENDONS] >= 0 and lines[j, CIRCLE] >= 0.0:
         table = problem.actuation
         grown = 0.0
         for k in range(0 if runs_through(table, j) else last, int(table[j, t.LAST_SEGMENT]) + 1):
-            grown += table[j, t.WEIGHTS] * desk.q[k, 0] + table[j, t.WEIGHTS + 1] * desk.q[k, 1]
+            grown += table[j, t.WEIGHTS] * work.q[k, 0] + table[j, t.WEIGHTS + 1] * work.q[k, 1]
         grown /= lines[j, RADIUS_OF]
-        desk.sides[at, asked[d.TENDONS] + int(lines[j, COLUMN])] = grown if upper else -grown
+        work.sides[at, asked[d.TENDONS] + int(lines[j, CIRCLE])] = grown if upper else -grown

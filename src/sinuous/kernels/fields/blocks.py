@@ -8,10 +8,10 @@ takes several at a time. No loop over the points branches.
 import math
 
 from sinuous.kernels.compile import inline
-from sinuous.kernels.fields.discs import AXIS, CENTER, HALF, RADIUS
+from sinuous.kernels.fields.discs import DISC_AXIS, DISC_CENTER, DISC_HALF, DISC_RADIUS
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.fields.triangles import read
-from sinuous.kernels.maths.vectors import Array, cross, dot, get_vec, sub
+from sinuous.kernels.maths.vectors import TINY, Array, cross, dot, get_vec, sub
 from sinuous.kernels.tables import BALLS, NODE_SIZE, TRIANGLE_NORMAL, TRIANGLE_SIZE
 
 EDGE = 4
@@ -19,13 +19,11 @@ EDGE = 4
 
 LANES = EDGE * EDGE * EDGE
 
-X, Y, Z, BEST, REACH, FOUND = 0, LANES, 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
+POINT_X, POINT_Y, POINT_Z, BEST, SQUARED_REACH, FOUND = 0, LANES, 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
 """Where a workspace holds, of each point: its place, the distance of the closest primitive, the square that a node must
 be closer than, and the number of the closest primitive."""
 
 WORKSPACE = 6 * LANES
-
-TINY = 1e-300
 
 
 def _boxes(store: Array, at: int, work: Array) -> int:
@@ -33,10 +31,10 @@ def _boxes(store: Array, at: int, work: Array) -> int:
     x0, y0, z0, x1, y1, z1 = store[at], store[at + 1], store[at + 2], store[at + 3], store[at + 4], store[at + 5]
     count = 0
     for i in range(LANES):
-        x = max(x0 - work[X + i], work[X + i] - x1, 0.0)
-        y = max(y0 - work[Y + i], work[Y + i] - y1, 0.0)
-        z = max(z0 - work[Z + i], work[Z + i] - z1, 0.0)
-        count += 1 if x * x + y * y + z * z < work[REACH + i] else 0
+        x = max(x0 - work[POINT_X + i], work[POINT_X + i] - x1, 0.0)
+        y = max(y0 - work[POINT_Y + i], work[POINT_Y + i] - y1, 0.0)
+        z = max(z0 - work[POINT_Z + i], work[POINT_Z + i] - z1, 0.0)
+        count += 1 if x * x + y * y + z * z < work[SQUARED_REACH + i] else 0
     return count
 
 
@@ -45,14 +43,14 @@ def _discs(discs: Array, node: int, work: Array) -> int:
 
     Beside the axis by b, with the radius r, that is b < r + sqrt(rest).
     """
-    center, axis = get_vec(discs, node, CENTER), get_vec(discs, node, AXIS)
-    half, square = discs[node, HALF], discs[node, RADIUS] * discs[node, RADIUS]
+    center, axis = get_vec(discs, node, DISC_CENTER), get_vec(discs, node, DISC_AXIS)
+    half, square = discs[node, DISC_HALF], discs[node, DISC_RADIUS] * discs[node, DISC_RADIUS]
     count = 0
     for i in range(LANES):
-        x, y, z = work[X + i] - center[0], work[Y + i] - center[1], work[Z + i] - center[2]
+        x, y, z = work[POINT_X + i] - center[0], work[POINT_Y + i] - center[1], work[POINT_Z + i] - center[2]
         height = x * axis[0] + y * axis[1] + z * axis[2]
         above = max(0.0, abs(height) - half)
-        rest = work[REACH + i] - above * above
+        rest = work[SQUARED_REACH + i] - above * above
         beyond = x * x + y * y + z * z - height * height - square - rest
         count += 1 if (rest > 0.0) & ((beyond < 0.0) | (beyond * beyond < 4.0 * square * rest)) else 0
     return count
@@ -62,14 +60,14 @@ def _ball(store: Array, at: int, item: int, work: Array) -> None:
     """See `_take`; the ball is at `at`."""
     x0, y0, z0, radius = store[at], store[at + 1], store[at + 2], store[at + 3]
     for i in range(LANES):
-        x, y, z = work[X + i] - x0, work[Y + i] - y0, work[Z + i] - z0
+        x, y, z = work[POINT_X + i] - x0, work[POINT_Y + i] - y0, work[POINT_Z + i] - z0
         d = math.sqrt(x * x + y * y + z * z) - radius
         closer = d < work[BEST + i]
         best = d if closer else work[BEST + i]
         work[BEST + i] = best
         work[FOUND + i] = item if closer else work[FOUND + i]
         outside = max(best, 0.0)
-        work[REACH + i] = outside * outside + TINY
+        work[SQUARED_REACH + i] = outside * outside + TINY
 
 
 def _triangle(store: Array, at: int, item: int, work: Array) -> None:
@@ -80,7 +78,7 @@ def _triangle(store: Array, at: int, item: int, work: Array) -> None:
     nu, nv, nw = cross(u, n), cross(v, n), cross(w, n)
     pu, pv, pw = 1.0 / max(dot(u, u), TINY), 1.0 / max(dot(v, v), TINY), 1.0 / max(dot(w, w), TINY)
     for i in range(LANES):
-        x, y, z = work[X + i], work[Y + i], work[Z + i]
+        x, y, z = work[POINT_X + i], work[POINT_Y + i], work[POINT_Z + i]
         ax, ay, az = x - a[0], y - a[1], z - a[2]
         bx, by, bz = x - b[0], y - b[1], z - b[2]
         cx, cy, cz = x - c[0], y - c[1], z - c[2]
@@ -97,8 +95,8 @@ def _triangle(store: Array, at: int, item: int, work: Array) -> None:
         most = max(most, cx * nw[0] + cy * nw[1] + cz * nw[2])
         height = ax * n[0] + ay * n[1] + az * n[2]
         least = height * height if most < 0.0 else least
-        closer = least < work[REACH + i]
-        work[REACH + i] = least if closer else work[REACH + i]
+        closer = least < work[SQUARED_REACH + i]
+        work[SQUARED_REACH + i] = least if closer else work[SQUARED_REACH + i]
         work[FOUND + i] = item if closer else work[FOUND + i]
 
 
@@ -137,7 +135,7 @@ def closest(store: Array, tree: Tree, discs: Array, seed: int, work: Array) -> N
         With the points, in the length unit; the numbers of their closest primitives are filled in.
     """
     for i in range(LANES):
-        work[BEST + i], work[REACH + i], work[FOUND + i] = math.inf, math.inf, seed
+        work[BEST + i], work[SQUARED_REACH + i], work[FOUND + i] = math.inf, math.inf, seed
     _take(store, tree, seed, work)
     node, due = 1, 1
     first_leaf = 1 << tree.levels

@@ -10,13 +10,13 @@ import math
 
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import trees, triangles
-from sinuous.kernels.fields.grids import Grid, grid_of
+from sinuous.kernels.fields.grids import SampleGrid, grid_of
 from sinuous.kernels.fields.primitives import Patch, patch_size
 from sinuous.kernels.fields.trees import Tree, item_beside, tree_of, unlift
 from sinuous.kernels.maths.vectors import Array, Vec, norm, sub
 from sinuous.kernels.tables import FIRST_CELL, NORMALS, TRIANGLE_SIZE
 
-CELL_SIZE, FIRST, NUMBER, DISTANCE = 3, 0, 1, 2
+CELL_SIZE, LIST_FIRST, LIST_NUMBER, CELL_DISTANCE = 3, 0, 1, 2
 """Numbers of a cell: where its list begins, counted from the first cell; how many are in it, negative where others are
 left out; and the signed distance of its middle from the mesh."""
 
@@ -31,14 +31,14 @@ fewer than 512 triangles."""
 BLOCK = 4
 """Cells of a block along each axis: what cannot be the closest in any of them is left out once for all."""
 
-SLACK = 1e-9
+DISTANCE_SLACK = 1e-9
 """What distances from middles may be wrong by, as a share of them."""
 
 WORK = 4
 """Rows that a list is made in: numbers and distances of triangles, those of a block, then those of a cell."""
 
 
-def middle(grid: Grid, i: float, j: float, k: float) -> Vec:
+def middle(grid: SampleGrid, i: float, j: float, k: float) -> Vec:
     """Middle of a cell."""
     return grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing
 
@@ -48,7 +48,7 @@ def _index(x: float, count: int) -> int:
     return min(int(x + 0.5), count - 1) if -0.5 < x < count - 0.5 else -1  # also where it is NaN
 
 
-def cell_of(grid: Grid, p: Vec) -> tuple[int, float]:
+def cell_of(grid: SampleGrid, p: Vec) -> tuple[int, float]:
     """Where the cell of `p` is in the store (-1: `p` is in none), and how far `p` is from its middle."""
     per = 1.0 / grid.spacing
     i = _index((p[0] - grid.low[0]) * per, grid.shape[0])
@@ -60,7 +60,7 @@ def cell_of(grid: Grid, p: Vec) -> tuple[int, float]:
     return grid.at + CELL_SIZE * number, norm(sub(p, middle(grid, i, j, k)))
 
 
-def span(grid: Grid) -> float:
+def span(grid: SampleGrid) -> float:
     """More than any triangle of a list is away from the middle of its cell."""
     return grid.spacing * (grid.shape[0] + grid.shape[1] + grid.shape[2] + 4)
 
@@ -71,13 +71,15 @@ def listed(entry: float, span: float) -> tuple[int, float]:
     return item, (entry - item) * span
 
 
-def closest(store: Array, tree: Tree, grid: Grid, cell: tuple[int, float], p: Vec, best: float) -> tuple[int, float]:
+def closest(
+    store: Array, tree: Tree, grid: SampleGrid, cell: tuple[int, float], p: Vec, best: float
+) -> tuple[int, float]:
     """Find the triangle closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is.
 
     `cell` is that of `p`, see `cell_of`.
     """
     found, reach, most = -1, unlift(best) + cell[1], span(grid)
-    first, number = grid.at + int(store[cell[0] + FIRST]), int(store[cell[0] + NUMBER])
+    first, number = grid.at + int(store[cell[0] + LIST_FIRST]), int(store[cell[0] + LIST_NUMBER])
     for at in range(first, first + abs(number)):
         item, from_middle = listed(store[at], most)
         if from_middle >= reach:
@@ -91,7 +93,7 @@ def closest(store: Array, tree: Tree, grid: Grid, cell: tuple[int, float], p: Ve
     return (found, best) if other < 0 else (other, d)
 
 
-def beside(store: Array, tree: Tree, grid: Grid, patch: Patch) -> tuple[float, Vec]:
+def beside(store: Array, tree: Tree, grid: SampleGrid, patch: Patch) -> tuple[float, Vec]:
     """Lower bound of the distance of a patch from the surface; -inf: none known.
 
     Also the gradient, at the center, of the distance to the triangle that decides.
@@ -100,7 +102,7 @@ def beside(store: Array, tree: Tree, grid: Grid, patch: Patch) -> tuple[float, V
     cell, far = cell_of(grid, patch.center)
     if cell < 0:
         return -math.inf, g
-    first, number = grid.at + int(store[cell + FIRST]), int(store[cell + NUMBER])
+    first, number = grid.at + int(store[cell + LIST_FIRST]), int(store[cell + LIST_NUMBER])
     if number == 0:
         return -math.inf, g
     size, least, most = patch_size(patch), math.inf, span(grid)
@@ -129,7 +131,7 @@ def _near(store: Array, tree: Tree, p: Vec, radius: float, count: int, work: Arr
         work[row, a], work[row + 1, a] = item, d
         least = min(least, d)
     for a in range(count):
-        if work[row + 1, a] <= (1.0 + SLACK) * (least + 2.0 * radius):
+        if work[row + 1, a] <= (1.0 + DISTANCE_SLACK) * (least + 2.0 * radius):
             work[row, number], work[row + 1, number] = work[row, a], work[row + 1, a]
             number += 1
     return number
@@ -153,7 +155,7 @@ def _fill(work: Array, count: int, most: float, cell: Array, lists: Array) -> in
     number = min(count, LISTED, lists.shape[0])
     for e in range(number):
         lists[e] = work[2, e] + max(0.0, work[3, e] / most - LESS)
-    cell[NUMBER] = number if number == count else -number
+    cell[LIST_NUMBER] = number if number == count else -number
     return number
 
 
@@ -181,7 +183,7 @@ def list_candidates(table: Array, store: Array, work: Array, cells: Array, lists
                             _sort(work, 2, number)
                             nearest = int(work[2, 0])
                             at = tree.items + TRIANGLE_SIZE * nearest
-                            cells[i, j, k, DISTANCE], _ = triangles.signed(store, at, normals, nearest, p)
-                            cells[i, j, k, FIRST] = cells.size + used
+                            cells[i, j, k, CELL_DISTANCE], _ = triangles.signed(store, at, normals, nearest, p)
+                            cells[i, j, k, LIST_FIRST] = cells.size + used
                             used += _fill(work, number, most, cells[i, j, k], lists[used:])
     return used

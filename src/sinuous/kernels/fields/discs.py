@@ -12,7 +12,7 @@ from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, put_vec, scale, sub
 from sinuous.kernels.tables import NODE_SIZE, TRIANGLE_NORMAL, TRIANGLE_SIZE
 
-CENTER, AXIS, RADIUS, HALF = 0, 3, 6, 7
+DISC_CENTER, DISC_AXIS, DISC_RADIUS, DISC_HALF = 0, 3, 6, 7
 """Columns of a disc: its centre (3), its unit normal (3), its radius, and half its thickness."""
 
 DISC_SIZE = 8
@@ -49,6 +49,6 @@ def enclose(store: Array, tree: Tree, discs: Array) -> None:
             center = add_scaled(center, 0.5 * (low + high), axis)
             # What arithmetic may be wrong by is taken off here, once for all points.
             slack = 1e-12 * (norm(center) + wide + high - low)
-            discs[node, RADIUS], discs[node, HALF] = wide + slack, 0.5 * (high - low) + slack
-        put_vec(discs, node, CENTER, center)
-        put_vec(discs, node, AXIS, axis)
+            discs[node, DISC_RADIUS], discs[node, DISC_HALF] = wide + slack, 0.5 * (high - low) + slack
+        put_vec(discs, node, DISC_CENTER, center)
+        put_vec(discs, node, DISC_AXIS, axis)

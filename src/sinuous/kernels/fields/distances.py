@@ -8,11 +8,11 @@ from collections import namedtuple
 from typing import Any
 
 from sinuous.kernels import tables as t
-from sinuous.kernels.clock import TREE_LOOKS
+from sinuous.kernels.clock import TREE_WORK
 from sinuous.kernels.compile import apart, entry
 from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import Patch, primitive
-from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
+from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, UPPER_BOUND
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 
@@ -22,7 +22,7 @@ MANY_HALVES = 4.0
 Scene = namedtuple("Scene", ["table", "store"])
 """Rows (m, 33), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
 
-Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that looks at
+Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that examines
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
 
 
@@ -43,31 +43,31 @@ def _own(scene: Scene, i: int, p: Vec) -> Vec:
 
 
 @apart
-def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
+def _evaluate_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     if scene.table[i, t.KIND] >= t.TREE:
-        return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
+        return solids.evaluate(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
     away, far = sub(p, get_vec(scene.table, i, t.CENTER)), reach + scene.table[i, t.EXTENT]
-    if mode == STEP and 0.0 < far < math.inf and dot(away, away) >= far * far:
+    if mode == INTERPOLATED and 0.0 < far < math.inf and dot(away, away) >= far * far:
         return norm(away) - scene.table[i, t.EXTENT], math.inf
     d, _ = primitive(scene.table, i, p)
     return d, d
 
 
-def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
+def evaluate(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
 
-    `mode` is one of STEP, BOUND, EXACT and ABOVE of `solids`; primitives are always exact. What is not less than
-    `reach` need not be exact: any lower bound that is not less than `reach` either will do. In STEP a primitive that a
-    ball about it keeps beyond `reach` has no upper bound.
+    `mode` is one of INTERPOLATED, LOWER_BOUND, EXACT and UPPER_BOUND of `solids`; primitives are always exact. What is
+    not less than `reach` need not be exact: any lower bound that is not less than `reach` either will do. With
+    INTERPOLATED a primitive that a ball about it keeps beyond `reach` has no upper bound.
     """
     if scene.table[i, t.KIND] != t.SPHERE:
-        return _look_at_other(scene, i, p, reach, mode)
-    d = scene.table[i, t.SIGN] * (norm(sub(p, get_vec(scene.table, i, t.CENTER))) - scene.table[i, t.ROUNDING])
+        return _evaluate_other(scene, i, p, reach, mode)
+    d = scene.table[i, t.SIGN] * (norm(sub(p, get_vec(scene.table, i, t.CENTER))) - scene.table[i, t.ROUNDING_RADIUS])
     return d, d
 
 
 def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
+    """Signed distance of the point `p` to obstacle `i`, INTERPOLATED or EXACT, and its gradient; see `evaluate`."""
     return slope_known(scene, i, p, reach, mode, math.inf)
 
 
@@ -81,34 +81,34 @@ def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: fl
     return primitive(scene.table, i, p)
 
 
-def tangents_pay(scene: Scene, i: int, d: float, size: float, room: float) -> bool:
+def tangents_pay(scene: Scene, i: int, d: float, size: float, slack: float) -> bool:
     """Whether tangents may prove a patch, and sooner than its halves would: its center is at the distance `d`.
 
-    No point of it is farther from there than `size`; its bound may be less than `d` by `room`. A primitive and a list
+    No point of it is farther from there than `size`; its bound may be less than `d` by `slack`. A primitive and a list
     are soon asked; in a tree all parts are met that are near a patch, and beside many parts, as beside a ball, a
-    tangent at the center loses some `size * size / (2 d)`. Halves without tangents end no longer than `room`.
+    tangent at the center loses some `size * size / (2 d)`. Halves without tangents end no longer than `slack`.
     """
     if scene.table[i, t.KIND] < t.TREE:
         return True
-    if room <= 0.0 or scene.table[i, t.FIRST_CELL] >= 0.0:
-        return room > 0.0
-    return bool(size > MANY_HALVES * room and size * size < 2.0 * d * room)
+    if slack <= 0.0 or scene.table[i, t.FIRST_CELL] >= 0.0:
+        return slack > 0.0
+    return bool(size > MANY_HALVES * slack and size * size < 2.0 * d * slack)
 
 
-def beside(scene: Scene, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
-    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
+def beside(scene: Scene, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
+    """Lower bound of the distance to obstacle `i` of all within `deviation` of a patch; -inf where none is known.
 
     One point of all that has to be known to be free. Also the gradient, at the center, of the distance to what decides.
     What is not less than `reach` need not be exact.
     """
     if scene.table[i, t.KIND] < t.TREE:
-        return primitives.beside(scene.table, i, patch, aside)
+        return primitives.beside(scene.table, i, patch, deviation)
     if scene.table[i, t.PLACED] == 0.0:
-        return solids.beside(scene.table, scene.store, i, patch, aside, reach)
+        return solids.beside(scene.table, scene.store, i, patch, deviation, reach)
     turn = get_mat(scene.table, i, t.PLACE + t.POSE_ROTATION)
     along, onward, twist = vec_mat(patch.along, turn), vec_mat(patch.onward, turn), vec_mat(patch.twist, turn)
     own = Patch(_own(scene, i, patch.center), along, onward, twist)
-    low, g = solids.beside(scene.table, scene.store, i, own, aside, reach)
+    low, g = solids.beside(scene.table, scene.store, i, own, deviation, reach)
     return low, mat_vec(turn, g)
 
 
@@ -117,7 +117,7 @@ def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
 
     `known` is that distance, where it is known already, else infinite.
     """
-    return slope_known(scene, i, p, math.inf, STEP, known)
+    return slope_known(scene, i, p, math.inf, INTERPOLATED, known)
 
 
 def number_of(scene: Scene | None) -> int:
@@ -138,27 +138,27 @@ def coarseness(scene: Scene | None) -> float:
     return spacing
 
 
-def price_of(scene: Scene, i: int) -> int:
-    """Looks that the distance to obstacle `i` costs, see `kernels.clock`."""
-    return TREE_LOOKS if scene.table[i, t.KIND] >= t.TREE else 1
+def work_of(scene: Scene, i: int) -> int:
+    """Work units that the distance to obstacle `i` costs, see `kernels.clock`."""
+    return TREE_WORK if scene.table[i, t.KIND] >= t.TREE else 1
 
 
-def price(scene: Scene) -> int:
-    """Looks that the distance to the scene costs."""
-    looks = 0
+def work_of_all(scene: Scene) -> int:
+    """Work units that the distance to the scene costs."""
+    units = 0
     for i in range(scene.table.shape[0]):
-        looks += price_of(scene, i)
-    return looks
+        units += work_of(scene, i)
+    return units
 
 
 def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none).
 
-    `mode` to ask, and `reach`, from which on it may be anything that is not less: see `look`.
+    `mode` to ask, and `reach`, from which on it may be anything that is not less: see `evaluate`.
     """
     least, which = math.inf, -1
     for i in range(scene.table.shape[0]):
-        d, _ = look(scene, i, p, min(least, reach), mode)
+        d, _ = evaluate(scene, i, p, min(least, reach), mode)
         if d < least:
             least, which = d, i
     return least, which
@@ -177,7 +177,7 @@ def at_most(scene: Scene, p: Vec, reach: float) -> float:
     least = reach
     for i in range(scene.table.shape[0]):
         roundoff = scene.table[i, t.ROUNDOFF]
-        least = min(least, look(scene, i, p, least - roundoff, ABOVE)[0] + roundoff)
+        least = min(least, evaluate(scene, i, p, least - roundoff, UPPER_BOUND)[0] + roundoff)
     return least
 
 
@@ -204,7 +204,7 @@ def many(
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
         values[j], which[j] = nearest(scene, p)
-        above[j] = closest(scene, p, math.inf, ABOVE)[0] if uncertain else values[j]
+        above[j] = closest(scene, p, math.inf, UPPER_BOUND)[0] if uncertain else values[j]
         if which[j] >= 0:
             _, g = slope(scene, which[j], p, math.inf, EXACT)
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g
@@ -217,7 +217,7 @@ def least_gap(table: Array, store: Array, points: Array, radii: Array, above: bo
     """Find the least of `distance - radius` over `points` (m, 3) with `radii` (m,): the value, the point, the obstacle.
 
     `above`: of upper bounds, which differ for samples alone. Without obstacles or points inf, -1 and -1. Points that
-    are sure to be farther, because the one looked at last is far enough away, are passed over; samples alone promise
+    are sure to be farther, because the one examined last is far enough away, are passed over; samples alone promise
     nothing of the next point.
     """
     scene = Scene(table, store)
@@ -230,7 +230,7 @@ def least_gap(table: Array, store: Array, points: Array, radii: Array, above: bo
         p = get_vec(points, j, 0)
         if sure and seen - norm(sub(p, there)) - radii[j] >= least:
             continue
-        d, nearest_one = closest(scene, p, math.inf, ABOVE if above else EXACT)
+        d, nearest_one = closest(scene, p, math.inf, UPPER_BOUND if above else EXACT)
         seen, there = d, p
         if d - radii[j] < least:
             least, place, which = d - radii[j], j, nearest_one

@@ -16,19 +16,19 @@ from collections import namedtuple
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.tables import ORIGIN, SHAPE, SPACING
 
-Grid = namedtuple("Grid", ["at", "shape", "low", "spacing"])
+SampleGrid = namedtuple("SampleGrid", ["at", "shape", "low", "spacing"])
 """Where the samples begin in the store (last axis fastest), points along every axis, the first point, spacing."""
 
-Corners = tuple[float, float, float, float, float, float, float, float]
+CellCorners = tuple[float, float, float, float, float, float, float, float]
 """Samples at the corners of a cell, last axis fastest."""
 
-ROUNDOFF = 1e-13
+SQUARE_ROUNDOFF = 1e-13
 """Of a squared spacing: more than rounding adds to a difference of squares; its root is a millionth of a spacing."""
 
 
-def grid_of(table: Array, i: int, first: int) -> Grid:
+def grid_of(table: Array, i: int, first: int) -> SampleGrid:
     """Grid of obstacle `i`, whose first place in the store column `first` says."""
-    return Grid(
+    return SampleGrid(
         int(table[i, first]),
         (int(table[i, SHAPE]), int(table[i, SHAPE + 1]), int(table[i, SHAPE + 2])),
         (table[i, ORIGIN], table[i, ORIGIN + 1], table[i, ORIGIN + 2]),
@@ -43,7 +43,7 @@ def _cell(x: float, count: int) -> tuple[int, float]:
     return i, min(x - i, 1.0)
 
 
-def look_up(store: Array, grid: Grid, p: Vec) -> tuple[Corners, Vec, Vec]:
+def look_up(store: Array, grid: SampleGrid, p: Vec) -> tuple[CellCorners, Vec, Vec]:
     """Corners of the cell of `p`, the place in that cell, and how far `p` is out of the grid along every axis."""
     nx, ny, nz = grid.shape
     per = 1.0 / grid.spacing
@@ -84,14 +84,14 @@ def _mix(a: float, b: float, t: float) -> float:
     return a + t * (b - a)
 
 
-def value(v: Corners, t: Vec) -> float:
+def value(v: CellCorners, t: Vec) -> float:
     """Trilinear interpolation."""
     near = _mix(_mix(v[0], v[1], t[2]), _mix(v[2], v[3], t[2]), t[1])
     far = _mix(_mix(v[4], v[5], t[2]), _mix(v[6], v[7], t[2]), t[1])
     return _mix(near, far, t[0])
 
 
-def slope(v: Corners, t: Vec, spacing: float) -> Vec:
+def slope(v: CellCorners, t: Vec, spacing: float) -> Vec:
     """Gradient of the interpolation."""
     x0, x1 = _mix(v[0], v[1], t[2]), _mix(v[2], v[3], t[2])
     x2, x3 = _mix(v[4], v[5], t[2]), _mix(v[6], v[7], t[2])
@@ -105,7 +105,7 @@ def slope(v: Corners, t: Vec, spacing: float) -> Vec:
     )
 
 
-def _ways(t: Vec, spacing: float) -> Corners:
+def _ways(t: Vec, spacing: float) -> CellCorners:
     """Distances to the corners."""
     x0, x1 = t[0] * t[0], (1.0 - t[0]) * (1.0 - t[0])
     y0, y1 = t[1] * t[1], (1.0 - t[1]) * (1.0 - t[1])
@@ -123,19 +123,19 @@ def _ways(t: Vec, spacing: float) -> Corners:
     )
 
 
-def at_least(v: Corners, t: Vec, spacing: float) -> float:
+def at_least(v: CellCorners, t: Vec, spacing: float) -> float:
     """Lower bound of any distance with these samples."""
     w = _ways(t, spacing)
     return max(v[0] - w[0], v[1] - w[1], v[2] - w[2], v[3] - w[3], v[4] - w[4], v[5] - w[5], v[6] - w[6], v[7] - w[7])
 
 
-def at_most(v: Corners, t: Vec, spacing: float) -> float:
+def at_most(v: CellCorners, t: Vec, spacing: float) -> float:
     """Upper bound of any distance with these samples."""
     w = _ways(t, spacing)
     return min(v[0] + w[0], v[1] + w[1], v[2] + w[2], v[3] + w[3], v[4] + w[4], v[5] + w[5], v[6] + w[6], v[7] + w[7])
 
 
-def at_most_below(v: Corners, t: Vec, spacing: float, exact_below: float) -> float:
+def at_most_below(v: CellCorners, t: Vec, spacing: float, exact_below: float) -> float:
     """The same where samples from a value on are lower bounds alone; infinite where none of them bounds it.
 
     A distance of 0 or less is known wherever a lower bound of it is no more: inside, no bound says more than it.
@@ -153,7 +153,7 @@ def _outer(v: float) -> float:
     return v * v if v > 0.0 else 0.0
 
 
-def set_distance(v: Corners, t: Vec, spacing: float) -> float:
+def set_distance(v: CellCorners, t: Vec, spacing: float) -> float:
     """Lower bound of the distance to a set with these samples."""
     squares = (
         _outer(v[0]),
@@ -166,7 +166,7 @@ def set_distance(v: Corners, t: Vec, spacing: float) -> float:
         _outer(v[7]),
     )
     spread = t[0] * (1.0 - t[0]) + t[1] * (1.0 - t[1]) + t[2] * (1.0 - t[2])
-    square = value(squares, t) - spacing * spacing * (spread + ROUNDOFF)
+    square = value(squares, t) - spacing * spacing * (spread + SQUARE_ROUNDOFF)
     if square > 4.0 * spacing * spacing:
         return math.sqrt(square)
     least = at_least(v, t, spacing)

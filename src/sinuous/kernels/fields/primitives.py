@@ -8,7 +8,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, dot, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
-from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING, SIGN, SPHERE
+from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING_RADIUS, SIGN, SPHERE
 
 FLAT = 100.0
 """Largest size of a patch, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
@@ -75,7 +75,7 @@ def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
     else:
         d, g = _shape(int(table[i, KIND]), get_mat(table, i, AXES), get_vec(table, i, HALF_EXTENTS), local)
     sign = table[i, SIGN]
-    return sign * (d - table[i, ROUNDING]), scale(sign, g)
+    return sign * (d - table[i, ROUNDING_RADIUS]), scale(sign, g)
 
 
 def patch_size(patch: Patch) -> float:
@@ -89,12 +89,12 @@ def lean(g: Vec, patch: Patch) -> float:
     return min(c - a - b, a - b - c, b - a - c, a + b + c)
 
 
-def beside(table: Array, i: int, patch: Patch, aside: float) -> tuple[float, Vec]:
-    """Lower bound of the distance to primitive `i` of all that is within `aside` of a patch; -inf: none known.
+def beside(table: Array, i: int, patch: Patch, deviation: float) -> tuple[float, Vec]:
+    """Lower bound of the distance to primitive `i` of all that is within `deviation` of a patch; -inf: none known.
 
     The distance to a convex primitive is a convex function: on the patch it is no less than its tangent at the center
     says at the worst corner. Also its gradient there.
     """
     d, g = primitive(table, i, patch.center)
     known = table[i, SIGN] > 0.0 and patch_size(patch) < FLAT * d
-    return (d + lean(g, patch) - aside if known else -math.inf), g
+    return (d + lean(g, patch) - deviation if known else -math.inf), g

@@ -1,8 +1,8 @@
 """Distance to an obstacle that is more than a few numbers: a tree of triangles, balls or cubes, and samples on a grid.
 
 Every query has a mode. In a step of the solver the interpolated samples are good enough. For a proof there is a lower
-bound, which the samples give in one look, and the exact distance, which costs a walk through the tree. An obstacle that
-has samples alone has no exact distance: its lower bound stands for it.
+bound, which the samples give in one evaluation, and the exact distance, which costs a walk through the tree. An
+obstacle that has samples alone has no exact distance: its lower bound stands for it.
 """
 
 import math
@@ -13,17 +13,17 @@ import numpy as np
 from sinuous.kernels import tables
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import blocks, candidates, discs, grids, trees
-from sinuous.kernels.fields.grids import Grid, grid_of
+from sinuous.kernels.fields.grids import SampleGrid, grid_of
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, item_slope, lift, tree_of, unlift
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 
 MODES: Any = np.arange(4)
-STEP, BOUND, EXACT, ABOVE = MODES
+INTERPOLATED, LOWER_BOUND, EXACT, UPPER_BOUND = MODES
 """Modes of a query: interpolated, as a step of the solver needs it; a lower bound; exact; an upper bound. They are not
 int, because Numba would compile once more for each value."""
 
-KNOWN = 1e-9
+KNOWN_ROUNDING = 1e-9
 """What a distance that is known may be wrong by, as a share of it."""
 
 
@@ -31,7 +31,7 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
     d, g = item_slope(store, tree_of(table, i), item, p, int(table[i, tables.NORMALS]))
     sign = table[i, tables.SIGN]
-    return sign * (d - table[i, tables.ROUNDING]), scale(sign, g)
+    return sign * (d - table[i, tables.ROUNDING_RADIUS]), scale(sign, g)
 
 
 def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float) -> tuple[int, float, bool]:
@@ -42,7 +42,7 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float
     be left out for being far.
     """
     tree = tree_of(table, i)
-    away = reach + table[i, tables.ROUNDING]
+    away = reach + table[i, tables.ROUNDING_RADIUS]
     if table[i, tables.FIRST_CELL] >= 0.0:
         cells = grid_of(table, i, tables.FIRST_CELL)
         cell, far = candidates.cell_of(cells, p)
@@ -64,7 +64,7 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float
     most = gap + grids.at_most(corners, t, grid.spacing)
     if tree.kind == tables.TRIANGLES:
         most = gap + _most_surface(corners, t, grid.spacing)
-    most += table[i, tables.ROUNDING]
+    most += table[i, tables.ROUNDING_RADIUS]
     most += 1e-9 * abs(most)
     free = low > 0.0
     item, d = closest(store, tree, p, lift(min(most, away) if free else most))
@@ -74,18 +74,18 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float
 
 
 def _find_in_cell(
-    table: Array, store: Array, i: int, p: Vec, reach: float, known: float, where: tuple[Grid, int, float]
+    table: Array, store: Array, i: int, p: Vec, reach: float, known: float, where: tuple[SampleGrid, int, float]
 ) -> tuple[int, float, bool]:
     """The same by a list; `where`: the grid of cells, that of `p` in the store, and how far `p` is from its middle."""
     grid, cell, far = where
     tree = tree_of(table, i)
-    away, middle = reach + table[i, tables.ROUNDING], store[cell + candidates.DISTANCE]
-    slack = candidates.SLACK * (abs(middle) + far)
-    low = table[i, tables.SIGN] * (middle - table[i, tables.ROUNDING]) - far - slack
+    away, middle = reach + table[i, tables.ROUNDING_RADIUS], store[cell + candidates.CELL_DISTANCE]
+    slack = candidates.DISTANCE_SLACK * (abs(middle) + far)
+    low = table[i, tables.SIGN] * (middle - table[i, tables.ROUNDING_RADIUS]) - far - slack
     if low >= reach:
         return -1, lift(away), True
-    surface = abs(table[i, tables.SIGN] * known + table[i, tables.ROUNDING])
-    most = min(abs(middle) + far + slack, (1.0 + KNOWN) * surface + slack)
+    surface = abs(table[i, tables.SIGN] * known + table[i, tables.ROUNDING_RADIUS])
+    most = min(abs(middle) + far + slack, (1.0 + KNOWN_ROUNDING) * surface + slack)
     free = table[i, tables.NORMALS] < 0.0 or low > 0.0
     item, d = candidates.closest(store, tree, grid, (cell, far), p, lift(min(most, away) if free else most))
     if item < 0 and not (free and away <= most):
@@ -93,12 +93,12 @@ def _find_in_cell(
     return item, d, free
 
 
-def _most_surface(v: grids.Corners, t: Vec, spacing: float) -> float:
+def _most_surface(v: grids.CellCorners, t: Vec, spacing: float) -> float:
     """Upper bound of the distance to the surface, whichever side it is on."""
     return max(grids.at_most(v, t, spacing), -grids.at_least(v, t, spacing))
 
 
-def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> float:
+def _lowest(sign: float, corners: grids.CellCorners, t: Vec, beyond: Vec, spacing: float) -> float:
     """Lower bound by the samples, also out of their grid, which holds the whole obstacle.
 
     From out of a convex box, every point in it is at an angle of 90 degrees or more to the direction of the box.
@@ -110,7 +110,7 @@ def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: f
     return math.hypot(max(low, 0.0), gap) if sign > 0.0 else low - gap
 
 
-def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> tuple[float, Vec]:
+def _interpolate(sign: float, corners: grids.CellCorners, t: Vec, beyond: Vec, spacing: float) -> tuple[float, Vec]:
     """Distance and gradient by the samples, also out of their grid (see `_lowest`)."""
     d, g = grids.value(corners, t), grids.slope(corners, t, spacing)
     gap = norm(beyond)
@@ -128,24 +128,24 @@ def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spaci
     return far, scale(1.0 / far, add(beyond, scale(d, along)))
 
 
-def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
+def evaluate(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Distance of `p` to obstacle `i`, asked in this mode, and an upper bound of it: the same where it is exact.
 
     What is not less than `reach` need not be exact: any lower bound that is not less than `reach` either will do.
     """
-    exact = mode in (EXACT, ABOVE)
+    exact = mode in (EXACT, UPPER_BOUND)
     if table[i, tables.FIRST_SAMPLE] < 0.0 or (exact and table[i, tables.KIND] == tables.TREE):
         item, d, free = _find(table, store, i, p, reach, math.inf)
         if item < 0:
             return reach, math.inf
-        exact_one = unlift(d) - table[i, tables.ROUNDING] if free else at_item(table, store, i, item, p)[0]
+        exact_one = unlift(d) - table[i, tables.ROUNDING_RADIUS] if free else at_item(table, store, i, item, p)[0]
         return exact_one, exact_one
     grid = grid_of(table, i, tables.FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     if table[i, tables.KIND] == tables.SAMPLES:
         d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode, table[i, tables.EXACT_BELOW])
         return d, d
-    if mode == STEP:
+    if mode == INTERPOLATED:
         d, _ = _interpolate(table[i, tables.SIGN], corners, t, beyond, grid.spacing)
         return d, d
     low = _lowest(table[i, tables.SIGN], corners, t, beyond, grid.spacing)
@@ -153,17 +153,17 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) ->
 
 
 def _look_at_samples(
-    corners: grids.Corners, t: Vec, gap: float, spacing: float, mode: int, exact_below: float
+    corners: grids.CellCorners, t: Vec, gap: float, spacing: float, mode: int, exact_below: float
 ) -> float:
-    if mode == STEP:
+    if mode == INTERPOLATED:
         return grids.value(corners, t) - gap
-    if mode == ABOVE:
+    if mode == UPPER_BOUND:
         return grids.at_most_below(corners, t, spacing, exact_below) + gap
     return grids.at_least(corners, t, spacing) - gap
 
 
 def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
-    """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`.
+    """Distance of `p` to obstacle `i`, INTERPOLATED or EXACT, and its gradient; `reach` as for `evaluate`.
 
     `known` is that distance, where it is known already, else infinite.
     """
@@ -179,8 +179,8 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
     return d, g
 
 
-def beside(table: Array, store: Array, i: int, patch: Patch, aside: float, reach: float) -> tuple[float, Vec]:
-    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a patch; -inf where none is known.
+def beside(table: Array, store: Array, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
+    """Lower bound of the distance to obstacle `i` of all within `deviation` of a patch; -inf where none is known.
 
     If one point of all that is free: then it all is, because the surface is farther away. Also the gradient, at the
     center, of the distance to what decides. What is not less than `reach` need not be exact.
@@ -191,8 +191,8 @@ def beside(table: Array, store: Array, i: int, patch: Patch, aside: float, reach
     if table[i, tables.FIRST_CELL] >= 0.0:
         away, g = candidates.beside(store, tree, grid_of(table, i, tables.FIRST_CELL), patch)
     else:
-        away, g = trees.beside(store, tree, patch, reach + table[i, tables.ROUNDING] + aside)
-    low = away - table[i, tables.ROUNDING] - aside
+        away, g = trees.beside(store, tree, patch, reach + table[i, tables.ROUNDING_RADIUS] + deviation)
+    low = away - table[i, tables.ROUNDING_RADIUS] - deviation
     return (low if low > 0.0 else -math.inf), g
 
 
@@ -218,7 +218,7 @@ def sample(table: Array, store: Array, own: Array, work: Array, first: int, last
             for k in range(0, out.shape[2], edge):
                 for lane in range(blocks.LANES):
                     p = _point(grid, i + lane // (edge * edge), j + lane // edge % edge, k + lane % edge)
-                    work[blocks.X + lane], work[blocks.Y + lane], work[blocks.Z + lane] = p
+                    work[blocks.POINT_X + lane], work[blocks.POINT_Y + lane], work[blocks.POINT_Z + lane] = p
                 blocks.closest(store, tree, own, seed, work)
                 seed = int(work[blocks.FOUND])
                 for a in range(i, min(i + edge, last)):
@@ -228,14 +228,16 @@ def sample(table: Array, store: Array, own: Array, work: Array, first: int, last
                             out[a, b, c], _ = at_item(table, store, 0, item, _point(grid, a, b, c))
 
 
-def _point(grid: Grid, i: int, j: int, k: int) -> Vec:
+def _point(grid: SampleGrid, i: int, j: int, k: int) -> Vec:
     return (grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing)
 
 
-def _sample_by_point(table: Array, store: Array, tree: Tree, grid: Grid, first: int, last: int, out: Array) -> None:
+def _sample_by_point(
+    table: Array, store: Array, tree: Tree, grid: SampleGrid, first: int, last: int, out: Array
+) -> None:
     """The same, point by point.
 
-    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be looked at again.
+    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be examined again.
     """
     at_row = at_slab = at = -1
     for i in range(first, last):

@@ -28,7 +28,7 @@ def tree_of(table: Array, i: int) -> Tree:
         int(table[i, t.NODES]),
         int(table[i, t.LEVELS]),
         int(table[i, t.ITEMS]),
-        int(table[i, t.COUNT]),
+        int(table[i, t.ITEM_COUNT]),
         int(table[i, t.ITEM_KIND]),
         table[i, t.CUBE_HALF],
     )

@@ -8,44 +8,44 @@ import math
 
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
-from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
+from sinuous.kernels.clock import SEGMENT_WORK, allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import closest, obstacle, price
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.distances import closest, obstacle, work_of_all
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
-from sinuous.kernels.step.newton import add_targets, close, move, project_to_limits, rest, step
+from sinuous.kernels.step.newton import add_targets, finish_rows, move, project_to_limits, step, wish_nothing
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, RADIUS
 
-SAMPLES = 4
+ROUTE_SAMPLES = 4
 """Places on every segment that are drawn to the route."""
 
-ROUNDS, LAST_ROUNDS = 2, 4
+GROWTH_STEPS, LAST_STEPS = 2, 4
 """Newton steps while the chain grows, and at the end."""
 
-TURNS = 8
+MOST_GROWTHS = 8
 """How often a chain of many segments grows, at most: by several of them at once."""
 
-WINDOW = 0.1
+ROUTE_WINDOW = 0.1
 """How far from where it belongs a place may slide along the route, and the place beside it be, of its length."""
 
-MU = 1e-5
+FIT_DAMPING = 1e-5
 """Damping of the steps."""
 
-PLACES = 12
+WALL_PLACES = 12
 """Places of every segment that are kept off the walls, in the end."""
 
 OFF_WALLS = 10
 """Most Newton steps that move the chain off the walls."""
 
-SHARE, ROOM = 0.5, 0.5
+CLEARANCE_SHARE, MOST_CLEARANCE = 0.5, 0.5
 """Of the clearance that the route has beside a place, how much the place should have; no more than so many radii."""
 
-BEST = 2
+BEST_STATE = 2
 """The state that keeps the best configuration."""
 
 
@@ -76,12 +76,12 @@ def _draw_segment(
     """Write the rows that draw segment `k` to its part of the route; returns the next free row."""
     begin, own, total = stretch
     length = length_of(curve)
-    for j in range(SAMPLES):
-        s = (j + 1.0) / SAMPLES
+    for j in range(ROUTE_SAMPLES):
+        s = (j + 1.0) / ROUTE_SAMPLES
         p = body_point(state.q, state.frames, k, s)
         along = (begin + s * own) / total * length
         if sliding:
-            foot, tangent = closest_on(curve, p, along, WINDOW * length)
+            foot, tangent = closest_on(curve, p, along, ROUTE_WINDOW * length)
             a, b = across(tangent)
             pull = sub(foot, p)
             at = _draw(problem, state, at, k, s, p, a, pull)
@@ -111,23 +111,23 @@ def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: b
         before += own
         if sliding:
             at, _, _ = add_targets(problem, state, k, at)
-    close(state, at)
+    finish_rows(state, at)
 
 
 def _go(problem: Problem, states: State, at: int, work: Work) -> int:
     """Take one step from state `at`, which is linearised; returns the state that holds the result."""
-    rest(work)
-    step(problem, pick(states, at), work, MU)
+    wish_nothing(work)
+    step(problem, pick(states, at), work, FIT_DAMPING)
     move(problem, pick(states, at), work, pick(states, 1 - at))
     return 1 - at
 
 
-def _wished(problem: Problem, curve: Curve, k: int, share: float, p: Vec) -> float:
+def _wished(problem: Problem, curve: Curve, k: int, fraction: float, p: Vec) -> float:
     """Distance from the obstacles that the place `p` of segment `k` should have."""
     radius = problem.limits[k, RADIUS]
-    foot, _ = closest_on(curve, p, share * length_of(curve), WINDOW * length_of(curve))
-    d, _ = closest(problem.scene, foot, (1.0 + ROOM / SHARE) * radius, STEP)
-    return radius + min(ROOM * radius, max(problem.margin, SHARE * (d - radius)))
+    foot, _ = closest_on(curve, p, fraction * length_of(curve), ROUTE_WINDOW * length_of(curve))
+    d, _ = closest(problem.scene, foot, (1.0 + MOST_CLEARANCE / CLEARANCE_SHARE) * radius, INTERPOLATED)
+    return radius + min(MOST_CLEARANCE * radius, max(problem.margin, CLEARANCE_SHARE * (d - radius)))
 
 
 def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
@@ -146,15 +146,15 @@ def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         radius = problem.limits[k, RADIUS]
-        for j in range(PLACES):
-            s = (j + 1.0) / PLACES
+        for j in range(WALL_PLACES):
+            s = (j + 1.0) / WALL_PLACES
             along = begin + s * q[k, 2]
             if along < problem.mount:
                 continue
             p = body_point(q, state.frames, k, s)
-            d, which = closest(problem.scene, p, (1.0 + ROOM) * radius + problem.margin, STEP)
+            d, which = closest(problem.scene, p, (1.0 + MOST_CLEARANCE) * radius + problem.margin, INTERPOLATED)
             least = min(least, d - radius)
-            if d >= radius + ROOM * radius:
+            if d >= radius + MOST_CLEARANCE * radius:
                 continue
             wished = _wished(problem, curve, k, along / total, p)
             if d < wished:
@@ -164,7 +164,7 @@ def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
                 pushed += 1
         begin += q[k, 2]
         at, _, _ = add_targets(problem, state, k, at)
-    close(state, at)
+    finish_rows(state, at)
     return least, pushed
 
 
@@ -175,18 +175,18 @@ def clear(problem: Problem, states: State, at: int, work: Work, curve: Curve) ->
     """
     if problem.scene.table.shape[0] == 0:
         return at
-    best, most = pick(states, BEST), -math.inf
-    looks = best.q.shape[0] * (SEGMENT_LOOKS + PLACES * price(problem.scene))
+    best, most = pick(states, BEST_STATE), -math.inf
+    units = best.q.shape[0] * (SEGMENT_WORK + WALL_PLACES * work_of_all(problem.scene))
     for _ in range(OFF_WALLS):
         state = pick(states, at)
         least, rows = push_off(problem, state, curve)
         if least > most:
             most = least
             copy(state.q, best.q)
-        if rows == 0 or spend(work.clock, looks):
+        if rows == 0 or spend(work.clock, units):
             break
         at = _go(problem, states, at, work)
-    return BEST
+    return BEST_STATE
 
 
 def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
@@ -197,23 +197,23 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     for k in range(n):
         low += problem.limits[k, MIN_LENGTH]
         high += problem.limits[k, MAX_LENGTH]
-    share = min(1.0, max(0.0, (length - low) / (high - low))) if high > low else 0.0
+    fraction = min(1.0, max(0.0, (length - low) / (high - low))) if high > low else 0.0
     at = 0
     q = pick(states, at).q
     for k in range(n):
-        own = problem.limits[k, MIN_LENGTH] + share * (problem.limits[k, MAX_LENGTH] - problem.limits[k, MIN_LENGTH])
+        own = problem.limits[k, MIN_LENGTH] + fraction * (problem.limits[k, MAX_LENGTH] - problem.limits[k, MIN_LENGTH])
         put_vec(q, k, 0, (0.0, 0.0, own))
     project_to_limits(problem, pick(states, at), work)
-    at_once = 1 + n // TURNS
+    at_once = 1 + n // MOST_GROWTHS
     for begun in range(0, n, at_once):
         grown = min(n, begun + at_once)
-        for _ in range(ROUNDS):
-            if spend(work.clock, SEGMENT_LOOKS * n):
+        for _ in range(GROWTH_STEPS):
+            if spend(work.clock, SEGMENT_WORK * n):
                 return at
             attract(problem, pick(states, at), curve, grown, False)
             at = _go(problem, states, at, work)
-    for _ in range(LAST_ROUNDS):
-        if spend(work.clock, SEGMENT_LOOKS * n):
+    for _ in range(LAST_STEPS):
+        if spend(work.clock, SEGMENT_WORK * n):
             return at
         attract(problem, pick(states, at), curve, n, True)
         at = _go(problem, states, at, work)

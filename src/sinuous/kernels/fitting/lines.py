@@ -4,14 +4,14 @@ import math
 
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.band import respace
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, dot, get_vec, norm, scale, sub
 
-SIDES = 8
-"""To how many sides of a line it is looked for room."""
+LINE_SIDES = 8
+"""To how many sides of a line it is checked for room."""
 
-ASIDE = 3
+SIDE_STEPS = 3
 """How far aside at most, in radii of the body."""
 
 MOST_PIECES = 32
@@ -40,23 +40,23 @@ def distances_along(scene: Array, points: Array, reach: float, distances: Array)
     """
     obstacles = read_scene(scene)
     for i in range(points.shape[0]):
-        distances[i], _ = closest(obstacles, get_vec(points, i, 0), reach, STEP)
+        distances[i], _ = closest(obstacles, get_vec(points, i, 0), reach, INTERPOLATED)
 
 
 def _width_across(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
-    """Most distance from the obstacles in the plane across a line; away from the nearest one it is looked first."""
-    most, which = closest(scene, place, enough, STEP)
+    """Most distance from the obstacles in the plane across a line; away from the nearest one it is checked first."""
+    most, which = closest(scene, place, enough, INTERPOLATED)
     length = norm(ahead)
     if not 0.0 < most < enough or length == 0.0:
         return most
     x, y = across(scale(1.0 / length, ahead))
     _, away = obstacle(scene, which, place, math.inf)
     first, begun = math.atan2(dot(away, y), dot(away, x)), most
-    for side in range(SIDES):
-        angle = first + 2.0 * math.pi * side / SIDES
+    for side in range(LINE_SIDES):
+        angle = first + 2.0 * math.pi * side / LINE_SIDES
         way = add(scale(math.cos(angle), x), scale(math.sin(angle), y))
-        for step in range(1, ASIDE + 1):
-            d, _ = closest(scene, add_scaled(place, step * radius, way), enough, STEP)
+        for step in range(1, SIDE_STEPS + 1):
+            d, _ = closest(scene, add_scaled(place, step * radius, way), enough, INTERPOLATED)
             if d <= begun:
                 break
             most = max(most, d)

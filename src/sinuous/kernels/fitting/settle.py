@@ -5,37 +5,37 @@ pushed off to the wrong side of a wall.
 """
 
 from sinuous.kernels.body.rows import END
-from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
+from sinuous.kernels.clock import SEGMENT_WORK, allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.step.newton import linearise, move, project_to_limits, rest, step
-from sinuous.kernels.step.states import ANGLE, POSITION, SEEN, State, Work, carve_for, pick
+from sinuous.kernels.step.newton import linearise, move, project_to_limits, step, wish_nothing
+from sinuous.kernels.step.states import ANGLE, CLEARANCE_SEEN, POSITION, State, Work, carve_for, pick
 from sinuous.kernels.tables import RADIUS
 
-ROUNDS = 60
+MOST_STEPS = 60
 """Most steps."""
 
-REACH, TURN = 0.25, 0.08
+REACH_STEP, TURN_STEP = 0.25, 0.08
 """How far a step moves what is asked for and what overlaps: in radii of the body at its end, and in rad."""
 
-LEAST = 1e-3
+LEAST_REACH = 1e-3
 """How far it does at least, in lengths of the robot."""
 
-MU = 2e-5
+SETTLE_DAMPING = 2e-5
 """Damping of the steps."""
 
 
 def _hold_back(problem: Problem, state: State) -> None:
     """Ask less of a step than would meet the targets and end all overlaps."""
     n, rows = problem.limits.shape[0], state.rows
-    reach = max(REACH * problem.limits[n - 1, RADIUS], LEAST * problem.unit)
+    reach = max(REACH_STEP * problem.limits[n - 1, RADIUS], LEAST_REACH * problem.unit)
     off, turn = state.norms[POSITION], state.norms[ANGLE]
-    share = min(1.0, reach / off if off > 0.0 else 1.0, TURN / turn if turn > 0.0 else 1.0)
+    fraction = min(1.0, reach / off if off > 0.0 else 1.0, TURN_STEP / turn if turn > 0.0 else 1.0)
     for i in range(rows.start[n]):
         if rows.kind[i] == END:
-            rows.value[i] *= share
+            rows.value[i] *= fraction
         else:
             rows.value[i] = min(rows.value[i], reach / problem.unit)
 
@@ -47,16 +47,16 @@ def settle(problem: Problem, states: State, at: int, work: Work) -> int:
     """
     n = problem.limits.shape[0]
     project_to_limits(problem, pick(states, at), work)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_STEPS):
         state = pick(states, at)
-        linearise(problem, state, work, problem.step_depth, STEP, 0.0, False)
+        linearise(problem, state, work, problem.step_depth, INTERPOLATED, 0.0, False)
         off, turn = state.norms[POSITION], state.norms[ANGLE]
         there = off <= problem.position_tolerance and turn <= problem.angle_tolerance
-        if (there and state.norms[SEEN] >= 0.0) or spend(work.clock, SEGMENT_LOOKS * n):
+        if (there and state.norms[CLEARANCE_SEEN] >= 0.0) or spend(work.clock, SEGMENT_WORK * n):
             break
         _hold_back(problem, state)
-        rest(work)
-        step(problem, state, work, MU)
+        wish_nothing(work)
+        step(problem, state, work, SETTLE_DAMPING)
         move(problem, state, work, pick(states, 1 - at))
         at = 1 - at
     return at

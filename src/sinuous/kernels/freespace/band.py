@@ -3,9 +3,9 @@
 import math
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
-from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.freespace.grid import Grid
+from sinuous.kernels.fields.distances import Scene, closest, obstacle, work_of_all
+from sinuous.kernels.fields.solids import INTERPOLATED
+from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
 SWEEPS = 24
@@ -40,30 +40,30 @@ def respace(points: Array, count: int, out: Array, wanted: int) -> float:
             i += 1
         a, b = get_vec(points, i - 1, 0), get_vec(points, i, 0)
         length = norm(sub(b, a))
-        share = min(1.0, (j * spacing - gone) / length) if length > 0.0 else 0.0
-        put_vec(out, j, 0, add_scaled(a, share, sub(b, a)))
+        fraction = min(1.0, (j * spacing - gone) / length) if length > 0.0 else 0.0
+        put_vec(out, j, 0, add_scaled(a, fraction, sub(b, a)))
     put_vec(out, wanted - 1, 0, get_vec(points, count - 1, 0))
     return spacing
 
 
 def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
     """Move a point away from the nearest obstacle by no more than `most`, if that is nearer than `wanted`."""
-    d, which = closest(scene, p, wanted, STEP)
+    d, which = closest(scene, p, wanted, INTERPOLATED)
     if which < 0 or d >= wanted:
         return p
     _, g = obstacle(scene, which, p, d)
     return add_scaled(p, min(most, wanted - d), g)
 
 
-def tighten(scene: Scene, grid: Grid, route: Array, scratch: Array, clock: Array, count: int) -> None:
+def tighten(scene: Scene, grid: SearchGrid, route: Array, scratch: Array, clock: Array, count: int) -> None:
     """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
     The first two points stay, and the last; so does the last but one when the goal has a tangent. Where a point is far
     from all obstacles nobody asks again before it has moved as far. `scratch` (2 count, 3) is written over.
     """
-    wanted = grid.radius + grid.room
+    wanted = grid.radius + grid.free_margin
     last = count - 1 if norm(grid.back) == 0.0 else count - 2
-    spare, free, looks = scratch[:count], scratch[count:], price(scene)
+    spare, free, units = scratch[:count], scratch[count:], work_of_all(scene)
     for sweep in range(SWEEPS):
         most = grid.cell * (0.5 - 0.4 * sweep / SWEEPS)
         if sweep % RESPACED == 0:
@@ -77,9 +77,9 @@ def tighten(scene: Scene, grid: Grid, route: Array, scratch: Array, clock: Array
             p = add_scaled(p, min(0.7, most / size) if size > 0.0 else 0.0, pull)
             free[i, 0] -= min(0.7 * size, most)
             if free[i, 0] < 0.0:
-                if spend(clock, looks):
+                if spend(clock, units):
                     return
-                d, which = closest(scene, p, wanted + RESPACED * most, STEP)
+                d, which = closest(scene, p, wanted + RESPACED * most, INTERPOLATED)
                 free[i, 0] = d - wanted
                 if d < wanted:
                     _, g = obstacle(scene, which, p, d)

@@ -1,6 +1,6 @@
 """The cells that a search has met, by blocks of eight in a hash table; and the memory that a search works in.
 
-A block holds the eight children of a cell that was divided, see `octree`. It is entered when it is first looked into:
+A block holds the eight children of a cell that was divided, see `octree`. It is entered when it is first entered:
 no grid is laid out beforehand, and in a narrow place few are met at all. Blocks are counted in the order in which they
 are met, cells by their block: cell `8 b + octant`. What is noted of cells lies in arrays by that number, so neighbours
 mostly lie together there, and memory that no cell came to is never touched.
@@ -23,10 +23,10 @@ CellTable = namedtuple("CellTable", ["index", "size", "parents", "cuts", "distan
 of the cell: `distance` (c,) of its middle to the obstacles, or one of UNKNOWN, DIVIDED and BLOCKED; `penalized` (c,)
 uint8, whether it is near a route that is known already. `index` (c / 4,) int32 is an open-addressed hash table: by
 slot, one more than the number of the block, 0 where the slot is empty. `size` (4,) int64: how many blocks there are,
-how many slots are in use, a power of two that grows with them; how many cells were looked at, and whether (0, 1)
+how many slots are in use, a power of two that grows with them; how many cells were examined, and whether (0, 1)
 something found no place."""
 
-BLOCKS, SLOTS, SEEN, OVERFLOW = range(4)
+BLOCKS, SLOTS, EVALUATED, OVERFLOW = range(4)
 """Places in `size`."""
 
 Side = namedtuple("Side", ["before", "cost", "length", "points", "done", "priority", "items", "size"])
@@ -40,12 +40,12 @@ OPEN, DONE = range(2)
 
 Memory = namedtuple("Memory", ["table", "sides", "points", "stack", "clock"])
 """All that a search works in: table, both sides (arrays with one more axis in front, see `pick`), `points` (m, 3) of a
-line, keys (STACK,) int64 of cells that are yet to be looked into, and the clock, see `kernels.clock`."""
+line, keys (STACK,) int64 of cells that are yet to be entered, and the clock, see `kernels.clock`."""
 
 NONE = -1
 
 BLOCKED, UNKNOWN, DIVIDED = -math.inf, -2e300, -1e300
-"""In the place of a distance: a cell that cannot be passed, one that nobody looked at, and one that has a block of its
+"""In the place of a distance: a cell that cannot be passed, one that nobody examined, and one that has a block of its
 own. Whatever is larger is the distance of a cell that can be passed."""
 
 FIRST_SLOTS = 1 << 8
@@ -134,7 +134,7 @@ def key_in(table: CellTable, cell: int) -> int:
 
 
 def add_block(memory: Memory, key: int, cut: int) -> int:
-    """Give a cell a block of its own, of cells that nobody looked at; NONE where there is no place left.
+    """Give a cell a block of its own, of cells that nobody examined; NONE where there is no place left.
 
     `cut` is the wall that cuts it in two, NONE: it is divided into eight.
     """
@@ -167,7 +167,7 @@ def _grow(table: CellTable) -> None:
 def clear(memory: Memory) -> None:
     """Forget all cells."""
     table = memory.table
-    table.size[BLOCKS], table.size[SLOTS], table.size[SEEN] = 0, min(FIRST_SLOTS, table.index.shape[0]), 0
+    table.size[BLOCKS], table.size[SLOTS], table.size[EVALUATED] = 0, min(FIRST_SLOTS, table.index.shape[0]), 0
     for i in range(table.size[SLOTS]):
         table.index[i] = 0
     restart(memory)

@@ -4,14 +4,14 @@ from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
-from sinuous.kernels.freespace.cells import NONE, SEEN, Memory, carve, clear, restart
-from sinuous.kernels.freespace.grid import Grid
+from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, clear, restart
+from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid, straight_length
 from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
 
-APART = 2
+PENALIZED_CELLS = 2
 """Cells on all sides of a route that are made dearer before the next one is searched for."""
 
 
@@ -23,7 +23,7 @@ def _chain(memory: Memory, which: int, met: int) -> int:
     return count
 
 
-def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
+def _trace(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
     """Write the line of the route through the cell `met` to `memory.points`; returns the number of its points.
 
     It has both straight pieces, and between them the places where the route enters cells, but for those that both ends
@@ -50,7 +50,7 @@ def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
     return count + 2
 
 
-def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, route: Array) -> int:
+def _smooth(memory: Memory, grid: SearchGrid, scene: Scene, met: int, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one through the cell `met`; returns how many points it has (0: too many cells)."""
     traced = _trace(memory, grid, met, query)
     if traced == 0:
@@ -102,7 +102,7 @@ def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Arr
         counts[count] = points
         count += 1
         if count < routes.shape[0]:
-            penalize(memory, grid, scene, met, APART)
+            penalize(memory, grid, scene, met, PENALIZED_CELLS)
             restart(memory)
     return count, ended
 
@@ -130,11 +130,11 @@ def find_routes(
     -------
     (int, int, int)
         How many routes; how the last search ended: FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED; and how many cells it
-        looked at.
+        examined.
     """
     obstacles, asked = read_scene(scene), read_query(query)
     memory = carve(buffer, asked.most_cells)
     begin(memory.clock)
     allow(memory.clock, seconds)
     count, ended = _find(memory, obstacles, asked, routes, counts)
-    return count, ended, int(memory.table.size[SEEN])
+    return count, ended, int(memory.table.size[EVALUATED])

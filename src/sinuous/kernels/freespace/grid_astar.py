@@ -18,8 +18,7 @@ from collections import namedtuple
 
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import inline
-from sinuous.kernels.fields.distances import Scene
-from sinuous.kernels.fields.distances import price as looks_of
+from sinuous.kernels.fields.distances import Scene, work_of_all
 from sinuous.kernels.freespace.cells import (
     BLOCKED,
     BLOCKS,
@@ -38,10 +37,10 @@ from sinuous.kernels.freespace.cells import (
     pop,
     push,
 )
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, cell_at, corners, middle, price, walled
-from sinuous.kernels.freespace.halves import beside, beyond, linked, shared
+from sinuous.kernels.freespace.cut_cells import beside, beyond, linked, shared
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, cell_at, corners, cost_rate, middle, walled
 from sinuous.kernels.freespace.keys import child_of, key_of, numbers_of, octant_of, touch
-from sinuous.kernels.freespace.octree import LEAF, block_at, known_leaf, leaf_at, look_at
+from sinuous.kernels.freespace.octree import LEAF, block_at, evaluate_cell, known_leaf, leaf_at
 from sinuous.kernels.maths.vectors import Vec, add_scaled, get_vec, norm, put_vec, sub
 from sinuous.kernels.tables import CLOSED, FOUND, FULL, TIMED_OUT
 
@@ -58,18 +57,18 @@ SEEDS = 0.25
 """Most of the table that the cells about one end may take. About a larger ball nothing is searched from: the other side
 ends when it gets there."""
 
-AROUND = 27
-"""Looks of a clock that one cell counts for."""
+CELL_WORK = 27
+"""Work units of a clock that one cell counts for."""
 
-TURNS = 4
+WALL_ITERATIONS = 4
 """How often a point beside a wall is put back between two cells."""
 
 Here = namedtuple("Here", ["which", "cell", "key", "cut", "level", "point", "price"])
-"""The cell whose neighbours are looked at, by one side: number and key of it; the wall that cuts it; its level; where
+"""The cell whose neighbours are examined, by one side: number and key of it; the wall that cuts it; its level; where
 the route enters it; and what a unit of length costs there."""
 
 
-def _end(grid: Grid, which: int) -> tuple[Vec, float]:
+def _end(grid: SearchGrid, which: int) -> tuple[Vec, float]:
     """Where routes of a side begin: within a ball about a place."""
     if which == FROM_GOAL:
         return grid.goal, grid.goal_radius + HALF_DIAGONAL * grid.cell
@@ -92,7 +91,7 @@ def _begin(side: Side, cell: int, off: float, p: Vec) -> None:
         put_vec(side.points, cell, 0, p)
 
 
-def _seed(memory: Memory, grid: Grid, scene: Scene, which: int) -> bool:
+def _seed(memory: Memory, grid: SearchGrid, scene: Scene, which: int) -> bool:
     """Open the cells in which there are middles in the ball where a side begins; say whether they are not too many."""
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
     place, around = _end(grid, which)
@@ -128,16 +127,16 @@ def _gap(sides: Side, cell: int) -> float:
     return norm(sub(get_vec(sides.points[FROM_GOAL], cell, 0), get_vec(sides.points[FROM_START], cell, 0)))
 
 
-def _through(memory: Memory, grid: Grid, cell: int) -> float:
+def _through(memory: Memory, grid: SearchGrid, cell: int) -> float:
     """Cost of the route through a cell that both sides have come to; infinite without one."""
     sides = memory.sides
     if cell == NONE or sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] == math.inf:
         return math.inf
-    own = price(grid, memory.table.distance[cell]) + DETOUR * memory.table.penalized[cell]
+    own = cost_rate(grid, memory.table.distance[cell]) + DETOUR * memory.table.penalized[cell]
     return sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] + own * _gap(sides, cell)
 
 
-def _joins(memory: Memory, grid: Grid, cell: int, met: int) -> bool:
+def _joins(memory: Memory, grid: SearchGrid, cell: int, met: int) -> bool:
     """Whether the route through `cell` is cheaper than that through `met`, and not too long."""
     sides = memory.sides
     cost = _through(memory, grid, cell)
@@ -147,7 +146,7 @@ def _joins(memory: Memory, grid: Grid, cell: int, met: int) -> bool:
     return SMOOTHED * length <= grid.longest
 
 
-def _crossing(grid: Grid, scene: Scene, here: Here, key: int, half: tuple[int, int], aim: Vec) -> Vec:
+def _crossing(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[int, int], aim: Vec) -> Vec:
     """Where a route enters the cell `key`: in its middle if it is one of the finest, else where it leads to `aim`.
 
     The point of the face, edge or corner between both cells that the straight line meets, or is nearest to; beside the
@@ -157,22 +156,22 @@ def _crossing(grid: Grid, scene: Scene, here: Here, key: int, half: tuple[int, i
         return middle(grid, key)
     low, high = shared(grid, here.key, key)
     p, line = here.point, sub(aim, here.point)
-    thin, share = 0.25 * grid.cell, 0.0
+    thin, fraction = 0.25 * grid.cell, 0.0
     if high[0] - low[0] < thin and line[0] != 0.0:
-        share = max(share, min(1.0, (low[0] - p[0]) / line[0]))
+        fraction = max(fraction, min(1.0, (low[0] - p[0]) / line[0]))
     if high[1] - low[1] < thin and line[1] != 0.0:
-        share = max(share, min(1.0, (low[1] - p[1]) / line[1]))
+        fraction = max(fraction, min(1.0, (low[1] - p[1]) / line[1]))
     if high[2] - low[2] < thin and line[2] != 0.0:
-        share = max(share, min(1.0, (low[2] - p[2]) / line[2]))
-    p = _clamp(add_scaled(p, share, line), low, high)
+        fraction = max(fraction, min(1.0, (low[2] - p[2]) / line[2]))
+    p = _clamp(add_scaled(p, fraction, line), low, high)
     if half[0] == NONE:
         return p
-    for _ in range(TURNS):
+    for _ in range(WALL_ITERATIONS):
         p = _clamp(beside(scene, half[0], half[1], p, grid.radius), low, high)
     return beside(scene, half[0], half[1], p, grid.clearance)
 
 
-def _arrive(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, key: int) -> None:
+def _arrive(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, key: int) -> None:
     """Note of a cell, if it is so, that it reaches to where routes of the other side begin."""
     aim, close = _end(grid, 1 - which)
     low, high = corners(grid, key)
@@ -186,7 +185,7 @@ def _arrive(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, key
 push_here = inline(push)
 
 
-def _reach(memory: Memory, grid: Grid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
+def _reach(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
     """See whether the route to the cell `new` is cheaper from here; returns the cell of the cheapest route so far."""
     table, side, other = memory.table, pick(memory.sides, here.which), pick(memory.sides, 1 - here.which)
     cut = table.cuts[new >> 3]
@@ -200,13 +199,13 @@ def _reach(memory: Memory, grid: Grid, scene: Scene, here: Here, new: int, key: 
     d = table.distance[new]
     there = _crossing(grid, scene, here, key, (cut, new & 7), aim)
     step = norm(sub(there, here.point))
-    cost = side.cost[here.cell] + 0.5 * step * (here.price + price(grid, d) + DETOUR * table.penalized[new])
+    cost = side.cost[here.cell] + 0.5 * step * (here.price + cost_rate(grid, d) + DETOUR * table.penalized[new])
     length = side.length[here.cell] + step
     rest = norm(sub(there, aim))
     if cost >= side.cost[new] or SMOOTHED * length + rest > grid.longest:
         return met
     if here.level == 0 and numbers_of(key)[0] == 0 and d + table.distance[here.cell] < step:
-        spend(memory.clock, looks_of(scene))
+        spend(memory.clock, work_of_all(scene))
         if walled(grid, scene, here.key, key):
             return met
     side.cost[new], side.length[new], side.before[new] = cost, length, here.cell
@@ -217,7 +216,7 @@ def _reach(memory: Memory, grid: Grid, scene: Scene, here: Here, new: int, key: 
     return new if other.cost[new] < math.inf and _joins(memory, grid, new, met) else met
 
 
-def _reach_into(memory: Memory, grid: Grid, scene: Scene, here: Here, divided: int, met: int) -> int:
+def _reach_into(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, divided: int, met: int) -> int:
     """The same for all cells that can be passed in a larger one, `divided`, and touch the one here."""
     table, stack = memory.table, memory.stack
     stack[0], count = divided, 1
@@ -237,7 +236,7 @@ def _reach_into(memory: Memory, grid: Grid, scene: Scene, here: Here, divided: i
             child = child_of(key, octant)
             if table.distance[8 * block + octant] == BLOCKED or not touch(child, here.key):
                 continue
-            d = look_at(memory, grid, scene, child, 8 * block + octant)
+            d = evaluate_cell(memory, grid, scene, child, 8 * block + octant)
             if d == DIVIDED:
                 stack[count] = child
                 count += 1
@@ -249,7 +248,7 @@ def _reach_into(memory: Memory, grid: Grid, scene: Scene, here: Here, divided: i
 block_of_here, reach_here = inline(block_of), inline(_reach)
 
 
-def _reach_halves(memory: Memory, grid: Grid, scene: Scene, here: Here, block: int, met: int) -> int:
+def _reach_halves(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, block: int, met: int) -> int:
     """The same for both halves of a cell that a wall cuts."""
     cost = memory.sides.cost
     for half in range(8 * block, 8 * block + 2):
@@ -258,7 +257,7 @@ def _reach_halves(memory: Memory, grid: Grid, scene: Scene, here: Here, block: i
     return met
 
 
-def _reach_block(memory: Memory, grid: Grid, scene: Scene, here: Here, block: int, met: int) -> int:
+def _reach_block(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, block: int, met: int) -> int:
     """The same for those of the eight cells of a block that touch the one here, which is as large as they are."""
     table, cost = memory.table, memory.sides.cost[here.which]
     level, x, y, z = numbers_of(here.key)
@@ -271,7 +270,7 @@ def _reach_block(memory: Memory, grid: Grid, scene: Scene, here: Here, block: in
                 if d == BLOCKED or cost[new] <= cost[here.cell]:  # nothing is reached from here that costs no more
                     continue
                 if d == UNKNOWN:
-                    d = look_at(memory, grid, scene, key, new)
+                    d = evaluate_cell(memory, grid, scene, key, new)
                 if d > DIVIDED:
                     met = reach_here(memory, grid, scene, here, new, key, met)
                 elif d == DIVIDED:
@@ -282,12 +281,12 @@ def _reach_block(memory: Memory, grid: Grid, scene: Scene, here: Here, block: in
 reach_block_here = inline(_reach_block)
 
 
-def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met: int) -> int:
-    """Look at the neighbours of a cell; returns the cell that the cheapest route known so far leads through."""
+def _widen(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, met: int) -> int:
+    """Examine the neighbours of a cell; returns the cell that the cheapest route known so far leads through."""
     table, side = memory.table, pick(memory.sides, which)
     key = key_in(table, cell)
     level, x, y, z = numbers_of(key)
-    own = price(grid, table.distance[cell]) + DETOUR * table.penalized[cell]
+    own = cost_rate(grid, table.distance[cell]) + DETOUR * table.penalized[cell]
     here = Here(which, cell, key, table.cuts[cell >> 3], level, get_vec(side.points, cell, 0), own)
     for i in range((x - 1) >> 1, ((x + 1) >> 1) + 1):
         for j in range((y - 1) >> 1, ((y + 1) >> 1) + 1):
@@ -312,7 +311,7 @@ def _least(side: Side) -> float:
     return side.priority[0] if side.size[OPEN] > 0 else math.inf
 
 
-def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
+def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
     """Search from the cells about the goal and from those about the start; what was searched before is in the memory.
 
     Returns FOUND, CLOSED (no route), FULL (the table or a heap is) or TIMED_OUT; and the cell in which both sides met
@@ -329,7 +328,7 @@ def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
         if _joins(memory, grid, cell, met):
             met = cell
     while True:
-        if spend(memory.clock, AROUND):
+        if spend(memory.clock, CELL_WORK):
             return TIMED_OUT, NONE
         if table.size[OVERFLOW] != 0:
             return FULL, NONE
@@ -352,7 +351,7 @@ def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
         met = _widen(memory, grid, scene, which, cell, met)
 
 
-def penalize(memory: Memory, grid: Grid, scene: Scene, met: int, around: int) -> None:
+def penalize(memory: Memory, grid: SearchGrid, scene: Scene, met: int, around: int) -> None:
     """Make the route through the cell `met`, and cells up to `around` cells from it, dearer: about large ones, one."""
     table = memory.table
     for which in range(2):

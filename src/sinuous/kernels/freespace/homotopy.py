@@ -4,12 +4,12 @@ Two curves deform into each other where a leash, a straight line from a place on
 along both from end to end and stays clear: it sweeps a homotopy (homotopic Frechet distance: Chambers et al. 2010, here
 with straight leashes; with places at equal fractions of the length it is the uniform visibility deformation of Zhou et
 al. 2020, after the visibility deformation of Jaillet & Simeon 2008). How far one place is ahead of the other is free,
-up to `WINDOW`. So that shape and slack of the curves do not matter they are drawn tight before.
+up to `LEASH_WINDOW`. So that shape and slack of the curves do not matter they are drawn tight before.
 
-Every step is one that is known to be possible. A leash is looked at where the distance known last runs out; between two
-looks it keeps `SLACK` times what it has to keep, by the Lipschitz bound of distances. Leashes that follow each other
-are no farther apart than neighbouring points of a curve, h: what is swept between them is clear when `SLACK * keep` is
-at least h / 2. Where nothing is found nothing is proved.
+Every step is one that is known to be possible. A leash is examined where the distance known last runs out; between two
+evaluations it keeps `LEASH_SLACK` times what it has to keep, by the Lipschitz bound of distances. Leashes that follow
+each other are no farther apart than neighbouring points of a curve, h: what is swept between them is clear when `SLACK
+* keep` is at least h / 2. Where nothing is found nothing is proved.
 """
 
 import math
@@ -19,31 +19,31 @@ import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import Scene, closest, obstacle, price, read_scene
-from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene, work_of_all
+from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.freespace.band import respace
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
-SLACK = 0.9
-"""What a leash keeps between two looks, in units of what it keeps at them."""
+LEASH_SLACK = 0.9
+"""What a leash keeps between two evaluations, in units of what it keeps at them."""
 
 EXACT_WITHIN = 2.0
 """Distances below this are asked for exactly, in units of what is to be kept; beyond, a lower bound will do."""
 
 PASSES, EASED = 6, 0.94
 """How often a curve is drawn tight, from either end in turn, and what is left each time of the distance that it has to
-keep: ends of leashes may keep less than their looks, and have to be let pass the next time."""
+keep: ends of leashes may keep less than their evaluations, and have to be let pass the next time."""
 
-WINDOW = 0.125
+LEASH_WINDOW = 0.125
 """How far one end of a leash may be ahead of the other, in units of the length of the curves."""
 
-PUSHES = 12
+MOST_PUSHES = 12
 """Most pushes that bring a point off an obstacle."""
 
-UNSEEN, FREE, BLOCKED = 0, 1, 2
+LEASH_UNKNOWN, LEASH_FREE, LEASH_BLOCKED = 0, 1, 2
 """What is known of a leash."""
 
-NOTHING, LATE = -1, -2
+NO_OBSTACLE, OUT_OF_TIME = -1, -2
 """What is in the way of a leash that is no obstacle."""
 
 Leashes = namedtuple("Leashes", ["state", "open"])
@@ -53,36 +53,36 @@ i + j - w of the other; and a stack of those that can be led on, `open` (s,) int
 
 def homotopy_workspace_size(points: int) -> int:
     """Numbers (float64) that curves of so many points are compared, and drawn tight, in."""
-    leashes = points * (2 * int(WINDOW * points) + 1)
+    leashes = points * (2 * int(LEASH_WINDOW * points) + 1)
     return CLOCK_SIZE + 3 * points + leashes // 8 + 1 + leashes + 2
 
 
-def _ray(scene: Scene, a: Vec, b: Vec, keep: float, looks: int, clock: Array) -> tuple[float, int]:
+def _ray(scene: Scene, a: Vec, b: Vec, keep: float, units: int, clock: Array) -> tuple[float, int]:
     """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NOTHING; LATE: no time).
 
-    The distance of a place takes so many looks.
+    The distance of a place takes so many evaluations.
     """
     line = sub(b, a)
     length = norm(line)
     gone = 0.0
     while True:
-        if spend(clock, looks):
-            return gone, LATE
+        if spend(clock, units):
+            return gone, OUT_OF_TIME
         p = add_scaled(a, gone / length, line) if length > 0.0 else a
-        d, which = closest(scene, p, length - gone + keep, BOUND)
+        d, which = closest(scene, p, length - gone + keep, LOWER_BOUND)
         if d < EXACT_WITHIN * keep:
             d, which = closest(scene, p, EXACT_WITHIN * keep, EXACT)
         if d < keep:
             return gone, which
-        gone += d - SLACK * keep
+        gone += d - LEASH_SLACK * keep
         if gone >= length:
-            return length, NOTHING
+            return length, NO_OBSTACLE
 
 
 def _free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
     """Whether the leash from `a` to `b` keeps this distance."""
-    _, which = _ray(scene, a, b, keep, price(scene), clock)
-    return which == NOTHING
+    _, which = _ray(scene, a, b, keep, work_of_all(scene), clock)
+    return which == NO_OBSTACLE
 
 
 def _pull(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -> None:
@@ -143,13 +143,13 @@ def draw_tight(scene: Array, curve: Array, keep: float, seconds: float, workspac
 
 def _carve(workspace: Array, count: int) -> Leashes:
     """Lay out what is known of leashes behind clock and spare curve, all of it forgotten."""
-    wide = 2 * int(WINDOW * count) + 1
+    wide = 2 * int(LEASH_WINDOW * count) + 1
     rest = workspace[CLOCK_SIZE + 3 * count :]
     bytes_ = count * wide // 8 + 1
     state = rest[:bytes_].view(np.uint8)[: count * wide].reshape((count, wide))
     for i in range(count):
         for j in range(wide):
-            state[i, j] = UNSEEN
+            state[i, j] = LEASH_UNKNOWN
     return Leashes(state, rest[bytes_:].view(np.int32))
 
 
@@ -159,7 +159,7 @@ def _reach(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, cloc
     half = wide // 2
     if not _free(scene, get_vec(a, 0, 0), get_vec(b, 0, 0), keep, clock):
         return False
-    leashes.state[0, half], leashes.open[0], size = FREE, half, 1
+    leashes.state[0, half], leashes.open[0], size = LEASH_FREE, half, 1
     while size > 0:
         size -= 1
         at = int(leashes.open[size])
@@ -169,19 +169,19 @@ def _reach(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, cloc
         for step in range(3):  # what is put last is led on first: both ends together
             k, m = i + (step != 1), j + (step != 0)
             column = m - k + half
-            if k >= count or m >= count or column < 0 or column >= wide or leashes.state[k, column] != UNSEEN:
+            if k >= count or m >= count or column < 0 or column >= wide or leashes.state[k, column] != LEASH_UNKNOWN:
                 continue
             if _free(scene, get_vec(a, k, 0), get_vec(b, m, 0), keep, clock):
-                leashes.state[k, column], leashes.open[size] = FREE, k * wide + column
+                leashes.state[k, column], leashes.open[size] = LEASH_FREE, k * wide + column
                 size += 1
             else:
-                leashes.state[k, column] = BLOCKED
+                leashes.state[k, column] = LEASH_BLOCKED
     return False
 
 
 @entry
 def deforms(scene: Array, a: Array, b: Array, keep: float, seconds: float, workspace: Array) -> bool:
-    """Whether a leash can be led along two curves, from end to end, and keeps this distance at all looks.
+    """Whether a leash can be led along two curves, from end to end, and keeps this distance at all evaluations.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def deforms(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
 
 def _off(scene: Scene, p: Vec, keep: float) -> Vec:
     """Push a point off the obstacles, to this distance where that goes."""
-    for _ in range(PUSHES):
+    for _ in range(MOST_PUSHES):
         d, which = closest(scene, p, keep, EXACT)
         if d >= keep:
             break
@@ -248,13 +248,13 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     if spacing * (count - 1) > most:
         return False
     for i in range(count - 1):
-        if not _free(obstacles, get_vec(middle, i, 0), get_vec(middle, i + 1, 0), SLACK * keep, clock):
+        if not _free(obstacles, get_vec(middle, i, 0), get_vec(middle, i + 1, 0), LEASH_SLACK * keep, clock):
             return False
     return True
 
 
 @entry
-def see(
+def trace_lines(
     scene: Array,
     starts: Array,
     ends: Array,
@@ -284,6 +284,6 @@ def see(
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
     _begin(clock, seconds)
-    looks = price(obstacles)
+    units = work_of_all(obstacles)
     for i in range(starts.shape[0]):
-        lengths[i], which[i] = _ray(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, looks, clock)
+        lengths[i], which[i] = _ray(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, units, clock)

@@ -7,10 +7,10 @@ of level l has the numbers of those in it, shifted right by l. Its *key* is one 
 BITS = 19
 """Of a key, for each of the three numbers."""
 
-OFFSET = 1 << (BITS - 1)
+ORIGIN_NUMBER = 1 << (BITS - 1)
 """Numbers are counted from here, so that they are positive."""
 
-MASK = 2 * OFFSET - 1
+MASK = 2 * ORIGIN_NUMBER - 1
 
 MOST_LEVELS = 12
 """Highest level that a key can tell, with room for the cell that it lies in."""
@@ -18,13 +18,18 @@ MOST_LEVELS = 12
 
 def key_of(level: int, x: int, y: int, z: int) -> int:
     """Key of a cell."""
-    return (level << (3 * BITS)) | ((x + OFFSET) << (2 * BITS)) | ((y + OFFSET) << BITS) | (z + OFFSET)
+    return (
+        (level << (3 * BITS))
+        | ((x + ORIGIN_NUMBER) << (2 * BITS))
+        | ((y + ORIGIN_NUMBER) << BITS)
+        | (z + ORIGIN_NUMBER)
+    )
 
 
 def numbers_of(key: int) -> tuple[int, int, int, int]:
     """Level and the three numbers of a cell."""
     x, y, z = (key >> (2 * BITS)) & MASK, (key >> BITS) & MASK, key & MASK
-    return key >> (3 * BITS), x - OFFSET, y - OFFSET, z - OFFSET
+    return key >> (3 * BITS), x - ORIGIN_NUMBER, y - ORIGIN_NUMBER, z - ORIGIN_NUMBER
 
 
 def parent_of(key: int) -> int:

@@ -9,11 +9,10 @@ the finest cells alone, at a price that goes by the surface of free space, not b
 
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import inline
-from sinuous.kernels.fields.distances import Scene, closest
-from sinuous.kernels.fields.distances import price as looks_of
-from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, NONE, SEEN, UNKNOWN, Memory, add_block, block_of
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, behind, middle
-from sinuous.kernels.freespace.halves import beyond, cut_by, side_of
+from sinuous.kernels.fields.distances import Scene, closest, work_of_all
+from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, EVALUATED, NONE, UNKNOWN, Memory, add_block, block_of
+from sinuous.kernels.freespace.cut_cells import beyond, cut_by, side_of
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, behind, middle
 from sinuous.kernels.freespace.keys import child_of, numbers_of, octant_of, parent_of
 from sinuous.kernels.maths.vectors import norm, sub
 
@@ -27,7 +26,7 @@ LEAF = -2
 """What `block_at` returns for a cell that is not divided, less its number."""
 
 
-def passable(grid: Grid, scene: Scene, key: int) -> tuple[float, int]:
+def passable(grid: SearchGrid, scene: Scene, key: int) -> tuple[float, int]:
     """Distance of the middle of a cell to the obstacles, if all of it can be passed; BLOCKED, or DIVIDED.
 
     And what cuts it in two, see `halves`; NONE where it is divided into eight, or not at all.
@@ -52,7 +51,7 @@ def passable(grid: Grid, scene: Scene, key: int) -> tuple[float, int]:
         if barred > 0:
             return (DIVIDED, NONE) if large and barred == 1 else (BLOCKED, NONE)
     enough = spread + grid.ample
-    d, which = closest(scene, p, max(grid.radius + grid.room, enough, 2.0 * h), grid.mode)
+    d, which = closest(scene, p, max(grid.radius + grid.free_margin, enough, 2.0 * h), grid.mode)
     if d < grid.clearance - spread:
         return BLOCKED, NONE
     if level == 0 or d >= enough:
@@ -60,31 +59,31 @@ def passable(grid: Grid, scene: Scene, key: int) -> tuple[float, int]:
     return DIVIDED, cut_by(grid, scene, p, edge, which)
 
 
-def _halve(memory: Memory, grid: Grid, key: int, cut: int) -> None:
+def _halve(memory: Memory, grid: SearchGrid, key: int, cut: int) -> None:
     """Give a cell two halves; in the open, for there is room in them."""
     block = add_block(memory, key, cut)
     if block != NONE:
         for side in range(2):
-            memory.table.distance[8 * block + side] = grid.radius + grid.room
+            memory.table.distance[8 * block + side] = grid.radius + grid.free_margin
 
 
-def look_at(memory: Memory, grid: Grid, scene: Scene, key: int, cell: int) -> float:
-    """Distance of a cell as the table has it; a cell that nobody looked at is looked at now."""
+def evaluate_cell(memory: Memory, grid: SearchGrid, scene: Scene, key: int, cell: int) -> float:
+    """Distance of a cell as the table has it; a cell that nobody examined is examined now."""
     table = memory.table
     if table.distance[cell] == UNKNOWN:
         table.distance[cell], cut = passable(grid, scene, key)
-        table.size[SEEN] += 1
+        table.size[EVALUATED] += 1
         if cut != NONE:
             _halve(memory, grid, key, cut)
-        spend(memory.clock, looks_of(scene))
+        spend(memory.clock, work_of_all(scene))
     return float(table.distance[cell])
 
 
 block_of_here = inline(block_of)
 
 
-def block_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
-    """Number of the block of a cell, which is looked at, and given one, if need be; or of one that it lies in half of.
+def block_at(memory: Memory, grid: SearchGrid, scene: Scene, key: int) -> int:
+    """Number of the block of a cell, which is examined, and given one, if need be; or of one that it lies in half of.
 
     Returns NONE where the cell cannot be passed or has no place in the table; where it is not divided because it, or a
     larger cell that it lies in, can be passed as a whole, LEAF less the number of that.
@@ -106,7 +105,7 @@ def block_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
         by = at - level
         octant = octant_of(x >> by, y >> by, z >> by)
         cell, up = 8 * block + octant, child_of(up, octant)
-        d = look_at(memory, grid, scene, up, cell)
+        d = evaluate_cell(memory, grid, scene, up, cell)
         if d == BLOCKED:
             return NONE
         if d > DIVIDED:
@@ -117,7 +116,7 @@ def block_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
     return block
 
 
-def leaf_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
+def leaf_at(memory: Memory, grid: SearchGrid, scene: Scene, key: int) -> int:
     """Number of the cell that can be passed as a whole and in which the finest cell `key` lies; NONE without one."""
     block = block_at(memory, grid, scene, parent_of(key))
     if block <= LEAF:
@@ -130,11 +129,11 @@ def leaf_at(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
         return 8 * block + side if beyond(scene, cut, side, middle(grid, key)) >= grid.clearance else NONE
     _, x, y, z = numbers_of(key)
     cell = 8 * block + octant_of(x, y, z)
-    return cell if look_at(memory, grid, scene, key, cell) > DIVIDED else NONE
+    return cell if evaluate_cell(memory, grid, scene, key, cell) > DIVIDED else NONE
 
 
-def known_leaf(memory: Memory, grid: Grid, scene: Scene, key: int) -> int:
-    """Number of the cell that was looked at, can be passed as a whole, and in which `key` lies; NONE without one."""
+def known_leaf(memory: Memory, grid: SearchGrid, scene: Scene, key: int) -> int:
+    """Number of the cell that was examined, can be passed as a whole, and in which `key` lies; NONE without one."""
     table = memory.table
     up, at = key, numbers_of(key)[0]
     while at <= grid.levels:

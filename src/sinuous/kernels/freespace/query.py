@@ -5,8 +5,8 @@ from collections import namedtuple
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.fields.distances import Scene, closest, most_roundoff
-from sinuous.kernels.fields.solids import ABOVE, STEP
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
+from sinuous.kernels.fields.solids import INTERPOLATED, UPPER_BOUND
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, norm, sub
 
 INFLATION = 2.0
@@ -16,18 +16,18 @@ GREEDY = 1e6
 """The inflation of a proof: it asks whether there is a route, whatever that costs."""
 
 CLEARANCE_WEIGHT = 0.2
-"""See `grid.Grid`: little, because with more the search looks at all the room around a narrow place first."""
+"""See `grid.Grid`: little, because with more the search examines all the room around a narrow place first."""
 
-LEVELS = 7
+CELL_LEVELS = 7
 """Sizes of cells beside the finest, each twice as large as the one before."""
 
 STRAIGHT_STEPS = 16
-"""Steps in which it is looked how far a route can leave straight."""
+"""Steps in which it is checked how far a route can leave straight."""
 
 Query = namedtuple(
     "Query",
     "origin axis goal back goal_radius goal_slack radius shortest longest turn free_length straight_min "
-    "straight_max other_length cell clearance room most_cells prove",
+    "straight_max other_length cell clearance free_margin most_cells prove",
 )
 """The numbers of a query by their names, see `sinuous.kernels.tables`."""
 
@@ -55,7 +55,7 @@ def read_query(query: Array) -> Query:
         query[t.QUERY_OTHER_LENGTH],
         query[t.QUERY_CELL],
         query[t.QUERY_CLEARANCE],
-        query[t.QUERY_ROOM],
+        query[t.QUERY_FREE_MARGIN],
         int(query[t.QUERY_MOST_CELLS]),
         query[t.QUERY_PROVE] != 0.0,
     )
@@ -71,14 +71,14 @@ def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: flo
     reached = past
     for i in range(1, STRAIGHT_STEPS + 1):
         further = past + (most - past) * i / STRAIGHT_STEPS
-        d, _ = closest(scene, add_scaled(place, further, axis), radius, STEP)
+        d, _ = closest(scene, add_scaled(place, further, axis), radius, INTERPOLATED)
         if d < radius:
             break
         reached = further
     return add_scaled(place, reached, axis)
 
 
-def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Grid:
+def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> SearchGrid:
     """The grid for routes that leave straight for so long, and with `barred` pass behind neither end.
 
     The search is from the end of a straight piece at one end to that at the other.
@@ -91,14 +91,14 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
         goal = _end_of_straight(scene, query.goal, query.back, 0.0, turn, query.radius)
     ample = max(query.clearance, 2.0 * HALF_DIAGONAL * query.cell - query.clearance)
     pieces = norm(sub(start, query.origin)) + norm(sub(goal, query.goal))
-    return Grid(
+    return SearchGrid(
         query.origin,
         query.cell,
-        LEVELS,
+        CELL_LEVELS,
         query.clearance,
         max(query.radius, ample),
         query.radius,
-        query.room,
+        query.free_margin,
         query.longest,
         start,
         0.9 * query.cell,
@@ -110,17 +110,17 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
         INFLATION,
         CLEARANCE_WEIGHT,
         query.longest - pieces + query.goal_radius + query.cell,
-        STEP,
+        INTERPOLATED,
     )
 
 
-def proof_grid(query: Query, scene: Scene) -> Grid:
+def proof_grid(query: Query, scene: Scene) -> SearchGrid:
     """The grid for the proof that there is no route: whatever any body of this radius can pass, can be passed."""
     clearance = query.radius - HALF_DIAGONAL * query.cell - most_roundoff(scene)
-    return Grid(
+    return SearchGrid(
         query.origin,
         query.cell,
-        LEVELS,
+        CELL_LEVELS,
         clearance,
         max(clearance, 2.0 * HALF_DIAGONAL * query.cell - clearance),
         query.radius,
@@ -136,5 +136,5 @@ def proof_grid(query: Query, scene: Scene) -> Grid:
         GREEDY,
         0.0,
         math.inf,
-        ABOVE,
+        UPPER_BOUND,
     )

@@ -13,7 +13,7 @@ from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, RADIUS
 Start = tuple[Mat, Vec]
 """Rotation and position of the end of a chain."""
 
-RINGS, RAYS = 3, 8
+ARC_RINGS, ARC_RAYS = 3, 8
 """How many bends are tried, and to how many sides each."""
 
 SPARED = 0.85
@@ -25,25 +25,25 @@ AIMS = 3
 SHARES = 3
 """Lengths of an aimed arc, and of the straight one: the needed length, nearly the least, and nearly the greatest."""
 
-NEARLY = 0.05
+LENGTH_INSET = 0.05
 """How far these lengths stay from the limits, as a share of what lies between: at a limit nothing can give way."""
 
-LENGTHS = 8
+STRAIGHT_LENGTHS = 8
 """Lengths of a segment that cannot bend."""
 
 GOLDEN = 0.618034
 """Share of the range by which lengths of arcs on rays differ: neighbours have lengths far apart."""
 
-ARCS = SHARES * (AIMS + 1) + RINGS * RAYS
+ARCS = SHARES * (AIMS + 1) + ARC_RINGS * ARC_RAYS
 """Most arcs that are tried beyond one chain."""
 
-THIN = 1e-3
+ASSUMED_RADIUS = 1e-3
 """Radius of a body that has none, in lengths of the robot."""
 
 
 def thickness(problem: Problem, k: int) -> float:
     """Radius of segment `k`, or what counts as one where the body has none."""
-    return max(problem.limits[k, RADIUS], THIN * problem.unit)
+    return max(problem.limits[k, RADIUS], ASSUMED_RADIUS * problem.unit)
 
 
 def end_of(start: Start, q: Vec) -> Start:
@@ -90,33 +90,33 @@ def count_of(problem: Problem, k: int) -> int:
     """How many arcs of segment `k` are tried beyond a chain."""
     lengths = _lengths_of(problem, k)
     if problem.limits[k, MAX_BEND] > 0.0:
-        return lengths * (AIMS + 1) + RINGS * RAYS
-    return LENGTHS if lengths > 1 else 1
+        return lengths * (AIMS + 1) + ARC_RINGS * ARC_RAYS
+    return STRAIGHT_LENGTHS if lengths > 1 else 1
 
 
-def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, share: float) -> Vec:
+def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, fraction: float) -> Vec:
     """Arc number `which[1]` of segment `which[0]` beyond `start`: its bends (rad) and its length.
 
-    `seen` is the point of the guide that is seen from there; `share` says which length is needed, between the least and
-    the greatest.
+    `seen` is the point of the guide that is seen from there; `fraction` says which length is needed, between the least
+    and the greatest.
     """
     limits, (k, number) = problem.limits, which
     low, high = limits[k, MIN_LENGTH], limits[k, MAX_LENGTH]
     if limits[k, MAX_BEND] == 0.0:
-        return 0.0, 0.0, low + (high - low) * number / (LENGTHS - 1.0)
+        return 0.0, 0.0, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0)
     lengths = _lengths_of(problem, k)
     if number < lengths * (AIMS + 1):
         aim, variant = number // lengths, number % lengths
         if variant > 0:
-            share = NEARLY if variant == 1 else 1.0 - NEARLY
-        length = low + share * (high - low)
+            fraction = LENGTH_INSET if variant == 1 else 1.0 - LENGTH_INSET
+        length = low + fraction * (high - low)
         if aim == AIMS:
             return 0.0, 0.0, length
         x, y = aimed(start, _aim(guide, start, aim, seen, length), length)
         return project_segment(limits, k, x, y, length)
     number -= lengths * (AIMS + 1)
-    ring, ray = number // RAYS, number % RAYS
+    ring, ray = number // ARC_RAYS, number % ARC_RAYS
     length = low + (GOLDEN * number % 1.0) * (high - low)
-    bend = SPARED * bend_cap(limits, k, length) * (ring + 1.0) / RINGS
-    angle = 2.0 * math.pi * (ray + 0.5 * (ring % 2) + 0.25 * (k % 2)) / RAYS
+    bend = SPARED * bend_cap(limits, k, length) * (ring + 1.0) / ARC_RINGS
+    angle = 2.0 * math.pi * (ray + 0.5 * (ring % 2) + 0.25 * (k % 2)) / ARC_RAYS
     return bend * math.cos(angle), bend * math.sin(angle), length

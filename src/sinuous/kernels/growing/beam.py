@@ -20,7 +20,18 @@ from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Mat, Vec
 
-FRAME, LAST, BEFORE, PARENT, LENGTH, COST, SCORE, SEEN, CHILDREN, DISTANCE = 0, 12, 15, 18, 19, 20, 21, 22, 23, 24
+FRAME, LAST_SEGMENT_Q, SEGMENT_BEFORE_Q, PARENT, CHAIN_LENGTH, COST, SCORE, GUIDE_POINT, CHILDREN, END_DISTANCE = (
+    0,
+    12,
+    15,
+    18,
+    19,
+    20,
+    21,
+    22,
+    23,
+    24,
+)
 CHAIN_WIDTH = 25
 """Columns of a chain, and how many numbers it has."""
 
@@ -30,11 +41,11 @@ LAZY = 2
 FAN = 8
 """A chain is continued by at most 1 + width / FAN of those that are kept at first."""
 
-APART, TURNED = 0.5, 1.5
+END_SPACING, TANGENT_CELLS = 0.5, 1.5
 """Grid of ends of which each cell keeps one chain at first: edge in lengths of a segment, and cells for a unit of the
 tangent."""
 
-NEARLY, FINE = 0.1, 8.0
+FINE_SPACING, FINE_TANGENT_CELLS = 0.1, 8.0
 """The same for the chains that are made at all."""
 
 Beam = namedtuple("Beam", ["levels", "made", "arcs", "heap", "items", "buckets", "clock", "nearby"])
@@ -119,7 +130,9 @@ def keep(beam: Beam, k: int, count: int, segment: float) -> int:
     while size > 0 and kept < width:
         i, size = heap.pop(beam.heap, beam.items, size)
         parent = int(beam.made[i, PARENT])
-        if before[parent, CHILDREN] < children and differs(beam, frame(beam.made, i), APART * segment, TURNED):
+        if before[parent, CHILDREN] < children and differs(
+            beam, frame(beam.made, i), END_SPACING * segment, TANGENT_CELLS
+        ):
             before[parent, CHILDREN] += 1.0
             _put(level, kept, beam.made, i)
             kept += 1

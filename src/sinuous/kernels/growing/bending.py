@@ -15,8 +15,8 @@ from collections import namedtuple
 
 from sinuous.kernels.body.pieces import near
 from sinuous.kernels.chain.arc import point, pose_and_columns
-from sinuous.kernels.fields.distances import Scene, look, obstacle
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.distances import Scene, evaluate, obstacle
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.growing.arcs import Start, end_of, thickness
 from sinuous.kernels.maths.vectors import Vec, add, cross, dot, mat_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
@@ -30,42 +30,42 @@ Two = tuple[Vec, Vec]
 """Coordinates of the arc before the new one, and those of the new one."""
 
 Nearby = namedtuple("Nearby", ["numbers", "until"])
-"""Numbers (m,) int64 of obstacles near an arc, and up to where on it (m,) none of them is looked at again (length)."""
+"""Numbers (m,) int64 of obstacles near an arc, and up to where on it (m,) none of them is examined again (length)."""
 
-ROUNDS = 16
+RELIEF_STEPS = 16
 """Most Gauss-Newton steps of an arc."""
 
-CLEARANCE = 0.25
+PUSHED_CLEARANCE = 0.25
 """Clearance beside the body that arcs are pushed to, in radii."""
 
-AHEAD = 3.0
+RADII_AHEAD = 3.0
 """How far beyond its end an arc is pushed off walls as if it went on, in radii of the body."""
 
-KEPT = 0.5
+MOST_OVERLAP = 0.5
 """Greatest overlap of an arc that is kept, in radii: Newton steps of the whole chain take it out, or do not."""
 
 SHALLOW = 1e-3
 """Overlap, in radii, and pressure up to which an arc counts as clear."""
 
-ENOUGH = 0.7
+LEAST_RELIEF = 0.7
 """Share of the pressure that a step must take away: else it is the last one."""
 
-STUCK = 0.97
+LEAST_RELIEF_OF_PART = 0.97
 """The same where not all of the arc is out."""
 
-SHORTER = 0.3
+SHORTER_STEP = 0.3
 """Share of a step that is tried next where it does not relieve an arc."""
 
-FINEST, REACH = 0.7, 3.0
-"""Longest step along an arc near an obstacle, and how far a look from there reaches, in radii of the body."""
+STEP_LENGTH, EVALUATION_REACH = 0.7, 3.0
+"""Longest step along an arc near an obstacle, and how far an evaluation from there reaches, in radii of the body."""
 
-ASIDE = 0.9
+ARC_REACH = 0.9
 """How far places of an arc are from its middle at most, however it is bent, in lengths of the arc."""
 
-MOST = 0.6
+MOST_BEND_CHANGE = 0.6
 """Most change of a bend in one step, rad."""
 
-DAMPING = 3e-3
+RELIEF_DAMPING = 3e-3
 """Damping of a step, in squares of the length of the arc."""
 
 
@@ -108,7 +108,7 @@ def _closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach:
         if at >= nearby.until[j]:
             i = nearby.numbers[j]
             roundoff = scene.table[i, ROUNDOFF]
-            d = look(scene, i, p, min(reach, least) + roundoff, STEP)[0] - roundoff
+            d = evaluate(scene, i, p, min(reach, least) + roundoff, INTERPOLATED)[0] - roundoff
             nearby.until[j] = at + d - reach
             if d < min(reach, least):
                 least, which = d, i
@@ -125,25 +125,25 @@ def _press(
     into an obstacle, all that is beyond counts as missing as much as there: deeper in it, the way out that is nearest
     may lead to the other side. `nearby` lists the `count` obstacles that concern it.
     """
-    scene, radius, most = problem.scene, thickness(problem, new[1]), 1.0 + CLEARANCE
-    axx = ayy = DAMPING * two[0][2] * two[0][2] + (0.0 if both else 1.0)
-    cxx = cyy = DAMPING * two[1][2] * two[1][2]
+    scene, radius, most = problem.scene, thickness(problem, new[1]), 1.0 + PUSHED_CLEARANCE
+    axx = ayy = RELIEF_DAMPING * two[0][2] * two[0][2] + (0.0 if both else 1.0)
+    cxx = cyy = RELIEF_DAMPING * two[1][2] * two[1][2]
     axy = cxy = bxx = bxy = byx = byy = gx = gy = hx = hy = deepest = pressure = 0.0
     fits = 1.0
     for part in range(0 if both else 1, 2):
         (start, _, along), q = (before, two[0]) if part == 0 else (new, two[1])
-        at, step = max(0.0, problem.mount - along), FINEST * radius
-        last = q[2] + (AHEAD * radius if part == 1 else 0.0)
+        at, step = max(0.0, problem.mount - along), STEP_LENGTH * radius
+        last = q[2] + (RADII_AHEAD * radius if part == 1 else 0.0)
         for j in range(count):
             nearby.until[j] = 0.0
         while at < last:
             out, at = at, min(q[2] if at < q[2] else last, at + step)
             s = at / q[2]
             p = add(start[1], mat_vec(start[0], point(s * q[0], s * q[1], at)))
-            d, which = _closest(scene, nearby, count, p, at, REACH * radius)
-            step = max(FINEST * radius, min(d, REACH * radius) - radius)
+            d, which = _closest(scene, nearby, count, p, at, EVALUATION_REACH * radius)
+            step = max(STEP_LENGTH * radius, min(d, EVALUATION_REACH * radius) - radius)
             if at <= q[2] and fits == 1.0:
-                if 1.0 - d / radius > KEPT:
+                if 1.0 - d / radius > MOST_OVERLAP:
                     fits = out / q[2] if part == 1 else 0.0
                 else:
                     deepest = max(deepest, 1.0 - d / radius)
@@ -175,12 +175,12 @@ def _relieve(
     """Bend an arc until it is pressed as little as can be; the share that comes out, its overlap and its pressure."""
     k, begin = new[1], new
     fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, nearby, count)
-    share = 1.0
-    for _ in range(ROUNDS):
+    step_length = 1.0
+    for _ in range(RELIEF_STEPS):
         size = max(math.hypot(x, y), math.hypot(u, v))
         if pressure == 0.0 or size == 0.0:
             break
-        step = share * min(1.0, MOST / size)
+        step = step_length * min(1.0, MOST_BEND_CHANGE / size)
         first = two[0]
         if both:
             first = project_segment(problem.limits, k - 1, first[0] + step * u, first[1] + step * v, first[2])
@@ -188,9 +188,9 @@ def _relieve(
         other = project_segment(problem.limits, k, two[1][0] + step * x, two[1][1] + step * y, two[1][2])
         out, deeper, left, change = _press(problem, before, begin, (first, other), both, nearby, count)
         if left >= pressure:
-            share *= SHORTER
+            step_length *= SHORTER_STEP
             continue
-        enough, share = left > (ENOUGH if out == 1.0 else STUCK) * pressure, 1.0
+        enough, step_length = left > (LEAST_RELIEF if out == 1.0 else LEAST_RELIEF_OF_PART) * pressure, 1.0
         two, fits, deepest, pressure, (u, v, x, y) = (first, other), out, deeper, left, change
         if enough:
             break
@@ -209,7 +209,7 @@ def come_out(
         The arc before it, and itself.
     two : Two
         Their coordinates.
-    joint : bool
+    junction : bool
         Whether the arc before it may change: there is one, and its end is not asked to be anywhere.
     nearby : Nearby
         Scratch.
@@ -225,7 +225,7 @@ def come_out(
     (rotation, position), k, _ = new
     q, radius = two[1], thickness(problem, k)
     middle = add(position, mat_vec(rotation, point(0.5 * q[0], 0.5 * q[1], 0.5 * q[2])))
-    count, _ = near(problem.scene, middle, ASIDE * q[2] + (REACH + AHEAD) * radius, nearby.numbers)
+    count, _ = near(problem.scene, middle, ARC_REACH * q[2] + (EVALUATION_REACH + RADII_AHEAD) * radius, nearby.numbers)
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
     fits, overlap, pressure, _ = _press(problem, before, new, two, False, nearby, count)
@@ -235,7 +235,7 @@ def come_out(
     if problem.limits[k, MAX_BEND] > 0.0:
         bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
         if joint and (fits < 1.0 or overlap > SHALLOW):
-            reach = ASIDE * (two[0][2] + q[2]) + (REACH + AHEAD) * radius
+            reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
             count, _ = near(problem.scene, position, reach, nearby.numbers)
             both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count)
             if more > fits or (more == fits and deepest < overlap):

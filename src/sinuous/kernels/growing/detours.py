@@ -10,23 +10,23 @@ import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import closest, price, read_scene
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.distances import closest, read_scene, work_of_all
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.band import respace
-from sinuous.kernels.growing.guide import LOOKS, Guide, visible
+from sinuous.kernels.growing.guide import SIGHT_EVALUATIONS, Guide, visible
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, copy, get_vec, norm, put_vec, sub
 
-TURNS, NUMBERS = 32, 4
+MOST_DETOURS, NUMBERS = 32, 4
 """Most places that a route is led to, and the random numbers that each of them takes."""
 
-ENOUGH = 0.97
+LONG_ENOUGH = 0.97
 """Share of the wanted length from which on a route is long enough."""
 
 FARTHEST, NEAREST = 0.7, 0.15
 """How far from the route such a place is, in units of the length that is missing."""
 
-ROOM = 1.5
+PLACE_CLEARANCE = 1.5
 """Its least distance from the obstacles, in radii of the body."""
 
 WORTH = 0.2
@@ -63,7 +63,7 @@ def _longest(guide: Guide, away: Array, missing: float) -> tuple[int, int]:
 
 
 @entry
-def lead_aside(
+def add_detours(
     scene: Array, wanted: float, radius: float, numbers: Array, seconds: float, workspace: Array, points: Array
 ) -> float:
     """Lead a route aside until it is as long as wanted, nearly; return its length.
@@ -92,18 +92,18 @@ def lead_aside(
     allow(clock, seconds)
     copy(points, line)
     spacing = respace(line, count, points, count)
-    looks = LOOKS * price(obstacles)
-    for turn in range(TURNS):
+    units = SIGHT_EVALUATIONS * work_of_all(obstacles)
+    for turn in range(MOST_DETOURS):
         length = spacing * (count - 1)
-        if length >= ENOUGH * wanted or spend(clock, looks):
+        if length >= LONG_ENOUGH * wanted or spend(clock, units):
             break
         guide = Guide(points, spacing, ZERO, radius, 0.0)
         place = _aside(guide, numbers[turn], wanted - length)
-        if closest(obstacles, place, ROOM * radius, STEP)[0] < ROOM * radius:
+        if closest(obstacles, place, PLACE_CLEARANCE * radius, INTERPOLATED)[0] < PLACE_CLEARANCE * radius:
             continue
         for i in range(count):
             away[i] = norm(sub(place, get_vec(points, i, 0)))
-            if spend(clock, looks) or not visible(obstacles, guide, place, i):
+            if spend(clock, units) or not visible(obstacles, guide, place, i):
                 away[i] = math.inf
         first, last = _longest(guide, away, wanted - length)
         if last > first:

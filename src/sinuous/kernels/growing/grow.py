@@ -11,21 +11,21 @@ import math
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import closest, price
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.distances import closest, work_of_all
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.growing.arcs import ARCS, Start, ahead_of, count_of, end_of, start_of, thickness, tried
 from sinuous.kernels.growing.beam import (
-    BEFORE,
+    CHAIN_LENGTH,
     COST,
-    DISTANCE,
-    FINE,
+    END_DISTANCE,
+    FINE_SPACING,
+    FINE_TANGENT_CELLS,
     FRAME,
-    LAST,
-    LENGTH,
-    NEARLY,
+    GUIDE_POINT,
+    LAST_SEGMENT_Q,
     PARENT,
     SCORE,
-    SEEN,
+    SEGMENT_BEFORE_Q,
     Beam,
     beam_size,
     carve_beam,
@@ -42,26 +42,26 @@ from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
 
-OVERLAP = 16.0
+OVERLAP_COST = 16.0
 """Score of the square of an overlap, in radii."""
 
-PRESSED = 1.0
+PRESSURE_COST = 1.0
 """Score of the mean pressure of an arc, see `bending`."""
 
-SHORT, LONG = 2.0, 3.0
+SHORT_COST, LONG_COST = 2.0, 3.0
 """Score of what a chain lacks in length, or is off at the end, in segments; and of what it has too much in length, in
 segments for each one that is left."""
 
 LEEWAY = 1.05
 """How much longer than needed the rest of a chain may be at no cost."""
 
-UNSEEN = 1.0
+UNSEEN_COST = 1.0
 """Score of a segment from whose end no point of the guide is seen: it may be on another way."""
 
-PATIENCE = 2
-"""Arcs that are looked at for each chain that is made, at most: in a tube all of them turn into the same one."""
+ARCS_PER_CHAIN = 2
+"""Arcs that are examined for each chain that is made, at most: in a tube all of them turn into the same one."""
 
-LOOKS = 100
+ARC_WORK = 100
 """Distances that one arc takes, about."""
 
 growing_size = beam_size
@@ -84,12 +84,12 @@ def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     """What is amiss with a chain whose segment `k` is the last and ends with this pose."""
     mean = problem.unit / problem.limits.shape[0]
     if k == leg.last:
-        return SHORT * missed(problem, leg, end) / mean
+        return SHORT_COST * missed(problem, leg, end) / mean
     low, high = _lengths(problem, k + 1, leg.last)
     need = max(0.0, needed(leg.guide, end[1], _tangent(end), seen) - leg.around)
     short = max(0.0, need - high) / mean
     long = max(0.0, low - LEEWAY * need) / (mean * (leg.last - k))
-    return SHORT * short + LONG * long
+    return SHORT_COST * short + LONG_COST * long
 
 
 def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
@@ -101,13 +101,13 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     level, size = beam.levels[k], 0
     low, high = _lengths(problem, k, leg.last)
     for i in range(count):
-        start, seen = frame(level, i), int(level[i, SEEN])
+        start, seen = frame(level, i), int(level[i, GUIDE_POINT])
         need = needed(leg.guide, start[1], _tangent(start), seen) - leg.around
-        share = min(1.0, max(0.0, (need - low) / (high - low))) if high > low else 0.0
+        fraction = min(1.0, max(0.0, (need - low) / (high - low))) if high > low else 0.0
         ahead = max(seen, ahead_of(leg.guide, start, seen, 1.5, problem.limits[k, MAX_LENGTH]))
         spend(beam.clock, ARCS)
         for number in range(count_of(problem, k)):
-            q = tried(problem, leg.guide, start, (k, number), seen, share)
+            q = tried(problem, leg.guide, start, (k, number), seen, fraction)
             score = level[i, COST] + _score(problem, leg, k, end_of(start, q), ahead)
             put_vec(beam.arcs, i * ARCS + number, 0, q)
             size = heap.push(beam.heap, beam.items, size, score, i * ARCS + number)
@@ -117,8 +117,8 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
 def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: int) -> bool:
     """Make number `made` of the new chains, by an arc that continues one of `k` segments; False where it cannot be."""
     level, new, i = beam.levels[k], beam.made, item // ARCS
-    start, along, mean = frame(level, i), level[i, LENGTH], problem.unit / problem.limits.shape[0]
-    own, aim = get_vec(level, i, LAST), get_vec(beam.arcs, item, 0)
+    start, along, mean = frame(level, i), level[i, CHAIN_LENGTH], problem.unit / problem.limits.shape[0]
+    own, aim = get_vec(level, i, LAST_SEGMENT_Q), get_vec(beam.arcs, item, 0)
     joint = k > leg.first and problem.limits[k - 1, MAX_BEND] > 0.0
     before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
     (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby)
@@ -126,28 +126,28 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, start, q)):
         return False
     end = end_of(start, q)
-    if not differs(beam, end, NEARLY * mean, FINE):
+    if not differs(beam, end, FINE_SPACING * mean, FINE_TANGENT_CELLS):
         return False
-    seen, cost = int(level[i, SEEN]), OVERLAP * max(0.0, overlap) ** 2 + PRESSED * tight
+    seen, cost = int(level[i, GUIDE_POINT]), OVERLAP_COST * max(0.0, overlap) ** 2 + PRESSURE_COST * tight
     found = sighted(problem.scene, leg.guide, end[1], seen) if along + q[2] > problem.mount else seen
     seen = found if found >= 0 else seen
     put_frame(new, made, end[0], end[1])
-    put_vec(new, made, LAST, q)
-    put_vec(new, made, BEFORE, own)
-    new[made, LENGTH], new[made, PARENT], new[made, SEEN] = along + q[2], i, seen
+    put_vec(new, made, LAST_SEGMENT_Q, q)
+    put_vec(new, made, SEGMENT_BEFORE_Q, own)
+    new[made, CHAIN_LENGTH], new[made, PARENT], new[made, GUIDE_POINT] = along + q[2], i, seen
     new[made, COST] = level[i, COST] + cost
-    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen) + (UNSEEN if found < 0 else 0.0)
+    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen) + (UNSEEN_COST if found < 0 else 0.0)
     if k == leg.last:
         new[made, COST] = new[made, SCORE]
     return True
 
 
 def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
-    """Look at the `size` arcs in the heap, the most promising first; returns how many chains that makes."""
-    count, left, looks = 0, PATIENCE * beam.made.shape[0], LOOKS * price(problem.scene)
+    """Examine the `size` arcs in the heap, the most promising first; returns how many chains that makes."""
+    count, left, units = 0, ARCS_PER_CHAIN * beam.made.shape[0], ARC_WORK * work_of_all(problem.scene)
     empty_buckets(beam)
     while size > 0 and (left > 0 or count == 0) and count < beam.made.shape[0]:
-        if spend(beam.clock, looks):
+        if spend(beam.clock, units):
             return 0
         item, size = heap.pop(beam.heap, beam.items, size)
         left -= 1
@@ -161,9 +161,9 @@ def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, open_from: fl
     n = problem.limits.shape[0]
     radius = max(thickness(problem, max(0, k - 1)), thickness(problem, min(k, n - 1)))
     for i in range(count):
-        d, _ = closest(problem.scene, frame(level, i)[1], open_from * radius, STEP)
-        level[i, DISTANCE] = d / radius
-        found = found or level[i, DISTANCE] >= open_from
+        d, _ = closest(problem.scene, frame(level, i)[1], open_from * radius, INTERPOLATED)
+        level[i, END_DISTANCE] = d / radius
+        found = found or level[i, END_DISTANCE] >= open_from
     return found
 
 
@@ -215,13 +215,13 @@ def grow_chains(
     for i in range(counts[0]):
         for j in range(POSE_WIDTH):
             levels[0, i, FRAME + j] = roots[i, j]
-        levels[0, i, COST] = levels[0, i, LENGTH] = 0.0
-        put_vec(levels[0], i, LAST, ZERO)
+        levels[0, i, COST] = levels[0, i, CHAIN_LENGTH] = 0.0
+        put_vec(levels[0], i, LAST_SEGMENT_Q, ZERO)
     k, mean = 0, problem.unit / problem.limits.shape[0]
     for number in range(legs.shape[0]):
         leg = leg_to(problem, legs[number], number, k)
         for i in range(counts[k]):
-            levels[k, i, SEEN] = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0))
+            levels[k, i, GUIDE_POINT] = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0))
         while k <= leg.last and counts[k] > 0:
             if open_from < math.inf and _in_the_open(problem, beam, k, counts[k], open_from):
                 return True

@@ -4,24 +4,25 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.single_arc import arc_length
-from sinuous.kernels.fields.distances import Scene, look
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.distances import Scene, evaluate
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, norm, scale, sub
 from sinuous.kernels.tables import CENTER, EXTENT, KIND, TREE
 
-SIGHT, FINEST = 0.3, 0.3
-"""A line of sight keeps so far from the obstacles, and is looked at no more closely; in radii of the body."""
+SIGHT_CLEARANCE, SIGHT_STEP = 0.3, 0.3
+"""A line of sight keeps so far from the obstacles, and is examined no more closely; in radii of the body."""
 
-FIRST, FARTHEST = 4.0, 16.0
-"""How far a first look reaches, and any; the next one reaches twice as far where nothing was in reach. In radii."""
+FIRST_REACH, FARTHEST_REACH = 4.0, 16.0
+"""How far a first evaluation reaches, and any; the next one reaches twice as far where nothing was in reach. In
+radii."""
 
-LOOKS = 24
-"""Most looks along one line of sight."""
+SIGHT_EVALUATIONS = 24
+"""Most evaluations along one line of sight."""
 
-WIDEST = 2.2
+WIDEST_SIGHT = 2.2
 """Angle between tangent and line of sight from which on a single arc is no measure of what is needed, rad."""
 
-TURNED = 0.5
+TURN_LENGTH = 0.5
 """Length that it takes to turn into the guide, in radii of the tightest turn for each radian."""
 
 Guide = namedtuple("Guide", ["points", "spacing", "back", "radius", "turn"])
@@ -34,30 +35,30 @@ def _passes(scene: Scene, j: int, p: Vec, line: Vec, clear: float) -> bool:
     if scene.table[j, KIND] >= TREE:
         return False
     away, square, far = sub(get_vec(scene.table, j, CENTER), p), dot(line, line), clear + scene.table[j, EXTENT]
-    share = min(1.0, max(0.0, dot(away, line) / square)) if square > 0.0 else 0.0
-    off = add_scaled(away, -share, line)
+    fraction = min(1.0, max(0.0, dot(away, line) / square)) if square > 0.0 else 0.0
+    off = add_scaled(away, -fraction, line)
     return bool(dot(off, off) >= far * far)
 
 
 def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     """Whether the line from `p` to point `i` of the guide is free.
 
-    Each obstacle is looked at by itself: what is far away from all of the line is passed in one look.
+    Each obstacle is examined by itself: what is far away from all of the line is passed in one evaluation.
     """
     line = sub(get_vec(guide.points, i, 0), p)
-    length, clear = norm(line), SIGHT * guide.radius
+    length, clear = norm(line), SIGHT_CLEARANCE * guide.radius
     for j in range(scene.table.shape[0]):
         if _passes(scene, j, p, line, clear):
             continue
-        gone, reach = 0.0, FIRST * guide.radius
-        for _ in range(LOOKS):
+        gone, reach = 0.0, FIRST_REACH * guide.radius
+        for _ in range(SIGHT_EVALUATIONS):
             if gone >= length:
                 break
-            d, _ = look(scene, j, add_scaled(p, gone / length, line), clear + reach, STEP)
+            d, _ = evaluate(scene, j, add_scaled(p, gone / length, line), clear + reach, INTERPOLATED)
             if d < clear:
                 return False
-            gone += max(d - clear, FINEST * guide.radius)
-            reach = min(2.0 * reach, FARTHEST * guide.radius) if d - clear >= reach else reach
+            gone += max(d - clear, SIGHT_STEP * guide.radius)
+            reach = min(2.0 * reach, FARTHEST_REACH * guide.radius) if d - clear >= reach else reach
         if gone < length:
             return False
     return True
@@ -101,13 +102,13 @@ def _turning(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
     towards = scale(1.0 / chord, line)
     half = math.acos(min(1.0, max(-1.0, dot(towards, tangent))))
     length = chord + 2.0 * guide.turn * half
-    if half < WIDEST:
+    if half < WIDEST_SIGHT:
         length = min(length, arc_length(chord, half))
     # The arc arrives along the mirror image of the tangent that it leaves along.
     arrives = sub(scale(2.0 * dot(tangent, towards), towards), tangent)
     back = _back(guide, i)
     if norm(back) > 0.0:
-        length += TURNED * guide.turn * math.acos(min(1.0, max(-1.0, -dot(arrives, back) / norm(back))))
+        length += TURN_LENGTH * guide.turn * math.acos(min(1.0, max(-1.0, -dot(arrives, back) / norm(back))))
     return length
 
 

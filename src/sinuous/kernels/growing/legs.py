@@ -11,10 +11,10 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.targets import backbone_end, end_segment, tangent_back
 from sinuous.kernels.tables import HAS_POSITION, MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
 
-WIDEST = 0.25
+LARGEST_TURN_RADIUS = 0.25
 """Largest radius of a turn that counts, in lengths of the robot."""
 
-TURNED = 0.5
+TURN_COST = 0.5
 """What a radian counts that the end is turned away, in lengths of a segment."""
 
 Leg = namedtuple("Leg", ["guide", "target", "first", "last", "around"])
@@ -40,7 +40,7 @@ def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
     limits, length = problem.limits, 0.0
     for i in range(1, points.shape[0]):
         length += norm(sub(get_vec(points, i, 0), get_vec(points, i - 1, 0)))
-    radius, turn = math.inf, WIDEST * problem.unit
+    radius, turn = math.inf, LARGEST_TURN_RADIUS * problem.unit
     for k in range(limits.shape[0]):
         radius = min(radius, thickness(problem, k))
         own = limits[k, MIN_LENGTH] if limits[k, MIN_LENGTH] > 0.0 else limits[k, MAX_LENGTH]
@@ -62,5 +62,5 @@ def missed(problem: Problem, leg: Leg, end: Start) -> float:
     back = tangent_back(problem.targets, leg.target)
     if norm(back) > 0.0:
         ahead = (end[0][0][2], end[0][1][2], end[0][2][2])
-        off += TURNED * problem.unit / n * math.acos(min(1.0, max(-1.0, -dot(ahead, back))))
+        off += TURN_COST * problem.unit / n * math.acos(min(1.0, max(-1.0, -dot(ahead, back))))
     return off

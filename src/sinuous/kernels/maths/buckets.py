@@ -15,7 +15,7 @@ Buckets = namedtuple("Buckets", ["first", "after", "items", "state", "low", "per
 where the queue is (3,), see below: all int64, links -1 where there is none. The bucket of a priority x is number
 `per * (x - low)`."""
 
-AT, SPARE, NEW = range(3)
+FIRST_FILLED, SPARE, NEW = range(3)
 """No bucket before this one has an item; the first link of the chain of those that are free again; and how many links
 were ever used."""
 
@@ -30,7 +30,7 @@ def carve(buffer: Array, buckets: int, low: float, high: float) -> Buckets:
     for i in range(buckets):
         first[i] = -1
     state = buffer[buckets + 2 * items :]
-    state[AT], state[SPARE], state[NEW] = buckets, -1, 0
+    state[FIRST_FILLED], state[SPARE], state[NEW] = buckets, -1, 0
     per = buckets / (high - low) if high > low else 0.0
     return Buckets(first, after, buffer[buckets + items : buckets + 2 * items], state, low, per)
 
@@ -48,19 +48,19 @@ def push(queue: Buckets, priority: float, item: int) -> bool:
     bucket = np.int64(min(max(0.0, (priority - queue.low) * queue.per), queue.first.shape[0] - 1.0))
     queue.items[link], queue.after[link] = item, queue.first[bucket]
     queue.first[bucket] = link
-    state[AT] = min(state[AT], bucket)
+    state[FIRST_FILLED] = min(state[FIRST_FILLED], bucket)
     return True
 
 
 def pop(queue: Buckets) -> int:
     """Take out an item of the first bucket that has one; -1: there is none."""
     state, count = queue.state, queue.first.shape[0]
-    while state[AT] < count and queue.first[state[AT]] < 0:
-        state[AT] += 1
-    if state[AT] == count:
+    while state[FIRST_FILLED] < count and queue.first[state[FIRST_FILLED]] < 0:
+        state[FIRST_FILLED] += 1
+    if state[FIRST_FILLED] == count:
         return -1
-    link = queue.first[state[AT]]
-    queue.first[state[AT]] = queue.after[link]
+    link = queue.first[state[FIRST_FILLED]]
+    queue.first[state[FIRST_FILLED]] = queue.after[link]
     queue.after[link] = state[SPARE]
     state[SPARE] = link
     return int(queue.items[link])

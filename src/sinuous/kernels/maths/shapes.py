@@ -36,7 +36,7 @@ def _typed(context: Any, array: Any, shape: Any) -> Any:
 shaped: Any = intrinsic("shaped", _typed, lambda array, shape: array.reshape(shape))
 """`shaped(array, shape)` is `array.reshape(shape)` of a contiguous array that is as large as the shape, unchecked.
 
-NumPy's calls a function that compiled code cannot look into: some 12 ns, and a solve lays out some 25 arrays.
+NumPy's calls a function that compiled code cannot check into: some 12 ns, and a solve lays out some 25 arrays.
 """
 
 first_of: Any = intrinsic("first_of", to_fixed_tuple._defn, lambda array, count: tuple(array[:count]))

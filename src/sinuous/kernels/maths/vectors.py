@@ -15,6 +15,9 @@ ZERO: Vec = (0.0, 0.0, 0.0)
 IDENTITY: Mat = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NOTHING: Mat = (ZERO, ZERO, ZERO)
 
+TINY = 1e-300
+"""What is added to a square that may be 0 before it divides."""
+
 
 def add(a: Vec, b: Vec) -> Vec:
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

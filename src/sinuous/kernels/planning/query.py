@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sinuous.kernels.between.obstacles import keep_reachable, measure_balls
-from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
+from sinuous.kernels.certificate.obstacles import keep_reachable, measure_balls
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sweep
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import DEADLINE, allow, begin, resume
 from sinuous.kernels.compile import entry
@@ -21,26 +21,26 @@ from sinuous.kernels.planning.shortcuts import (
     skip,
 )
 from sinuous.kernels.planning.space import Space, measure_levers
-from sinuous.kernels.planning.trees import GONE, Terms, Trees, cut, grow, path_through, plant, prove_trees
+from sinuous.kernels.planning.trees import GONE, GrowthTerms, Trees, cut, grow, path_through, plant, prove_trees
 from sinuous.kernels.problem import Robot, read_robot
 
-STEP, SPACING, LEAST, FINE, BACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
-"""Of the trees, in robot lengths; see `Terms`."""
+EDGE_LENGTH, NODE_SPACING, LEAST_EDGE, FINEST_GUESS, SETBACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
+"""Of the trees, in robot lengths; see `GrowthTerms`."""
 
-SLACK, OF_EDGES, FINEST = 0.1, 0.5, 1e-7
+PATH_SLACK, EDGE_SLACK, FINEST_PROOF = 0.1, 0.5, 1e-7
 """How far below the truth the clearance of the path may be, and that of any edge, as a share of it; and the length, in
 robot lengths, below which the proof of an edge of the path gives up."""
 
-LOOSE = 1e-4
+FINEST_UNKNOWN = 1e-4
 """The same length for a proof that an edge is clear which is not known to be."""
 
-GLANCES = 8
-"""Draws of trees in which edges are only looked at, unless a path that was found turns out not to be clear."""
+UNPROVED_DRAWS = 8
+"""Draws of trees in which edges are only examined, unless a path that was found turns out not to be clear."""
 
 FOR_PROOF = 0.1
 """Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
 
-Asked = tuple[float, float, float, int, int, int, int]
+PlanRequest = tuple[float, float, float, int, int, int, int]
 """Length of backbone that obstacles do not concern; the robot's mean length; seconds of the search; the seed; the first
 draw, and the one after the last; how many shortcuts are tried."""
 
@@ -48,7 +48,7 @@ draw, and the one after the last; how many shortcuts are tried."""
 def plan_size(segments: int, nodes: int) -> int:
     """Numbers (float64) of the workspace of a plan with at most so many nodes a tree."""
     q = 3 * segments
-    return segments + 2 * SEEN_WIDTH + 3 * q + 2 * nodes * (q + 1) + 2
+    return segments + 2 * CLEARANCES_WIDTH + 3 * q + 2 * nodes * (q + 1) + 2
 
 
 def _carve_trees(buffer: Array, n: int) -> Trees:
@@ -67,7 +67,7 @@ def _carve_trees(buffer: Array, n: int) -> Trees:
 def nodes_of(workspace: Array, segments: int, side: int = 0) -> Array:
     """The nodes of a tree (m, n, 3) in the workspace of a plan."""
     q = 3 * segments
-    trees = workspace[segments + 2 * SEEN_WIDTH + 2 * q :]
+    trees = workspace[segments + 2 * CLEARANCES_WIDTH + 2 * q :]
     nodes = (len(trees) - q - 2) // (2 * (q + 1))
     count = trees[2 * nodes * (q + 1) :][:2].view(np.int64)[side]
     parents = trees[2 * nodes * q :].view(np.int64)[side * nodes :][:count]
@@ -85,7 +85,7 @@ def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: 
 
 
 def _finish(
-    space: Space, path: Path, count: int, asked: Asked, exact: Exactness, pair: Array, sure: bool
+    space: Space, path: Path, count: int, asked: PlanRequest, exact: Exactness, pair: Array, sure: bool
 ) -> tuple[int, int]:
     """Leave out of a path what can be left out, and prove its edges with bounds.
 
@@ -100,13 +100,21 @@ def _finish(
     return count, wrong
 
 
-def _grow_path(space: Space, trees: Trees, path: Path, asked: Asked, exact: Exactness, pair: Array) -> int:
+def _grow_path(space: Space, trees: Trees, path: Path, asked: PlanRequest, exact: Exactness, pair: Array) -> int:
     """Let trees grow until there is a path between them that is clear; return how many knots it has, or 0."""
     _, unit, _, seed, at, last, _ = asked
-    deadline, looks = space.sweep.clock[DEADLINE], at == 0
+    deadline, unproved = space.sweep.clock[DEADLINE], at == 0
     while at < last:
-        terms = Terms(STEP * unit, SPACING * unit, LEAST * unit, FINE * unit, BACK * unit, seed, not looks)
-        one, other, at = grow(space, trees, terms, at, min(last, GLANCES) if looks else last)
+        terms = GrowthTerms(
+            EDGE_LENGTH * unit,
+            NODE_SPACING * unit,
+            LEAST_EDGE * unit,
+            FINEST_GUESS * unit,
+            SETBACK * unit,
+            seed,
+            not unproved,
+        )
+        one, other, at = grow(space, trees, terms, at, min(last, UNPROVED_DRAWS) if unproved else last)
         if one >= 0:
             count = path_through(trees, one, other, path.q)
             if count == 0:
@@ -117,19 +125,21 @@ def _grow_path(space: Space, trees: Trees, path: Path, asked: Asked, exact: Exac
                 return count
             cut(trees, one, other, wrong)
             resume(space.sweep.clock, deadline)
-        if looks:
+        if unproved:
             prove_trees(space, trees, exact.loose)
-            looks = False
+            unproved = False
     return 0
 
 
-def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace: Array) -> tuple[Space, Array, Array]:
+def _prepare(
+    own: Robot, around: Scene, asked: PlanRequest, scratch: Array, workspace: Array
+) -> tuple[Space, Array, Array]:
     """Make the space of a robot in a scene; returns it, scratch (2, n, 3), and what is left of the workspace."""
     mount, _, seconds, _, _, _, _ = asked
     n = own.limits.shape[0]
     sweep = carve_sweep(scratch, own.base, n, around.table.shape[0])
-    levers, seen = workspace[:n], shaped(workspace[n : n + 2 * SEEN_WIDTH], (2, SEEN_WIDTH))
-    rest = workspace[n + 2 * SEEN_WIDTH :]
+    levers, seen = workspace[:n], shaped(workspace[n : n + 2 * CLEARANCES_WIDTH], (2, CLEARANCES_WIDTH))
+    rest = workspace[n + 2 * CLEARANCES_WIDTH :]
     measure_levers(own.limits, levers)
     begin(sweep.clock)
     allow(sweep.clock, seconds)
@@ -140,20 +150,27 @@ def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace:
 
 
 def _exactness(unit: float) -> Exactness:
-    return Exactness(SLACK, OF_EDGES, FINEST * unit, FINE * unit, LOOSE * unit)
+    return Exactness(PATH_SLACK, EDGE_SLACK, FINEST_PROOF * unit, FINEST_GUESS * unit, FINEST_UNKNOWN * unit)
 
 
 @entry
 def plan(
-    robot: Array, scene: Array, ends: Array, asked: Asked, scratch: Array, workspace: Array, q: Array, answers: Array
+    robot: Array,
+    scene: Array,
+    ends: Array,
+    asked: PlanRequest,
+    scratch: Array,
+    workspace: Array,
+    q: Array,
+    answers: Array,
 ) -> tuple[int, int, float]:
     """Fill `q` (p, n, 3) with configurations from the first of the `ends` (1 + g, n, 3) to one of the others.
 
     All ends are within all limits and clear. Fills `answers` (p, 14) about the motions between neighbours, linear in q,
-    as `prove_motions` does. Returns how many configurations there are (0: no path was found), how many nodes the trees
-    have, and the length of the path. When the first draw is not 0, the trees of the last call, which are in the same
-    workspace, grow on, and the goals are more goals. `scratch` is that of a proof, see `sweep_size`; `workspace` is for
-    some nodes a tree, see `plan_size`.
+    as `certify_motions` does. Returns how many configurations there are (0: no path was found), how many nodes the
+    trees have, and the length of the path. When the first draw is not 0, the trees of the last call, which are in the
+    same workspace, grow on, and the goals are more goals. `scratch` is that of a proof, see `sweep_size`; `workspace`
+    is for some nodes a tree, see `plan_size`.
     """
     own, around = read_robot(robot), read_scene(scene)
     first = asked[4]
@@ -175,7 +192,14 @@ def plan(
 
 @entry
 def tighten(
-    robot: Array, scene: Array, count: int, asked: Asked, scratch: Array, workspace: Array, q: Array, answers: Array
+    robot: Array,
+    scene: Array,
+    count: int,
+    asked: PlanRequest,
+    scratch: Array,
+    workspace: Array,
+    q: Array,
+    answers: Array,
 ) -> int:
     """Leave out what can be left out of the first `count` of configurations `q` (p, n, 3), and prove the rest.
 

@@ -6,9 +6,9 @@ An edge has an answer (14,), see `between.query`: its verdict, until when it is 
 import math
 from collections import namedtuple
 
-from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
-from sinuous.kernels.between.sweep import LEAST, LOW, SEEN_WIDTH, at_time
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
+from sinuous.kernels.certificate.query import CLEARANCES, UNTIL, VERDICT
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, LEAST_SEEN, PROVED_BOUND, at_time
 from sinuous.kernels.clock import late
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.planning.space import (
@@ -17,9 +17,9 @@ from sinuous.kernels.planning.space import (
     bound_edge,
     bound_edge_again,
     distance,
-    looks_clear,
     prove_edge,
     random,
+    seems_clear,
 )
 
 Path = namedtuple("Path", ["q", "answers"])
@@ -27,7 +27,8 @@ Path = namedtuple("Path", ["q", "answers"])
 
 Exactness = namedtuple("Exactness", ["slack", "of_edges", "finest", "coarse", "loose"])
 """How far below the truth the clearance of the path may be, and that of any edge, as a share of it; the length below
-which a proof is not halved; the one for looks before a proof; and the one where it is not known what a proof says."""
+which a proof is not halved; the one for evaluations before a proof; and the one where it is not known what a proof
+says."""
 
 
 def forget_edges(path: Path, count: int) -> None:
@@ -59,14 +60,14 @@ def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
     """Fill an answer (14,) with what was proved last; say whether it is CLEAR."""
     answer[VERDICT], answer[UNTIL] = verdict, until
     for row in range(2):
-        for column in range(SEEN_WIDTH):
-            answer[SEEN + row * SEEN_WIDTH + column] = space.seen[row, column]
+        for column in range(CLEARANCES_WIDTH):
+            answer[CLEARANCES + row * CLEARANCES_WIDTH + column] = space.seen[row, column]
     return verdict == CLEAR
 
 
 def joins(space: Space, p: Array, q: Array, exact: Exactness, slack: float, answer: Array) -> bool:
     """Whether an edge is proved clear, with bounds `slack` below the truth; its answer (14,) is filled then."""
-    if not looks_clear(space, p, q, exact.coarse):
+    if not seems_clear(space, p, q, exact.coarse):
         return False
     verdict, until = bound_edge(space, p, q, slack, exact.loose)
     return verdict == CLEAR and _keep(space, verdict, until, answer)
@@ -76,8 +77,8 @@ def _least_clear(path: Path, count: int, seen: int) -> int:
     """The edge whose bound is the least, of those that are proved; the answer has that from column `seen` on."""
     least, at = math.inf, -1
     for i in range(count - 1):
-        if path.answers[i, VERDICT] == CLEAR and path.answers[i, seen + LOW] < least:
-            least, at = path.answers[i, seen + LOW], i
+        if path.answers[i, VERDICT] == CLEAR and path.answers[i, seen + PROVED_BOUND] < least:
+            least, at = path.answers[i, seen + PROVED_BOUND], i
     return at
 
 
@@ -87,7 +88,7 @@ def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
     Bounds of all other edges are less tight: close to obstacles those take long.
     """
     for row in range(2):
-        seen, last = SEEN + row * SEEN_WIDTH, -1
+        seen, last = CLEARANCES + row * CLEARANCES_WIDTH, -1
         for _ in range(count - 1):
             i = _least_clear(path, count, seen)
             if i < 0 or i == last or not _can_be_tighter(space, path, i, row, exact):
@@ -96,13 +97,16 @@ def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
             _recall(space, path.answers[i])
             if not bound_edge_again(space, path.q[i], path.q[i + 1], exact.slack, exact.finest, row):
                 break
-            for column in range(SEEN_WIDTH):
+            for column in range(CLEARANCES_WIDTH):
                 path.answers[i, seen + column] = space.seen[row, column]
 
 
 def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness) -> bool:
     """Whether edge `i` is bounded less tightly than it is to be, and another proof may change that."""
-    low, least = path.answers[i, SEEN + row * SEEN_WIDTH + LOW], path.answers[i, SEEN + row * SEEN_WIDTH + LEAST]
+    low, least = (
+        path.answers[i, CLEARANCES + row * CLEARANCES_WIDTH + PROVED_BOUND],
+        path.answers[i, CLEARANCES + row * CLEARANCES_WIDTH + LEAST_SEEN],
+    )
     if least == math.inf or low >= (1.0 - exact.slack) * least:
         return False
     return bool(low < (1.0 - exact.slack) * best_bound(space, path.q[i], path.q[i + 1], row))
@@ -111,8 +115,8 @@ def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness
 def _recall(space: Space, answer: Array) -> None:
     """Let the space have `seen` what an answer (14,) says."""
     for row in range(2):
-        for column in range(SEEN_WIDTH):
-            space.seen[row, column] = answer[SEEN + row * SEEN_WIDTH + column]
+        for column in range(CLEARANCES_WIDTH):
+            space.seen[row, column] = answer[CLEARANCES + row * CLEARANCES_WIDTH + column]
 
 
 def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> tuple[int, int]:
@@ -120,7 +124,7 @@ def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> 
 
     From each configuration the motion to the last one is tried, then to one half as far away, and so on. When it is
     `sure`, what lies between neighbours was proved before; if that is over now, or less exact, its answer stays
-    undecided. Otherwise it was only looked at, and the motion from the first to the last was tried already.
+    undecided. Otherwise it was only examined, and the motion from the first to the last was tried already.
 
     Returns how many configurations are left, and the edge of the path as it was that is not clear (-1: none was found
     that is not): then the path is not one any more.
@@ -198,7 +202,7 @@ def shorten(space: Space, path: Path, count: int, tries: int, seed: int, exact: 
         low, high = random(i, seed, 0), random(i, seed, 1)
         a = _place(space, path, count, length * min(low, high), ends[0])
         b = _place(space, path, count, length * max(low, high), ends[1])
-        if b <= a or not looks_clear(space, ends[0], ends[1], exact.coarse):
+        if b <= a or not seems_clear(space, ends[0], ends[1], exact.coarse):
             continue
         if prove(space, ends[0], ends[1], exact, answer[0]):
             count = _replace(path, count, a, b, ends, answer)

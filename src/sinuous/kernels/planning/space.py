@@ -9,32 +9,33 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.between.itself import passed_over
-from sinuous.kernels.between.obstacles import Aim
-from sinuous.kernels.between.proof import (
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.obstacles import Accuracy
+from sinuous.kernels.certificate.proof import (
     bound_again,
+    certify,
+    certify_again,
     forget,
     narrow_obstacles,
-    prove_again,
-    prove_between,
     touches_at,
     touches_too,
 )
-from sinuous.kernels.between.sweep import Motion, at_time
-from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.self_proof import passed_over
+from sinuous.kernels.certificate.sweep import Motion, at_time
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.solve.starts import scattered, uniform
-from sinuous.kernels.step.actuation import share
+from sinuous.kernels.step.actuation import admissible_step
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
-PARTS = 8
-"""Into how many parts a long motion is divided by the configurations that are looked at before it is proved."""
+MOTION_PARTS = 8
+"""Into how many parts a long motion is divided by the configurations that are examined before it is proved."""
 
-ALONG, ALONG_SHORT = 4, 2
-"""The same for an edge of a tree, and for one that was cut short: a proof that fails is dearer than these looks."""
+EDGE_PARTS, SHORT_EDGE_PARTS = 4, 2
+"""The same for an edge of a tree, and for one that was cut short: a proof that fails is dearer than these
+evaluations."""
 
 NEAR = 3.0
-"""Two times are near when one is no more than so many times the other: one look more is taken between them."""
+"""Two times are near when one is no more than so many times the other: one evaluation more is taken between them."""
 
 Space = namedtuple("Space", ["robot", "scene", "mount", "levers", "sweep", "seen"])
 """The robot and the scene; length of backbone that obstacles do not concern; squares of the levers (n,); the scratch of
@@ -74,70 +75,72 @@ def random(index: int, seed: int, which: int) -> float:
 def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     """Fill `out` (n, 3) with random configuration number `index`: within all limits when `start` (n, 3) is."""
     scattered(space.robot.limits, index, seed, 2.0 * math.pi, out)
-    at_time(start, out, share(space.robot.actuation, start, out), out)
+    at_time(start, out, admissible_step(space.robot.actuation, start, out), out)
 
 
 def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, float]:
-    """Whether the motion from `p` to `q` (n, 3) is proved clear, and until when it is; see `prove_between`."""
+    """Whether the motion from `p` to `q` (n, 3) is proved clear, and until when it is; see `certify`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    verdict, until = prove_between(motion, space.sweep, Aim(1.0, finest, 0.0, space.mount, True), space.seen)
+    verdict, until = certify(motion, space.sweep, Accuracy(1.0, finest, 0.0, space.mount, True), space.seen)
     return verdict == CLEAR, until
 
 
-def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
+def seems_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first.
 
     Then the space has `seen` the least of all of them, and `bound_edge` goes on from there.
     """
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    aim = Aim(1.0, finest, 0.0, space.mount, False)
-    narrow_obstacles(motion, space.sweep, aim, space.seen)
+    accuracy = Accuracy(1.0, finest, 0.0, space.mount, False)
+    narrow_obstacles(motion, space.sweep, accuracy, space.seen)
     forget(space.seen)
     parts = 2
-    while parts <= PARTS:
+    while parts <= MOTION_PARTS:
         for i in range(1, parts, 2):
-            if touches_too(motion, i / parts, space.sweep, aim, space.seen):
+            if touches_too(motion, i / parts, space.sweep, accuracy, space.seen):
                 return False
         parts *= 2
     return True
 
 
-def look_along(space: Space, p: Array, q: Array, back: float, least: float, finest: float) -> float:
+def probe_edge(space: Space, p: Array, q: Array, back: float, least: float, finest: float) -> float:
     """Until when the way from `p` to `q` (n, 3) may be worth a step; 0: it is not.
 
-    What is left ends `back` before the time when something touches, and below `least` it is worth nothing. It is looked
-    at where it ends, then in between. Where something touches at its end, the first look is where the least would be:
-    most ways that go nowhere are stopped there. Then looks go on between the last time when nothing touches and the
-    first when something does, by their geometric mean.
+    What is left ends `back` before the time when something touches, and below `least` it is worth nothing. It is
+    checked at where it ends, then in between. Where something touches at its end, the first check is where the least
+    would be: most ways that go nowhere are stopped there. Then evaluations go on between the last time when nothing
+    touches and the first when something does, by their geometric mean.
     """
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    aim = Aim(1.0, finest, 0.0, space.mount, False)
-    narrow_obstacles(motion, space.sweep, aim, space.seen)
-    clear, touching, parts = 1.0, math.inf, ALONG
-    if touches_at(motion, 1.0, space.sweep, aim, space.seen):
-        clear, touching, parts = min(0.5, back + least), 1.0, ALONG_SHORT
-        if touches_at(motion, clear, space.sweep, aim, space.seen):
+    accuracy = Accuracy(1.0, finest, 0.0, space.mount, False)
+    narrow_obstacles(motion, space.sweep, accuracy, space.seen)
+    clear, touching, parts = 1.0, math.inf, EDGE_PARTS
+    if touches_at(motion, 1.0, space.sweep, accuracy, space.seen):
+        clear, touching, parts = min(0.5, back + least), 1.0, SHORT_EDGE_PARTS
+        if touches_at(motion, clear, space.sweep, accuracy, space.seen):
             return 0.0
-        clear, touching = _look_between(space, motion, aim, clear, touching)
+        clear, touching = _bracket_contact(space, motion, accuracy, clear, touching)
         if touching < back + least:
             return 0.0
     end, divided = clear, 2
     while divided <= parts and clear == end:
         for i in range(1, divided, 2):
             t = end * i / divided
-            if touches_at(motion, t, space.sweep, aim, space.seen):
-                clear, touching = _look_between(space, motion, aim, t - end / divided, t)
+            if touches_at(motion, t, space.sweep, accuracy, space.seen):
+                clear, touching = _bracket_contact(space, motion, accuracy, t - end / divided, t)
                 break
         divided *= 2
     return max(0.0, min(clear, touching - back))
 
 
-def _look_between(space: Space, motion: Motion, aim: Aim, clear: float, touching: float) -> tuple[float, float]:
+def _bracket_contact(
+    space: Space, motion: Motion, accuracy: Accuracy, clear: float, touching: float
+) -> tuple[float, float]:
     """Look between a time when nothing touches and one when something does; return two such times that are near."""
     while True:
         nearer = touching <= NEAR * clear or clear == 0.0
         t = 0.5 * (clear + touching) if nearer else math.sqrt(clear * touching)
-        if touches_at(motion, t, space.sweep, aim, space.seen):
+        if touches_at(motion, t, space.sweep, accuracy, space.seen):
             touching = t
         else:
             clear = t
@@ -146,26 +149,26 @@ def _look_between(space: Space, motion: Motion, aim: Aim, clear: float, touching
 
 
 def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
-    """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `prove_between`."""
+    """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `certify`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    return prove_between(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)
+    return certify(motion, space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen)
 
 
 def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
-    """The same for a motion that was looked at last, or proved without a tight bound; see `prove_again`."""
+    """The same for a motion that was examined last, or proved without a tight bound; see `certify_again`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    return prove_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)
+    return certify_again(motion, space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen)
 
 
 def bound_edge_again(space: Space, p: Array, q: Array, slack: float, finest: float, row: int) -> bool:
     """Bound one row of what is `seen` of a motion that is proved clear more tightly; see `bound_again`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    return bound_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen, row)
+    return bound_again(motion, space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen, row)
 
 
 def best_bound(space: Space, p: Array, q: Array, row: int) -> float:
     """What the lower bound of a row of `seen` is no greater than, however tight it is for the motion from `p` to `q`.
 
-    Gaps of the body that are never looked at have one bound for all of the motion.
+    Gaps of the body that are never examined have one bound for all of the motion.
     """
     return float(passed_over(space.robot.limits, p, q)) if row == 1 else math.inf

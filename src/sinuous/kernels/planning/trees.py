@@ -1,7 +1,7 @@
 """Two trees of configurations that grow towards each other: RRT-Connect (Kuffner & LaValle 2000).
 
 One grows from the start, the other from the goals. A random configuration is drawn; one tree grows from its nearest
-node towards it, and the other towards what was reached, as far as it can. At first edges are only looked at, for most
+node towards it, and the other towards what was reached, as far as it can. At first edges are only examined, for most
 of them are on no path (Sanchez & Latombe 2001); whoever proves the path cuts off what is not clear. Then every edge is
 proved clear as far as it goes.
 """
@@ -9,32 +9,32 @@ proved clear as far as it goes.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.between.sweep import at_time
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.certificate.sweep import at_time
+from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.planning.space import (
     Space,
     clear_up_to,
     distance,
     draw,
-    look_along,
+    probe_edge,
     prove_edge,
     random,
     squared_distance,
 )
-from sinuous.kernels.step.actuation import share
+from sinuous.kernels.step.actuation import admissible_step
 
 Trees = namedtuple("Trees", ["q", "parents", "counts", "drawn"])
 """Nodes of both trees (2, c, n, 3), their parents (2, c) int64 (-1: a root; `GONE`: it was taken out), how many there
 are (2,) int64; and the configuration that was drawn (n, 3)."""
 
-Terms = namedtuple("Terms", ["step", "spacing", "least", "finest", "back", "seed", "proves"])
+GrowthTerms = namedtuple("GrowthTerms", ["step", "spacing", "least", "finest", "back", "seed", "proves"])
 """Longest edge; how far nodes along an edge are from each other; the shortest edge; the length below which a proof is
 not halved; how far an edge stays back from what stops it, all in the length unit; the seed; and whether edges are
-proved, or only looked at."""
+proved, or only examined."""
 
-COARSE, FINER, FINEST = 1.0, 0.1, 0.01
+COARSE_DRAW, FINER_DRAW, FINEST_DRAW = 1.0, 0.1, 0.01
 """How fine the shortest edge, proofs and what stays back are, as shares: most are coarse, every fourth is finer, every
 sixteenth the finest. Who stands close to an obstacle needs small steps, others are quicker without."""
 
@@ -66,7 +66,7 @@ def _nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
     return at
 
 
-def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: Terms) -> tuple[int, bool]:
+def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: GrowthTerms) -> tuple[int, bool]:
     """Let a tree grow from node `at` towards `goal` (n, 3) by one edge, as far as that is clear.
 
     Returns the last new node (-1: there is none), and whether that is the goal.
@@ -77,7 +77,7 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     at_time(begin, goal, part, trees.q[side, new])
     if far > 0.0:
         whole = part * far
-        part *= look_along(space, begin, trees.q[side, new], terms.back / whole, terms.least / whole, terms.back)
+        part *= probe_edge(space, begin, trees.q[side, new], terms.back / whole, terms.least / whole, terms.back)
         if part * far < terms.least:
             return -1, False
         at_time(begin, goal, part, trees.q[side, new])
@@ -96,7 +96,7 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     return new + count - 1, clear and part >= 1.0
 
 
-def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: Terms) -> int:
+def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: GrowthTerms) -> int:
     """Let a tree grow towards `goal` (n, 3) until it is there, and return that node; -1 where it is stopped."""
     at = _nearest(trees, side, goal, space.levers)
     while trees.counts[side] < trees.q.shape[1]:
@@ -122,10 +122,10 @@ def _keep_others(space: Space, begin: Array, index: int, seed: int, drawn: Array
     for k in range(n):
         if k < min(one, other) or k > max(one, other):
             put_vec(drawn, k, 0, get_vec(begin, k, 0))
-    at_time(begin, drawn, share(space.robot.actuation, begin, drawn), drawn)
+    at_time(begin, drawn, admissible_step(space.robot.actuation, begin, drawn), drawn)
 
 
-def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tuple[int, int, int]:
+def grow(space: Space, trees: Trees, terms: GrowthTerms, first: int, last: int) -> tuple[int, int, int]:
     """Let both trees grow by draws `first` to `last` - 1, until they meet.
 
     Returns the nodes, one a tree, where they do (-1, -1: they do not), and the draw to go on with.
@@ -134,12 +134,12 @@ def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tup
     for index in range(first, last):
         if max(trees.counts[0], trees.counts[1]) >= most:
             return -1, -1, last
-        if spend(space.sweep.clock, trees.counts[0] + trees.counts[1] + SEGMENT_LOOKS):
+        if spend(space.sweep.clock, trees.counts[0] + trees.counts[1] + SEGMENT_WORK):
             return -1, -1, last
         draw(space, trees.q[0, 0], index, terms.seed, trees.drawn)
-        fine = COARSE if index % 4 != 3 else FINER if index % 16 != 15 else FINEST
+        fine = COARSE_DRAW if index % 4 != 3 else FINER_DRAW if index % 16 != 15 else FINEST_DRAW
         own = _as_fine(terms, fine)
-        side, behind = index % 2 if fine == COARSE else index // 4 % 2, _behind(trees)
+        side, behind = index % 2 if fine == COARSE_DRAW else index // 4 % 2, _behind(trees)
         if behind >= 0:
             side = behind if index % 4 > 0 else 1 - behind
         at = _nearest(trees, side, trees.drawn, space.levers)
@@ -153,9 +153,9 @@ def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tup
     return -1, -1, last
 
 
-def _as_fine(terms: Terms, fine: float) -> Terms:
+def _as_fine(terms: GrowthTerms, fine: float) -> GrowthTerms:
     """The same terms for a draw that is so fine."""
-    return Terms(
+    return GrowthTerms(
         terms.step,
         terms.spacing,
         terms.least * fine,

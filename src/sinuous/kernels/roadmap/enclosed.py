@@ -4,14 +4,14 @@ import math
 
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, read_scene
-from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, get_mat, get_vec, mat_vec
 
 RAYS = 14
 """Along the axes of a frame and between three of them, both ways."""
 
-LOOKS = 16
-"""Most looks along a ray: one that goes along a wall as far as this meets it."""
+RAY_EVALUATIONS = 16
+"""Most evaluations along a ray: one that goes along a wall as far as this meets it."""
 
 MET = 0.02
 """Distance from the obstacles at which a ray ends, as a share of its length."""
@@ -29,8 +29,8 @@ def _direction(i: int) -> Vec:
 def _meets(scene: Scene, p: Vec, direction: Vec, length: float) -> bool:
     """Whether a ray meets an obstacle."""
     gone = 0.0
-    for _ in range(LOOKS):
-        d, _ = closest(scene, add_scaled(p, gone, direction), length, STEP)
+    for _ in range(RAY_EVALUATIONS):
+        d, _ = closest(scene, add_scaled(p, gone, direction), length, INTERPOLATED)
         gone += d
         if d < MET * length:
             return True

@@ -1,4 +1,4 @@
-"""The door: a route from edge to edge, by A* over places of which few are looked at (lazily, Bohlin & Kavraki 2000)."""
+"""The door: a route from edge to edge, by A* over places of which few are examined (lazily, Bohlin & Kavraki 2000)."""
 
 import math
 from collections import namedtuple
@@ -7,9 +7,9 @@ import numpy as np
 
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import Scene, price, read_scene
+from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
-from sinuous.kernels.freespace.grid import Grid
+from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.freespace.query import Query, read_query, route_grid, straight_length
 from sinuous.kernels.maths import buckets
 from sinuous.kernels.maths.buckets import Buckets
@@ -17,13 +17,13 @@ from sinuous.kernels.maths.vectors import Array, get_vec, norm, put_vec, sub
 from sinuous.kernels.roadmap.places import put_places
 from sinuous.kernels.roadmap.sight import cuts, cutting, in_sight
 
-PLACES = 1024
+MOST_PLACES = 1024
 """Most places."""
 
-LINES = 1 << 15
-"""Most lines from place to place that wait to be looked at."""
+MOST_LINES = 1 << 15
+"""Most lines from place to place that wait to be examined."""
 
-INFLATION = 1.2
+ROADMAP_INFLATION = 1.2
 """See `freespace.grid.Grid`."""
 
 TURN_COST = 0.5
@@ -32,14 +32,14 @@ TURN_COST = 0.5
 SHORTENED = 0.9
 """What is left at least of the length of a route when it is drawn tight."""
 
-FINE, COARSE = 0.5, 1.0
+LEAST_SPACING, MOST_SPACING = 0.5, 1.0
 """Least and greatest distance of the points of a band, in radii of the body."""
 
-POINTS = 256
+BAND_POINTS = 256
 """Points of a band that is neither."""
 
-CUTS, LOOKS = 1 << 22, 1 << 18
-"""How many boxes and triangles are asked whether they cut a line, at most; and looks at distances, see `kernels.clock`.
+MOST_CUTS, MOST_WORK = 1 << 22, 1 << 18
+"""How many boxes and triangles are asked whether they cut a line, at most; and examines distances, see `kernels.clock`.
 """
 
 BUCKETS = 4096
@@ -50,30 +50,30 @@ RECENT = 16
 
 Roadmap = namedtuple("Roadmap", ["places", "cost", "before", "cut", "recent", "lines", "spare", "clock"])
 """Places (m, 3); by their number the cost (m,) of the route there, infinite while none is known, the place before
-(m,) int64, and what cut the last line to there that was looked at (m,) int64, see `sight.cutting`, and what cut any
+(m,) int64, and what cut the last line to there that was examined (m,) int64, see `sight.cutting`, and what cut any
 of late (r,) int64; what the queue of lines lies in (l,) int64: each is the number of the place that it leads from times
-`PLACES`, plus that of the one that it leads to; points (2 k, 3) to work with; the clock."""
+`MOST_PLACES`, plus that of the one that it leads to; points (2 k, 3) to work with; the clock."""
 
-QUEUE = BUCKETS + 2 * LINES + buckets.MORE
+QUEUE = BUCKETS + 2 * MOST_LINES + buckets.MORE
 """Numbers of the queue."""
 
-START, GOAL = 0, 1
+START_PLACE, GOAL_PLACE = 0, 1
 """The numbers of both ends."""
 
 
 def roadmap_size(points: int) -> int:
     """Numbers (float64) that a search for a route of at most so many points works in."""
-    return 6 * PLACES + RECENT + QUEUE + 6 * points + CLOCK_SIZE
+    return 6 * MOST_PLACES + RECENT + QUEUE + 6 * points + CLOCK_SIZE
 
 
 def _carve(buffer: Array, points: int) -> Roadmap:
     """Lay out the memory of a search, see `roadmap_size`."""
-    work, spare = buffer[6 * PLACES :], buffer[6 * PLACES + RECENT + QUEUE :]
+    work, spare = buffer[6 * MOST_PLACES :], buffer[6 * MOST_PLACES + RECENT + QUEUE :]
     return Roadmap(
-        buffer[: 3 * PLACES].reshape((PLACES, 3)),
-        buffer[3 * PLACES : 4 * PLACES],
-        buffer[4 * PLACES : 5 * PLACES].view(np.int64),
-        buffer[5 * PLACES : 6 * PLACES].view(np.int64),
+        buffer[: 3 * MOST_PLACES].reshape((MOST_PLACES, 3)),
+        buffer[3 * MOST_PLACES : 4 * MOST_PLACES],
+        buffer[4 * MOST_PLACES : 5 * MOST_PLACES].view(np.int64),
+        buffer[5 * MOST_PLACES : 6 * MOST_PLACES].view(np.int64),
         work[:RECENT].view(np.int64),
         work[RECENT : RECENT + QUEUE].view(np.int64),
         spare[: 6 * points].reshape((2 * points, 3)),
@@ -81,20 +81,20 @@ def _carve(buffer: Array, points: int) -> Roadmap:
     )
 
 
-def _queue(roadmap: Roadmap, grid: Grid) -> Buckets:
+def _queue(roadmap: Roadmap, grid: SearchGrid) -> Buckets:
     """An empty queue of lines, for all lengths of routes that are not too long."""
     straight = norm(sub(grid.goal, grid.start))
-    return buckets.carve(roadmap.lines, BUCKETS, straight, (1.0 / SHORTENED + INFLATION - 1.0) * grid.longest)
+    return buckets.carve(roadmap.lines, BUCKETS, straight, (1.0 / SHORTENED + ROADMAP_INFLATION - 1.0) * grid.longest)
 
 
 def _put_lines(
-    roadmap: Roadmap, queue: Buckets, grid: Grid, scene: Scene, triangles: Array, count: int, place: int
+    roadmap: Roadmap, queue: Buckets, grid: SearchGrid, scene: Scene, triangles: Array, count: int, place: int
 ) -> None:
     """Put lines from a place to all others into the queue, as far as there is room.
 
     A wall that cut the last line to a place hides it from most others: what it cuts here need not wait.
     """
-    p, goal = get_vec(roadmap.places, place, 0), get_vec(roadmap.places, GOAL, 0)
+    p, goal = get_vec(roadmap.places, place, 0), get_vec(roadmap.places, GOAL_PLACE, 0)
     for other in range(count):
         if roadmap.cost[other] < math.inf:
             continue
@@ -102,14 +102,14 @@ def _put_lines(
         gone, rest = roadmap.cost[place] + norm(sub(q, p)), norm(sub(goal, q))
         if SHORTENED * (gone + rest) > grid.longest or cuts(scene, triangles, roadmap.cut[other], p, q):
             continue
-        if not buckets.push(queue, gone + INFLATION * rest, place * PLACES + other):
+        if not buckets.push(queue, gone + ROADMAP_INFLATION * rest, place * MOST_PLACES + other):
             return
 
 
-def _straight(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array) -> bool:
-    """Whether the goal is in sight from the start: a search would look there first, and needs no other places then."""
-    put_vec(roadmap.places, START, 0, grid.start)
-    put_vec(roadmap.places, GOAL, 0, grid.goal)
+def _straight(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array) -> bool:
+    """Whether the goal is in sight from the start: a search would check there first, and needs no other places then."""
+    put_vec(roadmap.places, START_PLACE, 0, grid.start)
+    put_vec(roadmap.places, GOAL_PLACE, 0, grid.goal)
     for i in range(RECENT):
         roadmap.recent[i] = -1
     by, asked = cutting(scene, triangles, grid.start, grid.goal, roadmap.recent)
@@ -117,27 +117,27 @@ def _straight(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array) -> b
     if far or by >= 0 or spend(roadmap.clock, asked):
         return False
     seen, looked = in_sight(scene, grid, grid.start, grid.goal)
-    roadmap.before[GOAL] = START
-    return seen and not spend(roadmap.clock, looked * price(scene))
+    roadmap.before[GOAL_PLACE] = START_PLACE
+    return seen and not spend(roadmap.clock, looked * work_of_all(scene))
 
 
-def _search(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array, count: int) -> bool:
+def _search(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, count: int) -> bool:
     """Search for a route from place to place, as far as the time allows; `before` leads back from the goal.
 
     What cut the line from the start to the goal is among what is `recent` already, see `_straight`.
     """
-    looks = price(scene)
+    units = work_of_all(scene)
     for i in range(count):
         roadmap.cost[i], roadmap.cut[i] = math.inf, -1
-    roadmap.cost[START], roadmap.before[START] = 0.0, -1
+    roadmap.cost[START_PLACE], roadmap.before[START_PLACE] = 0.0, -1
     queue = _queue(roadmap, grid)
-    _put_lines(roadmap, queue, grid, scene, triangles, count, START)
+    _put_lines(roadmap, queue, grid, scene, triangles, count, START_PLACE)
     tried = spent = 0
-    while tried < CUTS and spent < LOOKS:
+    while tried < MOST_CUTS and spent < MOST_WORK:
         line = buckets.pop(queue)
         if line < 0:
             return False
-        place, other = line // PLACES, line % PLACES
+        place, other = line // MOST_PLACES, line % MOST_PLACES
         if roadmap.cost[other] < math.inf:
             continue
         p, q = get_vec(roadmap.places, place, 0), get_vec(roadmap.places, other, 0)
@@ -149,32 +149,32 @@ def _search(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array, count:
             roadmap.cut[other] = by
             continue
         seen, looked = in_sight(scene, grid, p, q)
-        spent += looked * looks
-        if spend(roadmap.clock, looked * looks):
+        spent += looked * units
+        if spend(roadmap.clock, looked * units):
             return False
         if not seen:
             continue
         roadmap.cost[other] = roadmap.cost[place] + norm(sub(q, p)) + TURN_COST * grid.radius
         roadmap.before[other] = place
-        if other == GOAL:
+        if other == GOAL_PLACE:
             return True
         _put_lines(roadmap, queue, grid, scene, triangles, count, other)
     return False
 
 
-def _draw(roadmap: Roadmap, grid: Grid, scene: Scene, query: Query, route: Array) -> int:
+def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one that was found; returns how many points it has."""
-    line, count, place = roadmap.spare, 4, roadmap.before[GOAL]
-    while place != START:
+    line, count, place = roadmap.spare, 4, roadmap.before[GOAL_PLACE]
+    while place != START_PLACE:
         count, place = count + 1, roadmap.before[place]
     put_vec(line, 0, 0, query.origin)
     put_vec(line, count - 1, 0, query.goal)
-    at, place = count - 2, GOAL
+    at, place = count - 2, GOAL_PLACE
     while at > 0:
         put_vec(line, at, 0, get_vec(roadmap.places, place, 0))
         at, place = at - 1, roadmap.before[place]
     length = span(line, count)
-    spacing = max(FINE * grid.radius, min(COARSE * grid.radius, length / POINTS))
+    spacing = max(LEAST_SPACING * grid.radius, min(MOST_SPACING * grid.radius, length / BAND_POINTS))
     wanted = points_wanted(length, spacing, route.shape[0])
     respace(line, count, route, wanted)
     tighten(scene, grid, route, roadmap.spare, roadmap.clock, wanted)
@@ -226,6 +226,6 @@ def find_by_edges(
     roadmap = _carve(buffer, route.shape[0])
     begin(roadmap.clock)
     allow(roadmap.clock, seconds)
-    if seconds <= 0.0:  # a straight route takes fewer looks than pass before the time is read
+    if seconds <= 0.0:  # a straight route takes fewer evaluations than pass before the time is read
         return 0
     return _find(roadmap, read_scene(scene), read_query(query), edges, triangles, route)

@@ -7,26 +7,26 @@ that a ball passes, and is pushed to where there is more room: in a door, to its
 import math
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
+from sinuous.kernels.fields.distances import Scene, closest, obstacle, work_of_all
 from sinuous.kernels.fields.primitives import axis_of
-from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.freespace.grid import Grid
+from sinuous.kernels.fields.solids import INTERPOLATED
+from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING, SIGN
+from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING_RADIUS, SIGN
 
-OFF = 1.15
+EDGE_OFFSET = 1.15
 """Distance of a place from both faces of its edge."""
 
-ROOM, LEAST = 1.5, 1.0
+PUSHED_CLEARANCE, LEAST_CLEARANCE = 1.5, 1.0
 """Distance from the obstacles that places are pushed to, and that they must have. All in radii of the body."""
 
 ALIKE = 0.5
 """Distance of two places that count as one, in radii: boxes that touch have the same edges."""
 
-PUSHES = 6
+PLACE_PUSHES = 6
 """How often a place is pushed."""
 
-SIDES = 8
+TURNING_PLACES = 8
 """Places about an end, across its tangent, where a route may turn back."""
 
 ABOUT = 1.05
@@ -36,24 +36,24 @@ ABOUT = 1.05
 def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
     """Push a place to where there is more room; returns it, and its distance from the obstacles."""
     best, most = p, -math.inf
-    for _ in range(PUSHES):
-        d, which = closest(scene, p, ROOM * radius, STEP)
+    for _ in range(PLACE_PUSHES):
+        d, which = closest(scene, p, PUSHED_CLEARANCE * radius, INTERPOLATED)
         if d > most:
             best, most = p, d
-        if which < 0 or d < 0.0 or d >= ROOM * radius:
+        if which < 0 or d < 0.0 or d >= PUSHED_CLEARANCE * radius:
             break
         _, g = obstacle(scene, which, p, d)
-        p = add_scaled(p, ROOM * radius - d, g)
+        p = add_scaled(p, PUSHED_CLEARANCE * radius - d, g)
     return best, most
 
 
-def _add(scene: Scene, grid: Grid, places: Array, count: int, p: Vec, clock: Array) -> int:
+def _add(scene: Scene, grid: SearchGrid, places: Array, count: int, p: Vec, clock: Array) -> int:
     """Note a place, if a ball has room there; returns how many there are."""
-    if count == places.shape[0] or spend(clock, 2 * price(scene)):
+    if count == places.shape[0] or spend(clock, 2 * work_of_all(scene)):
         return count
     p, d = _push(scene, grid.radius, p)
     far = norm(sub(p, grid.start)) + norm(sub(p, grid.goal))
-    if d < LEAST * grid.radius or far > grid.longest:
+    if d < LEAST_CLEARANCE * grid.radius or far > grid.longest:
         return count
     near = (ALIKE * grid.radius) ** 2
     for i in range(2, count):
@@ -64,21 +64,21 @@ def _add(scene: Scene, grid: Grid, places: Array, count: int, p: Vec, clock: Arr
     return count + 1
 
 
-def _add_about(scene: Scene, grid: Grid, places: Array, count: int, end: tuple[Vec, Vec], clock: Array) -> int:
+def _add_about(scene: Scene, grid: SearchGrid, places: Array, count: int, end: tuple[Vec, Vec], clock: Array) -> int:
     """Note places about an end, of which the place and the unit tangent are given (zero: there is none)."""
     place, tangent = end
     if norm(tangent) == 0.0 or grid.turn == 0.0:
         return count
     a, b = across(tangent)
     count = _add(scene, grid, places, count, add_scaled(place, grid.turn, tangent), clock)
-    for i in range(SIDES):
-        angle = 2.0 * math.pi * i / SIDES
+    for i in range(TURNING_PLACES):
+        angle = 2.0 * math.pi * i / TURNING_PLACES
         side = add(scale(math.cos(angle), a), scale(math.sin(angle), b))
         count = _add(scene, grid, places, count, add_scaled(place, ABOUT * grid.turn, side), clock)
     return count
 
 
-def _nearest_to_line(grid: Grid, p: Vec, axis: Vec, half: float) -> float:
+def _nearest_to_line(grid: SearchGrid, p: Vec, axis: Vec, half: float) -> float:
     """How far along an edge, from its middle `p`, it is nearest to the straight line between both ends."""
     line = sub(grid.goal, grid.start)
     w = sub(p, grid.start)
@@ -89,7 +89,9 @@ def _nearest_to_line(grid: Grid, p: Vec, axis: Vec, half: float) -> float:
     return min(half, max(-half, (b * d - a * e) / across_both))
 
 
-def _add_edge(scene: Scene, grid: Grid, places: Array, count: int, edge: tuple[Vec, Vec, float], clock: Array) -> int:
+def _add_edge(
+    scene: Scene, grid: SearchGrid, places: Array, count: int, edge: tuple[Vec, Vec, float], clock: Array
+) -> int:
     """Note two places along an edge, of which the middle, moved off, the unit axis and half the length are given."""
     p, axis, half = edge
     count = _add(scene, grid, places, count, p, clock)
@@ -99,9 +101,9 @@ def _add_edge(scene: Scene, grid: Grid, places: Array, count: int, edge: tuple[V
     return count
 
 
-def _add_box(scene: Scene, grid: Grid, places: Array, count: int, i: int, clock: Array) -> int:
+def _add_box(scene: Scene, grid: SearchGrid, places: Array, count: int, i: int, clock: Array) -> int:
     """Note places beside the twelve edges of a box."""
-    middle, off = get_vec(scene.table, i, CENTER), OFF * grid.radius + scene.table[i, ROUNDING]
+    middle, off = get_vec(scene.table, i, CENTER), EDGE_OFFSET * grid.radius + scene.table[i, ROUNDING_RADIUS]
     half = get_vec(scene.table, i, HALF_EXTENTS)
     for along in range(3):
         u, v = (along + 1) % 3, (along + 2) % 3
@@ -115,7 +117,7 @@ def _add_box(scene: Scene, grid: Grid, places: Array, count: int, i: int, clock:
     return count
 
 
-def put_places(scene: Scene, grid: Grid, edges: Array, places: Array, clock: Array) -> int:
+def put_places(scene: Scene, grid: SearchGrid, edges: Array, places: Array, clock: Array) -> int:
     """Fill `places` (m, 3), as far as the time allows: start, goal, and all others; returns how many there are.
 
     Of edges (e, 10), other than those of boxes, the middle is given, the way off both faces by one, the unit axis, and
@@ -129,6 +131,6 @@ def put_places(scene: Scene, grid: Grid, edges: Array, places: Array, clock: Arr
         if scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0:
             count = _add_box(scene, grid, places, count, i, clock)
     for i in range(edges.shape[0]):
-        p = add_scaled(get_vec(edges, i, 0), OFF * grid.radius, get_vec(edges, i, 3))
+        p = add_scaled(get_vec(edges, i, 0), EDGE_OFFSET * grid.radius, get_vec(edges, i, 3))
         count = _add_edge(scene, grid, places, count, (p, get_vec(edges, i, 6), edges[i, 9]), clock)
     return count

@@ -3,22 +3,22 @@
 import math
 
 from sinuous.kernels.fields.distances import Scene, closest
-from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.freespace.grid import Grid, behind
+from sinuous.kernels.fields.solids import INTERPOLATED
+from sinuous.kernels.freespace.grid import SearchGrid, behind
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_mat, get_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, KIND, SIGN
 
-KEPT = 0.95
+LINE_CLEARANCE = 0.95
 """Distance from the obstacles that a straight line keeps, in radii of the body: where it is less, a band that is drawn
 along it still finds more."""
 
-FINEST = 0.15
+SHORTEST_STEP = 0.15
 """Shortest step along a line, in radii of the body."""
 
-STEPS = 8192
+MOST_STEPS = 8192
 """Most steps along a line, but for those that are short because an end is near."""
 
-AROUND = 0.25
+END_STEP = 0.25
 """Longest step near an end, in units of the turn that a body needs there."""
 
 
@@ -102,26 +102,26 @@ def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tu
     return int(which), asked
 
 
-def _step_about(grid: Grid, p: Vec, place: Vec) -> float:
+def _step_about(grid: SearchGrid, p: Vec, place: Vec) -> float:
     """Longest step from `p` that passes over nothing behind an end."""
-    return max(norm(sub(p, place)) - grid.turn, AROUND * grid.turn)
+    return max(norm(sub(p, place)) - grid.turn, END_STEP * grid.turn)
 
 
-def in_sight(scene: Scene, grid: Grid, a: Vec, b: Vec) -> tuple[bool, int]:
-    """Whether a ball can be moved straight from `a` to `b`, but not behind an end; and how many looks that took."""
-    line, clear = sub(b, a), KEPT * grid.radius
+def in_sight(scene: Scene, grid: SearchGrid, a: Vec, b: Vec) -> tuple[bool, int]:
+    """Whether a ball can be moved straight from `a` to `b`, but not behind an end; and the evaluations that took."""
+    line, clear = sub(b, a), LINE_CLEARANCE * grid.radius
     length = norm(line)
-    gone, looks = 0.0, 0
+    gone, units = 0.0, 0
     while gone < length:
         p = add_scaled(a, gone / length, line)
         if behind(grid, p, grid.start, grid.axis, 0.0) > 0 or behind(grid, p, grid.goal, grid.back, 0.0) > 0:
-            return False, looks
-        d, _ = closest(scene, p, clear + length - gone, STEP)
-        looks += 1
+            return False, units
+        d, _ = closest(scene, p, clear + length - gone, INTERPOLATED)
+        units += 1
         if d < clear:
-            return False, looks
-        step = max(d - clear, FINEST * grid.radius, length / STEPS)
+            return False, units
+        step = max(d - clear, SHORTEST_STEP * grid.radius, length / MOST_STEPS)
         if grid.turn > 0.0:
             step = min(step, _step_about(grid, p, grid.start), _step_about(grid, p, grid.goal))
         gone += step
-    return True, looks
+    return True, units

@@ -30,10 +30,10 @@ from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.statics import equilibrium as e
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.drive import answer_drive, fill
-from sinuous.kernels.statics.newton import Body, Space, carve, room_for
+from sinuous.kernels.statics.newton import Body, Workspace, carve, workspace_size
 from sinuous.kernels.statics.sweeps import move
 from sinuous.kernels.step import limits
-from sinuous.kernels.step.coupling import LEAST
+from sinuous.kernels.step.coupling import LEAST_PIVOT
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
@@ -41,42 +41,42 @@ from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 MOST_ROUNDS = 25
 """Corrections from one start."""
 
-SLOW, PATIENCE = 0.9, 4
+SLOW_RATIO, SLOW_ROUNDS = 0.9, 4
 """Corrections end after so many in a row that leave more than this share of what was left, squared."""
 
-ENOUGH = 0.2
+TOLERANCE_SHARE = 0.2
 """Share of the tolerances within which corrections end."""
 
 MOST_STEPS = 6
 """Steps in which the body at the end of a correction is found from what is foretold, or the correction is too long."""
 
-HALVINGS, SHORTER = 5, 0.4
+MOST_LENGTHS, SHORTER_RATIO = 5, 0.4
 """Most lengths of a correction that are tried, each this share of the one before."""
 
-DAMPING = 1e-6
+CORRECTION_DAMPING = 1e-6
 """Of a correction, relative to the squares of all derivatives."""
 
 LARGEST = 0.7
 """Most that a bend changes in a correction, rad; and a length, in mean lengths of a segment."""
 
-INSIDE, HELD = 1e-9, 5e-12
+INSET, EXCESS_ROUNDING = 1e-9, 5e-12
 """How far within their limits corrections keep actuators and tensions, and excess that is rounding, in mean lengths of
 the robot."""
 
-TURNS = 8
+MOST_ACTIVE_SETS = 8
 """Most times that a correction is computed anew along other limits."""
 
-OFF, TURN, EXCESS, MERIT, ROUNDS, FOUND = range(6)
+OFF, ANGLE, EXCESS, MERIT, ROUNDS, STABLE = range(6)
 """Places in the record: largest position error (length) and angle error (rad), excess over limits of actuators and
 tensions (length), sum of the squares of what is left; how many rounds; 1 where a stable equilibrium was found."""
 
-RECORD_WIDTH = 6
+CORRECTION_WIDTH = 6
 
 Drive = namedtuple("Drive", ["sections", "of_lines", "bounds", "pulls"])
 """The robot as `statics.drive` has it; limits of actuators (a, 3 n + 2), the derivative of a displacement by the drive,
 then its least and most; and least and most stretch of lines (t, 2), infinite where there are no such limits."""
 
-Shape = namedtuple("Shape", ["q", "x", "tensions", "record"])
+Equilibrium = namedtuple("Equilibrium", ["q", "x", "tensions", "record"])
 """A drive (n, 3), states (N, 4), tensions (t,); and the record (10,) of the search for the latter."""
 
 Step = namedtuple("Step", "ends rows columns pulls jacobian weights values side listed system root mean bound change")
@@ -87,11 +87,11 @@ same in units of the metric, and least and most motion (r, 2), alike for targets
 (n, 9), mean (n, 3) and what is bound (n,). And the change of the drive (n, 3)."""
 
 
-def room(segments: int, arcs: int, lines: int, slopes: int, targets: int, actuators: int) -> int:
+def correction_size(segments: int, arcs: int, lines: int, slopes: int, targets: int, actuators: int) -> int:
     """Numbers that `correct` takes from a buffer."""
     n, r, state = segments, 6 * targets + actuators + lines, 4 * arcs + lines
     step = 12 * (n + 1) + rows_size(n, 6 * targets) + 3 * n * state + r * (6 * n + 5 + r) + 16 * n
-    return room_for(arcs, lines, slopes) + t.ARC_WIDTH * arcs + 3 * n + state + e.RECORD_WIDTH + step
+    return workspace_size(arcs, lines, slopes) + t.ARC_WIDTH * arcs + 3 * n + state + e.EQUILIBRIUM_WIDTH + step
 
 
 @entry
@@ -117,7 +117,7 @@ def correct(
     `robot`, `settings` and `targets` (m, 15) as in `tables`; `sections` (n, 10), loads (k, 10) and lines (t, 10) as in
     `statics.layout`; `of_lines` (t, 3 n + 1) see `statics.drive.lay_out`; `bounds` (a, 3 n + 2) and `pulls` (t, 2) see
     `Drive`. Where the record (6,) says that an equilibrium was found the search begins with it, else without load.
-    `buffer` has `room` numbers.
+    `buffer` has `correction_size` numbers.
     """
     problem, drive = read_problem(robot, None, settings, targets), Drive(sections, of_lines, bounds, pulls)
     n, count = q.shape[0], x.shape[0]
@@ -129,42 +129,49 @@ def correct(
     body = Body(arcs, loads, lines)
     limits.move(problem.limits, q, step.mean, q)
     fill(sections, of_lines, q, arcs, lines, trial.x)
-    if record[FOUND] == 0.0:
+    if record[STABLE] == 0.0:
         copy(trial.x, x)
         tensions[:] = 0.0
-    own = Shape(q, x, tensions, trial.record)
+    own = Equilibrium(q, x, tensions, trial.record)
     e.settle(x, tensions, body, True, space, own.record)
     _correct(problem, drive, own, trial, body, space, step, record)
 
 
 @shared
 def _correct(
-    problem: Problem, drive: Drive, own: Shape, trial: Shape, body: Body, space: Space, step: Step, record: Array
+    problem: Problem,
+    drive: Drive,
+    own: Equilibrium,
+    trial: Equilibrium,
+    body: Body,
+    space: Workspace,
+    step: Step,
+    record: Array,
 ) -> None:
     """Correct from a body at rest.
 
     The compiler may not see where in the buffer everything is: it takes ten seconds to compute with that.
     """
-    _see(problem, drive, own, body, space, step, record)
+    _evaluate(problem, drive, own, body, space, step, record)
     slow = 0
     for rounds in range(MOST_ROUNDS):
         record[ROUNDS], before = rounds, record[MERIT]
-        if record[FOUND] == 0.0 or _enough(problem, record) or slow == PATIENCE:
+        if record[STABLE] == 0.0 or _enough(problem, record) or slow == SLOW_ROUNDS:
             return
         answer_drive(drive.sections, drive.of_lines, own.q, own.x, body, space, step.columns, step.pulls)
         _find_step(problem, own.q, step, _derive(problem, drive, own, body, space, step))
-        if not _go(problem, drive, own, trial, body, space, step, record):
+        if not _line_search(problem, drive, own, trial, body, space, step, record):
             return
-        slow = slow + 1 if record[MERIT] > SLOW * before else 0
+        slow = slow + 1 if record[MERIT] > SLOW_RATIO * before else 0
     record[ROUNDS] = MOST_ROUNDS
 
 
-def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: int) -> tuple[Shape, Step]:
+def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: int) -> tuple[Equilibrium, Step]:
     """Lay out what else is needed."""
     q, rest = cut(rest, n, 3)
     x, rest = cut(rest, arcs, t.STATE_WIDTH)
     tensions, rest = rest[:lines], rest[lines:]
-    found, rest = rest[: e.RECORD_WIDTH], rest[e.RECORD_WIDTH :]
+    found, rest = rest[: e.EQUILIBRIUM_WIDTH], rest[e.EQUILIBRIUM_WIDTH :]
     ends, rest = cut(rest, n + 1, 12)
     size, r = rows_size(n, 6 * targets), 6 * targets + actuators + lines
     rows, rest = pick_rows(carve_rows(rest[:size], 1, n, 6 * targets), 0), rest[size:]
@@ -182,28 +189,33 @@ def _carve(rest: Array, n: int, arcs: int, lines: int, targets: int, actuators: 
     bound, rest = cut_whole(rest, n)
     change, rest = cut(rest, n, 3)
     mean[:] = 0.0
-    shape = Shape(q, x, tensions, found)
+    shape = Equilibrium(q, x, tensions, found)
     step = Step(ends, rows, columns, pulls, jacobian, weights, values, side, listed, system, root, mean, bound, change)
     return shape, step
 
 
 def _enough(problem: Problem, record: Array) -> bool:
     """Whether targets are met, within all limits. A tolerance that is not asked for leaves no error."""
-    met = record[OFF] <= ENOUGH * problem.position_tolerance and record[TURN] <= ENOUGH * problem.angle_tolerance
-    return bool(met and record[EXCESS] <= HELD * problem.unit)
+    met = (
+        record[OFF] <= TOLERANCE_SHARE * problem.position_tolerance
+        and record[ANGLE] <= TOLERANCE_SHARE * problem.angle_tolerance
+    )
+    return bool(met and record[EXCESS] <= EXCESS_ROUNDING * problem.unit)
 
 
-def _see(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Space, step: Step, record: Array) -> None:
-    """Look at a body at rest at its drive; fill the record and the rows of targets."""
-    record[FOUND] = 1.0 if shape.record[e.SHARE] >= 1.0 and shape.record[e.UNSTABLE] == 0.0 else 0.0
-    if record[FOUND] == 0.0:
+def _evaluate(
+    problem: Problem, drive: Drive, shape: Equilibrium, body: Body, space: Workspace, step: Step, record: Array
+) -> None:
+    """Examine a body at rest at its drive; fill the record and the rows of targets."""
+    record[STABLE] = 1.0 if shape.record[e.LOAD_FACTOR] >= 1.0 and shape.record[e.UNSTABLE] == 0.0 else 0.0
+    if record[STABLE] == 0.0:
         return
     n, k, at, origin = shape.q.shape[0], 0, 0, frame(space.frames, 0)[1]
     off = turn = excess = merit = 0.0
     for s in range(n + 1):
         rotation, position = frame(space.frames, k)
         put_frame(step.ends, s, rotation, position)
-        k += int(drive.sections[min(s, n - 1), t.COUNT])
+        k += int(drive.sections[min(s, n - 1), t.ARC_COUNT])
     for s in range(n):
         step.rows.start[s] = at
         for i in range(problem.targets.shape[0]):
@@ -221,7 +233,7 @@ def _see(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Space,
     for i in range(drive.pulls.shape[0]):
         value = body.lines[i, t.COMPLIANCE] * shape.tensions[i]
         excess = max(excess, drive.pulls[i, 0] - value, value - drive.pulls[i, 1])
-    record[OFF], record[TURN], record[EXCESS] = off, turn, excess
+    record[OFF], record[ANGLE], record[EXCESS] = off, turn, excess
     record[MERIT] = merit + (excess / problem.unit) ** 2
 
 
@@ -233,14 +245,14 @@ def _actuator(drive: Drive, i: int, q: Array) -> tuple[float, float, float]:
     return value, drive.bounds[i, size], drive.bounds[i, size + 1]
 
 
-def _derive(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Space, step: Step) -> int:
+def _derive(problem: Problem, drive: Drive, shape: Equilibrium, body: Body, space: Workspace, step: Step) -> int:
     """Fill the rows of the step: derivatives, and what motion is asked for or allowed; returns how many there are."""
     n, rows, J = shape.q.shape[0], step.rows, step.jacobian
     at = rows.start[n]
     for j in range(3 * n):
         omega, v, k = ZERO, ZERO, 0
         for s in range(n):
-            for _ in range(int(drive.sections[s, t.COUNT])):
+            for _ in range(int(drive.sections[s, t.ARC_COUNT])):
                 omega, v = move(k, step.columns[j], omega, v, space.stages)
                 k += 1
             for i in range(rows.start[s], rows.start[s + 1]):
@@ -267,7 +279,7 @@ def _derive(problem: Problem, drive: Drive, shape: Shape, body: Body, space: Spa
 
 def _allow(step: Step, i: int, low: float, high: float) -> None:
     """Let row i move between these, and a little less."""
-    less = min(INSIDE, 0.5 * (high - low))
+    less = min(INSET, 0.5 * (high - low))
     step.values[i, 0], step.values[i, 1] = low + less, high - less
     step.side[i] = 0
 
@@ -277,7 +289,7 @@ def _find_step(problem: Problem, q: Array, step: Step, rows: int) -> None:
     targets = step.rows.start[q.shape[0]]
     step.mean[:] = 0.0
     limits.release(problem.limits, step.root, step.bound)
-    for _ in range(TURNS):
+    for _ in range(MOST_ACTIVE_SETS):
         count = _least(step, targets, rows)
         new = limits.bind(problem.limits, q, step.change, step.root, step.mean, step.bound)
         if new + _keep(step, targets, rows) == 0 and _let_go(step, targets, count) == 0:
@@ -303,7 +315,7 @@ def _least(step: Step, targets: int, rows: int) -> int:
         system[a, count] = value
         total += system[a, a]
     for a in range(count):
-        system[a, a] += (DAMPING if step.listed[a] < targets else LEAST) * max(LEAST, total)
+        system[a, a] += (CORRECTION_DAMPING if step.listed[a] < targets else LEAST_PIVOT) * max(LEAST_PIVOT, total)
     solve_symmetric(system, count)
     for s in range(n):
         pull = ZERO
@@ -328,7 +340,7 @@ def _keep(step: Step, targets: int, rows: int) -> int:
             ahead = 0.0
             for s in range(step.change.shape[0]):
                 ahead += dot(get_vec(step.jacobian, i, 3 * s), get_vec(step.change, s, 0))
-            low, high = ahead < step.values[i, 0] - 0.5 * INSIDE, ahead > step.values[i, 1] + 0.5 * INSIDE
+            low, high = ahead < step.values[i, 0] - 0.5 * INSET, ahead > step.values[i, 1] + 0.5 * INSET
             if low or high:
                 step.side[i] = 1 if low else 2
                 count += 1
@@ -346,45 +358,45 @@ def _let_go(step: Step, targets: int, count: int) -> int:
     return gone
 
 
-def _go(
+def _line_search(
     problem: Problem,
     drive: Drive,
-    own: Shape,
-    trial: Shape,
+    own: Equilibrium,
+    trial: Equilibrium,
     body: Body,
-    space: Space,
+    space: Workspace,
     step: Step,
     record: Array,
 ) -> bool:
     """Go along the change as far as what is left shrinks; say whether it does. Else the record is that before."""
-    largest, before = 0.0, (record[OFF], record[TURN], record[EXCESS], record[MERIT])
+    largest, before = 0.0, (record[OFF], record[ANGLE], record[EXCESS], record[MERIT])
     for s in range(own.q.shape[0]):
         bend, long = problem.limits[s, BEND_SCALE], problem.limits[s, LENGTH_SCALE]
         x, y, z = get_vec(step.change, s, 0)
         largest = max(largest, max(abs(x), abs(y)) / bend if bend > 0.0 else 0.0)
         largest = max(largest, abs(z) / long if long > 0.0 else 0.0)
-    share = LARGEST / largest if largest > LARGEST else 1.0
-    for _ in range(HALVINGS):
+    step_length = LARGEST / largest if largest > LARGEST else 1.0
+    for _ in range(MOST_LENGTHS):
         for s in range(own.q.shape[0]):
-            put_vec(step.change, s, 0, scale(share, get_vec(step.change, s, 0)))
+            put_vec(step.change, s, 0, scale(step_length, get_vec(step.change, s, 0)))
         limits.move(problem.limits, own.q, step.change, trial.q)
         fill(drive.sections, drive.of_lines, trial.q, body.arcs, body.lines, space.step)
-        _foretell(own, trial, step)
+        _predict(own, trial, step)
         e.follow(trial.x, trial.tensions, body, MOST_STEPS, space, trial.record)
-        _see(problem, drive, trial, body, space, step, record)
-        if record[FOUND] != 0.0 and record[MERIT] < before[3]:
+        _evaluate(problem, drive, trial, body, space, step, record)
+        if record[STABLE] != 0.0 and record[MERIT] < before[3]:
             copy(trial.q, own.q)
             copy(trial.x, own.x)
             for i in range(own.tensions.shape[0]):
                 own.tensions[i] = trial.tensions[i]
             return True
-        share = SHORTER
-    record[OFF], record[TURN], record[EXCESS], record[MERIT] = before
-    record[FOUND] = 1.0
+        step_length = SHORTER_RATIO
+    record[OFF], record[ANGLE], record[EXCESS], record[MERIT] = before
+    record[STABLE] = 1.0
     return False
 
 
-def _foretell(own: Shape, trial: Shape, step: Step) -> None:
+def _predict(own: Equilibrium, trial: Equilibrium, step: Step) -> None:
     """Fill states and tensions of the body where the drive of `trial` leads, to first order."""
     copy(own.x, trial.x)
     for i in range(own.tensions.shape[0]):

@@ -16,7 +16,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, self_proof, step
+from sinuous.kernels.step.newton import EXACT_DAMPING, linearise, met, move, proof, self_proof, step, wish_nothing
 from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
 
 Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
@@ -25,7 +25,7 @@ Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 IMPROVING = 0.8
 """Share of the time for what is better; the rest is for its proof."""
 
-ENOUGH = 1e-6
+LEAST_GAIN = 1e-6
 """Share of the cost that a step has to gain to be followed by another."""
 
 MISSING = 0.01
@@ -38,11 +38,11 @@ CLOSE = 100.0
 LOOSEST = 3.0
 """How much farther than bends lengths move at most: small bends alone leave them free."""
 
-LEAST = 1e-2
+LEAST_STEP = 1e-2
 """Share of a step that is tried at least: near limits of several lengths only short ones lower the cost."""
 
 DEEPEST = 6
-"""How much deeper contacts are looked for at most than other steps do."""
+"""How much deeper contacts are searched for at most than other steps do."""
 
 CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
@@ -72,8 +72,8 @@ def _loose(wishes: Wishes) -> float:
     return math.sqrt(weight / wishes.initial)
 
 
-def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
-    """Wish for `share` of the motion to where the cost of start and bends is least."""
+def _pull(state: State, work: Work, wishes: Wishes, step_length: float) -> None:
+    """Wish for `step_length` of the motion to where the cost of start and bends is least."""
     weight, loose = wishes.initial + wishes.bends, _loose(wishes)
     for k in range(state.q.shape[0]):
         x = y = z = 0.0
@@ -82,7 +82,7 @@ def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
             y = wishes.initial / weight * wishes.reference[k, 1] - state.q[k, 1]
         if wishes.initial > 0.0:
             z = loose * loose * wishes.initial / weight * (wishes.reference[k, 2] - state.q[k, 2])
-        put_vec(work.mean, k, 0, (share * x, share * y, share * z))
+        put_vec(work.mean, k, 0, (step_length * x, step_length * y, step_length * z))
 
 
 def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds: bool) -> None:
@@ -111,9 +111,9 @@ def _correct(
         state, trial = pick(states, at), pick(states, spare)
         if met(problem, state, 0.0):
             return at
-        rest(work)
+        wish_nothing(work)
         linearise(problem, state, work, depth, solids.EXACT, 0.0, with_self)
-        step(measured, state, work, EXACT)
+        step(measured, state, work, EXACT_DAMPING)
         move(problem, state, work, trial)
         linearise(problem, trial, work, depth, solids.EXACT, wish, with_self)
         at, spare = spare, at
@@ -133,7 +133,7 @@ def improve(
 ) -> int:
     """Lower the cost of the solved `best`, keeping it solved, while there is time. Returns the iterations.
 
-    `measured` is the problem where motion is measured by the cost. Self-contacts are looked at only `with_self`.
+    `measured` is the problem where motion is measured by the cost. Self-contacts are examined only `with_self`.
     """
     at, free, spare, loose = 0, 1, 2, _loose(wishes)
     start = pick(states, at)
@@ -141,21 +141,21 @@ def improve(
     _measure(problem, measured, best, loose, False)
     linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, with_self)
     least = cost(problem, start, wishes)
-    share, enough = 1.0, 0.0
+    step_length, enough = 1.0, 0.0
     if wishes.initial + wishes.bends == 0.0:
         enough = CLOSE * (MISSING * wishes.clearance / problem.unit) ** 2
     for iteration in range(most):
-        if least <= enough or share < LEAST or over(work.clock):
+        if least <= enough or step_length < LEAST_STEP or over(work.clock):
             return iteration
         state, trial = pick(states, at), pick(states, free)
-        _pull(state, work, wishes, share)
-        step(measured, state, work, EXACT)
+        _pull(state, work, wishes, step_length)
+        step(measured, state, work, EXACT_DAMPING)
         if wishes.initial + wishes.bends == 0.0:
             for k in range(state.q.shape[0]):
-                put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
+                put_vec(work.step, k, 0, scale(step_length, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
         linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, with_self)
-        _measure(problem, measured, trial.q, loose, share < 1.0)
+        _measure(problem, measured, trial.q, loose, step_length < 1.0)
         found_at = _correct(problem, measured, states, free, spare, work, depth, wishes.clearance, with_self)
         _measure(problem, measured, trial.q, loose, False)
         free, spare = found_at, free + spare - found_at
@@ -168,11 +168,11 @@ def improve(
             least = better
             at, free = free, at
             copy(found.q, best)
-            if gained < ENOUGH * least:
+            if gained < LEAST_GAIN * least:
                 return iteration + 1
-            share = min(1.0, 2.0 * share)
+            step_length = min(1.0, 2.0 * step_length)
         else:
-            share *= 0.5
+            step_length *= 0.5
     return most
 
 
@@ -194,8 +194,8 @@ def prefer(
     `workspace` ends with as many numbers more as `robot` has. Returns the iterations, the first four of `proved` for
     what `best` holds then, and the seconds that were spent.
 
-    Self-contacts are dear to look for, and most shapes never come near themselves. So they are left out, until the
-    proof finds that the body has come to run through itself. Contacts are looked for more closely where it finds one.
+    Self-contacts are dear to search for, and most shapes never come near themselves. So they are left out, until the
+    proof finds that the body has come to run through itself. Contacts are searched for more closely where it finds one.
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)

@@ -11,7 +11,7 @@ from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.room import take_room
+from sinuous.kernels.solve.clearance import increase_clearance
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.newton import descend, linearise
@@ -25,7 +25,7 @@ BRIEF = 5
 """Steps of Newton's method that meet targets nearby, where nothing is in the way."""
 
 DRAWS = 4
-"""Random shapes that are looked at for one start."""
+"""Random shapes that are examined for one start."""
 
 
 def _begin(
@@ -34,7 +34,7 @@ def _begin(
     """Put the method's own start `number` into `state`; returns its source.
 
     Number 0 is the single arc. All others are scattered shapes: several are drawn, and the one that is closest to the
-    targets is taken, because a look costs less than a descent.
+    targets is taken, because an evaluation costs less than a descent.
     """
     if number == 0 and tip >= 0:
         single_arc(problem.limits, state.frames, tip, goal, state.q)
@@ -43,7 +43,7 @@ def _begin(
     for draw in range(DRAWS):
         scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
         face(problem.targets, trial.frames, problem.tool, trial.q)
-        linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0, False)
+        linearise(problem, trial, work, problem.coarse_depth, solids.INTERPOLATED, 0.0, False)
         if late(work.clock) and draw > 0:
             break
         if draw == 0 or trial.norms[MERIT] < least:
@@ -60,15 +60,15 @@ def _solve(
     budget: Budget,
     iterations: int,
     wish: float,
-    room: float,
+    margin: float,
     best: Array,
 ) -> Numbers:
     """Solve one problem; fills `best` (n, 3) and returns the record.
 
     From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
-    What is solved in contact is led away from it up to the clearance `room`. Where several are given, each is followed
-    briefly first: one mostly leads past everything in a few steps, and a descent in contact takes a hundred times as
-    long.
+    What is solved in contact is led away from it up to the clearance `margin`. Where several are given, each is
+    followed briefly first: one mostly leads past everything in a few steps, and a descent in contact takes a hundred
+    times as long.
     What is impossible is asked after the first start: most problems are solved by then.
     """
     first, last, seed, seconds = budget
@@ -114,8 +114,8 @@ def _solve(
     if index == 0:
         impossible = verdict_of(problem)
     known = (off, turn, clearance, self_clearance, least)
-    wanted = room if status == t.SOLVED else 0.0
-    used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, wanted, known, best)
+    wanted = margin if status == t.SOLVED else 0.0
+    used, (off, turn, clearance, self_clearance, least) = increase_clearance(problem, states, work, wanted, known, best)
     total += used
     if impossible != POSSIBLE and status != t.SOLVED:
         status = impossible
@@ -140,8 +140,12 @@ def _read_and_solve(
     states, work = carve(workspace, problem)
     if begins:
         begin(work.clock)
-    iterations, wish, room = int(settings[t.MAX_ITERATIONS]), settings[t.WISHED_CLEARANCE], settings[t.ROOM]
-    return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
+    iterations, wish, margin = (
+        int(settings[t.MAX_ITERATIONS]),
+        settings[t.WISHED_CLEARANCE],
+        settings[t.CLEARANCE_MARGIN],
+    )
+    return _solve(problem, states, work, initial, budget, iterations, wish, margin, best)
 
 
 @entry

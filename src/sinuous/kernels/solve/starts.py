@@ -12,7 +12,7 @@ from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
 from sinuous.kernels.tables import HAS_POSITION, MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
 
-WIDEST = 3.0
+LONGEST_HALF_BEND = 3.0
 """Half the bend of a single arc from which on it counts as too long, in rad."""
 
 
@@ -51,15 +51,15 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         low += limits[k, MIN_LENGTH]
         high += limits[k, MAX_LENGTH]
     half, length = arc_to(side, p[2])
-    if half >= WIDEST:
+    if half >= LONGEST_HALF_BEND:
         length = math.inf
     if length < low or length > high:
         length = min(max(length, low), high)
         half = max(min(half, 1.6), chord_angle(min(1.0, chord / length))) if length > 0.0 else 0.0
-    share = (length - low) / (high - low) if high > low else 0.0
+    fraction = (length - low) / (high - low) if high > low else 0.0
     bx, by = (p[0] / side, p[1] / side) if side > 1e-9 * chord else (1.0, 0.0)
     for k in range(q.shape[0]):
-        own = limits[k, MIN_LENGTH] + share * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
+        own = limits[k, MIN_LENGTH] + fraction * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
         bend = min(2.0 * half * own / length, bend_cap(limits, k, own)) if length > 0.0 else 0.0
         if k > tip:
             bend = 0.0

@@ -10,9 +10,10 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.step.targets import backbone_end, end_segment, tangent_back
 
-POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
+POSSIBLE = -1
+"""In place of what proves that it is impossible: nothing does."""
 
-ROUNDING = 1e-9
+MOUNT_ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
 
@@ -99,7 +100,7 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
     shortest = 0.0
     for j in range(k + 1):
         shortest += problem.limits[j, t.MIN_LENGTH]
-    if shortest <= (1.0 + ROUNDING) * problem.mount:
+    if shortest <= (1.0 + MOUNT_ROUNDING) * problem.mount:
         return False
     place, loose = backbone_end(problem, i, k)
     loose += problem.position_tolerance
@@ -111,7 +112,7 @@ def verdict_of(problem: Problem) -> int:
     for i in range(problem.targets.shape[0]):
         k = end_segment(problem.targets, i, problem.limits.shape[0])
         if _out_of_reach(problem, i, k):
-            return OUT_OF_REACH
+            return t.OUT_OF_REACH
         if _target_blocked(problem.scene, problem, i, k):
-            return TARGET_BLOCKED
+            return t.TARGET_BLOCKED
     return POSSIBLE

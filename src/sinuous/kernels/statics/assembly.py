@@ -34,11 +34,18 @@ from sinuous.kernels.statics.profile import (
 
 
 def assemble(
-    x: Array, arcs: Array, lines: Array, tensions: Array, share: float, frames: Array, stages: Array, along_arcs: Array
+    x: Array,
+    arcs: Array,
+    lines: Array,
+    tensions: Array,
+    load_factor: float,
+    frames: Array,
+    stages: Array,
+    along_arcs: Array,
 ) -> None:
     """Fill frames (N + 1, 12) but the base, `stages` (N, 108) but the factors, and `along_arcs` (s, 5).
 
-    A row of `along_arcs` is the length of a line in one arc and its derivatives. `share` of the weights acts.
+    A row of `along_arcs` is the length of a line in one arc and its derivatives. `load_factor` of the weights acts.
     """
     rotation, position = frame(frames, 0)
     origin = position
@@ -47,17 +54,17 @@ def assemble(
         even = even_functions(vx * vx + vy * vy)
         _bend(x, arcs, k, stages)
         _run_lines(x, lines, tensions, k, end_profile(even), stages, along_arcs)
-        weight = scale(share, get_vec(arcs, k, t.WEIGHT))
+        weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
         arm = sub(position, origin)
         _weigh(vx, vy, length, center_profile(even), rotation, arm, weight, k, stages)
         turn, shift, by_x, by_y, stretch = pose_and_columns(vx, vy, length)
-        _put_twist(stages, k, t.COLUMNS, carry(rotation, arm, by_x[0], by_x[1]))
-        _put_twist(stages, k, t.COLUMNS + 6, carry(rotation, arm, by_y[0], by_y[1]))
+        _put_twist(stages, k, t.TWIST_COLUMNS, carry(rotation, arm, by_x[0], by_x[1]))
+        _put_twist(stages, k, t.TWIST_COLUMNS + 6, carry(rotation, arm, by_y[0], by_y[1]))
         rotation, position = compose(rotation, position, turn, shift)
         axis = (rotation[0][2], rotation[1][2], rotation[2][2])
-        _put_twist(stages, k, t.COLUMNS + 12, (axis, cross(sub(position, origin), axis)))
-        put_vec(stages, k, t.COLUMNS + 18, ZERO)
-        put_vec(stages, k, t.COLUMNS + 21, mat_vec(frame(frames, k)[0], stretch))
+        _put_twist(stages, k, t.TWIST_COLUMNS + 12, (axis, cross(sub(position, origin), axis)))
+        put_vec(stages, k, t.TWIST_COLUMNS + 18, ZERO)
+        put_vec(stages, k, t.TWIST_COLUMNS + 21, mat_vec(frame(frames, k)[0], stretch))
         rotation, position = compose(rotation, position, about_z(twist), ZERO)
         put_frame(frames, k + 1, rotation, position)
 
@@ -129,7 +136,7 @@ def _weigh(
     """Add what the weight of arc `k` does to its own state; `rotation` and `arm` are where it begins."""
     local = vec_mat(weight, rotation)
     by_x, by_y, by_l = slopes(vx, vy, length, own)
-    put_vec(stages, k, t.CENTER, add(arm, mat_vec(rotation, place(vx, vy, length, own))))
+    put_vec(stages, k, t.ARC_CENTER, add(arm, mat_vec(rotation, place(vx, vy, length, own))))
     put_vec(stages, k, t.CENTER_COLUMNS, mat_vec(rotation, by_x))
     put_vec(stages, k, t.CENTER_COLUMNS + 3, mat_vec(rotation, by_y))
     put_vec(stages, k, t.CENTER_COLUMNS + 6, mat_vec(rotation, by_l))

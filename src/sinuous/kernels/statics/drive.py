@@ -11,7 +11,7 @@ from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array, add, cross, dot, get_vec, mat_vec, scale
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.assembly import about_z
-from sinuous.kernels.statics.newton import Body, Space, answer_lines, begin, find_taut, hold, look
+from sinuous.kernels.statics.newton import Body, Workspace, answer_lines, begin, evaluate_state, find_taut, hold
 from sinuous.kernels.statics.sweeps import impose, solve
 
 SMALL = 1e-3
@@ -31,16 +31,16 @@ def lay_out(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Arra
 def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
     k = 0
     for s in range(q.shape[0]):
-        share = 1.0 / sections[s, t.COUNT]
-        own = share * q[s, 2]
-        for _ in range(int(sections[s, t.COUNT])):
+        fraction = 1.0 / sections[s, t.ARC_COUNT]
+        own = fraction * q[s, 2]
+        for _ in range(int(sections[s, t.ARC_COUNT])):
             for j in range(3):
                 stiffness = sections[s, t.BENDING + j]
                 arcs[k, j] = stiffness / own if own > 0.0 and stiffness < t.RIGID else t.RIGID
                 arcs[k, t.WEIGHT + j] = own * sections[s, t.HEAVY + j]
             for j in range(2):
                 rest = sections[s, t.REST_BEND + j] if sections[s, t.PULLED] > 0.0 else q[s, j]
-                arcs[k, t.REST_X + j], states[k, j] = share * rest, share * q[s, j]
+                arcs[k, t.REST_X + j], states[k, j] = fraction * rest, fraction * q[s, j]
             arcs[k, t.REST_LENGTH] = states[k, t.LENGTH] = own
             states[k, t.TWIST] = 0.0
             k += 1
@@ -50,7 +50,7 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
             for s in range(q.shape[0]):
                 for j in range(3):
                     value += of_lines[i, 3 * s + j] * q[s, j]
-            lines[i, t.VALUE] = value + _chords(sections, lines, i, q)
+            lines[i, t.LINE_VALUE] = value + _chords(sections, lines, i, q)
 
 
 def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
@@ -61,13 +61,13 @@ def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
             if lines[i, t.FIRST_ARC] <= k <= lines[i, t.LAST_ARC]:
                 long = q[s, 2] - lines[i, t.ARM] * q[s, 0] - lines[i, t.ARM + 1] * q[s, 1]
                 total += _shorter(sections, s, q)[0] * long
-            k += int(sections[s, t.COUNT])
+            k += int(sections[s, t.ARC_COUNT])
     return total
 
 
 def _shorter(sections: Array, s: int, q: Array) -> tuple[float, float]:
     """Share by which chords of section `s` are longer than its arcs, and its slope by a bend, divided by that bend."""
-    over = 0.5 / sections[s, t.COUNT]
+    over = 0.5 / sections[s, t.ARC_COUNT]
     half = over * math.hypot(q[s, 0], q[s, 1])
     if half < SMALL:
         return -half * half / 6.0, -over * over / 3.0
@@ -103,19 +103,19 @@ def differentiate(
     """Fill `columns` (3 n, N, 4) and `pulls` (3 n, t): how states and tensions change with the drive.
 
     `x` (N, 4) and `tensions` (t,) are an equilibrium at `q`; the rest as for `lay_out` and `equilibrium.equilibrate`.
-    `buffer` has `newton.room_for` numbers.
+    `buffer` has `newton.workspace_size` numbers.
     """
     body, space = begin(base, arcs, loads, lines, slopes, buffer)
     find_taut(lines, tensions, space)
-    look(x, tensions, body, 1.0, False, space)
+    evaluate_state(x, tensions, body, 1.0, False, space)
     answer_drive(sections, of_lines, q, x, body, space, columns, pulls)
 
 
 @shared
 def answer_drive(
-    sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Space, columns: Array, pulls: Array
+    sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Workspace, columns: Array, pulls: Array
 ) -> None:
-    """Do that for an equilibrium that was just looked at."""
+    """Do that for an equilibrium that was just examined."""
     lines, first = body.lines, 0
     answer_lines(lines, x.shape[0], space)
     for s in range(q.shape[0]):
@@ -129,35 +129,35 @@ def answer_drive(
                 if lines[i, t.STRAIGHT] > 0.0 and lines[i, t.FIRST_ARC] <= first <= lines[i, t.LAST_ARC]:
                     pulls[at, i] -= _chord_slope(sections, lines, i, q, s, c)
             hold(lines, space, own, pulls[at])
-        first += int(sections[s, t.COUNT])
+        first += int(sections[s, t.ARC_COUNT])
 
 
 def _ask(
     sections: Array, x: Array, arcs: Array, first: int, s: int, c: int, stages: Array, wanted: Array, given: Array
 ) -> None:
     """Fill what coordinate `c` of section `s` asks of residuals, and what it makes of rigid coordinates (N, 4)."""
-    count, share = int(sections[s, t.COUNT]), 1.0 / sections[s, t.COUNT]
-    weight = scale(share, get_vec(sections, s, t.HEAVY))
+    count, fraction = int(sections[s, t.ARC_COUNT]), 1.0 / sections[s, t.ARC_COUNT]
+    weight = scale(fraction, get_vec(sections, s, t.HEAVY))
     wanted[:], given[:] = 0.0, 0.0
     moment, force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(first + count - 1, -1, -1):
         if c == 2:
             for i in range(4):
-                omega, v = get_vec(stages, k, t.COLUMNS + 6 * i), get_vec(stages, k, t.COLUMNS + 6 * i + 3)
+                omega, v = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i), get_vec(stages, k, t.TWIST_COLUMNS + 6 * i + 3)
                 wanted[k, i] += dot(omega, moment) + dot(v, force)
         if k >= first and c == 2:
-            _lengthen(x, arcs, k, share, wanted, given)
+            _lengthen(x, arcs, k, fraction, wanted, given)
             for i in range(3):
                 wanted[k, i if i < 2 else t.LENGTH] += dot(weight, get_vec(stages, k, t.CENTER_COLUMNS + 3 * i))
-            moment, force = add(moment, cross(get_vec(stages, k, t.CENTER), weight)), add(force, weight)
+            moment, force = add(moment, cross(get_vec(stages, k, t.ARC_CENTER), weight)), add(force, weight)
         elif k >= first:
-            _bend(x, arcs, k, c, share, sections[s, t.PULLED] > 0.0, wanted, given)
+            _bend(x, arcs, k, c, fraction, sections[s, t.PULLED] > 0.0, wanted, given)
     impose(given, stages, wanted)
 
 
-def _lengthen(x: Array, arcs: Array, k: int, share: float, wanted: Array, given: Array) -> None:
+def _lengthen(x: Array, arcs: Array, k: int, fraction: float, wanted: Array, given: Array) -> None:
     """Longer arcs are softer."""
-    over = share / arcs[k, t.REST_LENGTH]
+    over = fraction / arcs[k, t.REST_LENGTH]
     bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TWIST_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
     if bend < t.RIGID:
         vx, vy = x[k, t.BEND_X], x[k, t.BEND_Y]
@@ -170,16 +170,16 @@ def _lengthen(x: Array, arcs: Array, k: int, share: float, wanted: Array, given:
     if stretch < t.RIGID:
         wanted[k, t.LENGTH] += over * stretch * x[k, t.LENGTH]
     else:
-        given[k, t.LENGTH] = share
+        given[k, t.LENGTH] = fraction
 
 
-def _bend(x: Array, arcs: Array, k: int, c: int, share: float, pulled: bool, wanted: Array, given: Array) -> None:
+def _bend(x: Array, arcs: Array, k: int, c: int, fraction: float, pulled: bool, wanted: Array, given: Array) -> None:
     """Bend arcs at rest more, but those that lines pull at."""
     bend = arcs[k, t.BEND_STIFFNESS]
     if bend >= t.RIGID:
-        given[k, c] = share
+        given[k, c] = fraction
     elif not pulled:
-        more = (share, 0.0, 0.0) if c == 0 else (0.0, share, 0.0)
+        more = (fraction, 0.0, 0.0) if c == 0 else (0.0, fraction, 0.0)
         rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TWIST]), more)
         wanted[k, t.BEND_X] += bend * rx
         wanted[k, t.BEND_Y] += bend * ry

@@ -4,18 +4,18 @@ from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics import newton
-from sinuous.kernels.statics.newton import Body, Space, answer_lines, begin, descend, find_taut, look
+from sinuous.kernels.statics.newton import Body, Workspace, answer_lines, begin, descend, evaluate_state, find_taut
 from sinuous.kernels.statics.pulls import solve_taut
 from sinuous.kernels.statics.sweeps import stiffness_of
 
-SHARE, ITERATIONS, UNSTABLE, LEFT, MOMENT, FORCE = 0, 1, 2, 3, 4, 7
-"""Columns of a record: share of the loads for which an equilibrium was found; Newton steps; how many directions lower
+LOAD_FACTOR, NEWTON_STEPS, UNSTABLE, LARGEST_RESIDUAL, TOTAL_MOMENT, TOTAL_FORCE = 0, 1, 2, 3, 4, 7
+"""Columns of a record: load factor for which an equilibrium was found; Newton steps; how many directions lower
 its energy; largest residual; and moment (3, about the base) and force (3) of all loads."""
 
-RECORD_WIDTH = 10
+EQUILIBRIUM_WIDTH = 10
 
-SMALLEST_SHARE = 1.0 / 256.0
-"""Least growth of the share of the loads in the continuation."""
+SMALLEST_LOAD_STEP = 1.0 / 256.0
+"""Least growth of the load factor in the continuation."""
 
 NUDGE = 0.2
 """Bend of the whole body by which an unstable equilibrium is left, rad."""
@@ -39,23 +39,23 @@ def equilibrate(
     Where it `descends`, to a stable one if there is one near; else to any, under all of the load or not at all.
 
     `base` (1, 12); arcs (N, 9), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
-    `buffer` has `newton.room_for` numbers.
+    `buffer` has `newton.workspace_size` numbers.
     """
     body, space = begin(base, arcs, loads, lines, slopes, buffer)
     settle(x, tensions, body, descends, space, record)
 
 
 @shared
-def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, record: Array) -> None:
+def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Workspace, record: Array) -> None:
     """Do that in a space that is laid out, whose first frame is the base."""
     find_taut(body.lines, tensions, space)
-    record[ITERATIONS] = 0.0
+    record[NEWTON_STEPS] = 0.0
     if descends:
         _continue(x, tensions, body, space, record)
     else:
         found, steps = descend(x, tensions, body, 1.0, False, space, newton.MOST_ITERATIONS)
-        record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
-    if record[SHARE] < 1.0:
+        record[LOAD_FACTOR], record[NEWTON_STEPS] = 1.0 if found else 0.0, steps
+    if record[LOAD_FACTOR] < 1.0:
         return
     _judge(x, tensions, body, space, record)
     for trial in range(2):
@@ -64,48 +64,48 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Space, 
         _leave(x, tensions, body, space, trial, record)
 
 
-def follow(x: Array, tensions: Array, body: Body, most: int, space: Space, record: Array) -> None:
+def follow(x: Array, tensions: Array, body: Body, most: int, space: Workspace, record: Array) -> None:
     """Go from a state that is near an equilibrium to it, in so many steps at most or not at all."""
     find_taut(body.lines, tensions, space)
     found, steps = descend(x, tensions, body, 1.0, True, space, most)
-    record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
+    record[LOAD_FACTOR], record[NEWTON_STEPS] = 1.0 if found else 0.0, steps
     if found:
         _judge(x, tensions, body, space, record)
 
 
-def _keep(x: Array, tensions: Array, space: Space) -> None:
+def _keep(x: Array, tensions: Array, space: Workspace) -> None:
     copy(x, space.kept)
     for i in range(tensions.shape[0]):
-        space.small[newton.KEPT, i] = tensions[i]
+        space.small[newton.TENSION_KEPT, i] = tensions[i]
 
 
-def _restore(x: Array, tensions: Array, lines: Array, space: Space) -> None:
+def _restore(x: Array, tensions: Array, lines: Array, space: Workspace) -> None:
     copy(space.kept, x)
     for i in range(tensions.shape[0]):
-        tensions[i] = space.small[newton.KEPT, i]
+        tensions[i] = space.small[newton.TENSION_KEPT, i]
     find_taut(lines, tensions, space)
 
 
-def _continue(x: Array, tensions: Array, body: Body, space: Space, record: Array) -> None:
+def _continue(x: Array, tensions: Array, body: Body, space: Workspace, record: Array) -> None:
     """Try all of the load; where that does not end, a smaller share first, and more from there."""
     reached, step = 0.0, 1.0
     _keep(x, tensions, space)
-    while reached < 1.0 and step >= SMALLEST_SHARE:
-        share = min(1.0, reached + step)
-        found, steps = descend(x, tensions, body, share, True, space, newton.MOST_ITERATIONS)
-        record[ITERATIONS] += steps
+    while reached < 1.0 and step >= SMALLEST_LOAD_STEP:
+        load_factor = min(1.0, reached + step)
+        found, steps = descend(x, tensions, body, load_factor, True, space, newton.MOST_ITERATIONS)
+        record[NEWTON_STEPS] += steps
         if found:
-            reached, step = share, 2.0 * step
+            reached, step = load_factor, 2.0 * step
             _keep(x, tensions, space)
         else:
             _restore(x, tensions, body.lines, space)
             step *= 0.25
-    record[SHARE] = reached
+    record[LOAD_FACTOR] = reached
 
 
-def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -> None:
-    """Fill what is said of an equilibrium that was just looked at."""
-    negative, moment, force = look(x, tensions, body, 1.0, False, space)
+def _judge(x: Array, tensions: Array, body: Body, space: Workspace, record: Array) -> None:
+    """Fill what is said of an equilibrium that was just examined."""
+    negative, moment, force = evaluate_state(x, tensions, body, 1.0, False, space)
     left, lines = 0.0, body.lines
     for k in range(x.shape[0]):
         for j in range(4):
@@ -117,12 +117,12 @@ def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -
         negative -= solve_taut(
             space.matrix, space.small[newton.LENGTHS], space.small[newton.TAUT], space.small[newton.WANTED], scratch
         )
-    record[UNSTABLE], record[LEFT] = negative, left
+    record[UNSTABLE], record[LARGEST_RESIDUAL] = negative, left
     for i in range(3):
-        record[MOMENT + i], record[FORCE + i] = moment[i], force[i]
+        record[TOTAL_MOMENT + i], record[TOTAL_FORCE + i] = moment[i], force[i]
 
 
-def _leave(x: Array, tensions: Array, body: Body, space: Space, trial: int, record: Array) -> None:
+def _leave(x: Array, tensions: Array, body: Body, space: Workspace, trial: int, record: Array) -> None:
     """Leave an unstable equilibrium for a stable one, where there is one near; else stay."""
     _keep(x, tensions, space)
     count = x.shape[0]
@@ -131,7 +131,7 @@ def _leave(x: Array, tensions: Array, body: Body, space: Space, trial: int, reco
             x[k, trial] += NUDGE * (1.0 + 0.3 * k / count) / count
             x[k, 1 - trial] += 0.1 * NUDGE / count
     found, steps = descend(x, tensions, body, 1.0, True, space, 2 * newton.MOST_ITERATIONS)
-    record[ITERATIONS] += steps
+    record[NEWTON_STEPS] += steps
     if not found:
         _restore(x, tensions, body.lines, space)
         return

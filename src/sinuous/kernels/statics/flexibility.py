@@ -3,7 +3,7 @@
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.newton import begin, look
+from sinuous.kernels.statics.newton import begin, evaluate_state
 from sinuous.kernels.statics.sweeps import solve
 
 
@@ -23,11 +23,11 @@ def soften(
     """Fill `out` (m, N, 4) with the change of state for a unit of force on each of the first m coordinates of the arcs.
 
     Lines hold nothing: their tensions stay what they are. What is rigid does not move. `left` (N, 4) is filled with the
-    gradient of the energy. `x` (N, 4) and the rest as for `equilibrium.equilibrate`; `buffer` has `newton.room_for`
-    numbers.
+    gradient of the energy. `x` (N, 4) and the rest as for `equilibrium.equilibrate`; `buffer` has
+    `newton.workspace_size` numbers.
     """
     body, space = begin(base, arcs, loads, lines, slopes, buffer)
-    look(x, tensions, body, 1.0, False, space)
+    evaluate_state(x, tensions, body, 1.0, False, space)
     for k in range(x.shape[0]):
         for j in range(4):
             left[k, j] = space.stages[k, t.RESIDUAL + j]

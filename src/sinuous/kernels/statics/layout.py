@@ -14,7 +14,7 @@ STATE_WIDTH = 4
 RIGID = math.inf
 """Stiffness of what does not give."""
 
-COUNT, BENDING, REST_BEND, PULLED, HEAVY = 0, 1, 4, 6, 7
+ARC_COUNT, BENDING, REST_BEND, PULLED, HEAVY = 0, 1, 4, 6, 7
 """Columns of `sections` (n, 10), what a robot is made of whatever its drive `q` (n, 3) is. How many arcs; EI, GJ and
 EA, infinite for what does not give; bend at rest (2) of one whose bends are `PULLED`, 1, by lines, while others have
 that of the drive; weight per length (3)."""
@@ -35,13 +35,13 @@ length without any load; weight (3, force in the world). Bends without load turn
 
 ARC_WIDTH = 9
 
-LOAD_ARC, FORCE, MOMENT, OFFSET = 0, 1, 4, 7
+LOAD_ARC, FORCE, MOMENT, LOAD_OFFSET = 0, 1, 4, 7
 """Columns of `loads` (k, 10). Number of the arc at whose end it acts; force (3) and moment (3) in the world, which stay
 as they are while the body moves; where the force acts in the frame of that end (3)."""
 
 LOAD_WIDTH = 10
 
-FIRST_ARC, LAST_ARC, ARM, STRAIGHT, HELD, PUSHES, VALUE, COMPLIANCE, FIRST_SLOPE = 0, 1, 2, 4, 5, 6, 7, 8, 9
+FIRST_ARC, LAST_ARC, ARM, STRAIGHT, HELD, PUSHES, LINE_VALUE, COMPLIANCE, FIRST_SLOPE = 0, 1, 2, 4, 5, 6, 7, 8, 9
 """Columns of `lines` (t, 10): tendons and chambers. The first and the last arc that it runs through; where it runs in
 the frames of the body (2); 1 where it runs straight from the end of one arc to that of the next, 0 where it follows
 the arcs; 1 where its length is held, 0 where its tension is; 1 where it can push, too; that length or tension; by how
@@ -49,7 +49,7 @@ much one unit of tension stretches it; and its first row in `slopes`."""
 
 LINE_WIDTH = 10
 
-COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH, PIVOT = (
+TWIST_COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, ARC_CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH, PIVOT = (
     0,
     24,
     28,

@@ -23,13 +23,13 @@ LARGEST_TURN = 0.6
 LARGEST_STRETCH = 0.3
 """Most that an arc changes its length in a step, relative to its length without load."""
 
-DONE = 1e-9
+CONVERGED = 1e-9
 """Change, rad and relative lengths, that ends it: what is left then is rounding, as steps end quadratically."""
 
 SURE = 1e-5
 """Change below which a step is not damped."""
 
-TURNED = 0.5
+RETURNED_WORK = 0.5
 """Share of the work along a step that may come back at its end."""
 
 MOST_HALVINGS = 12
@@ -46,16 +46,16 @@ SHORTEST, LONGEST = 0.2, 3.0
 Body = namedtuple("Body", ["arcs", "loads", "lines"])
 """Tables of a body, its loads and its lines, see `layout`."""
 
-Space = namedtuple("Space", "frames stages slopes changes step trial none kept matrix scratch small")
+Workspace = namedtuple("Workspace", "frames stages slopes changes step trial none kept matrix scratch small")
 """Frames (N + 1, 12), `stages` (N, 128), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step,
 the state that is tried, no change and the state that is kept (N, 4), the system of tensions (t, t), scratch, and seven
 rows of t numbers: lengths, right-hand side, tensions that are tried, who is taut, change of length, tensions before,
 and those that are kept."""
 
-LENGTHS, WANTED, TENSIONS, TAUT, CHANGE, BEFORE, KEPT = range(7)
+LENGTHS, WANTED, TENSIONS, TAUT, TENSION_CHANGE, TENSION_BEFORE, TENSION_KEPT = range(7)
 
 
-def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Array]:
+def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Workspace, Array]:
     """Lay out the space in a buffer; returns what is left of it, too."""
     frames, rest = cut(buffer, arcs + 1, 12)
     stages, rest = cut(rest, arcs, t.STAGE_WIDTH)
@@ -69,42 +69,44 @@ def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Arr
     matrix, rest = cut(rest, lines, lines)
     scratch, rest = cut(rest, lines + 1 + 11, max(lines + 1, 12))
     small, rest = cut(rest, 7, lines)
-    return Space(frames, stages, along, changes, step, trial, none, kept, matrix, scratch, small), rest
+    return Workspace(frames, stages, along, changes, step, trial, none, kept, matrix, scratch, small), rest
 
 
-def room_for(arcs: int, lines: int, slopes: int) -> int:
+def workspace_size(arcs: int, lines: int, slopes: int) -> int:
     """Numbers that `carve` takes."""
     fixed = 12 * (arcs + 1) + (t.STAGE_WIDTH + 16) * arcs + 5 * slopes + 4 * lines * arcs + lines * lines
     return fixed + (lines + 12) * max(lines + 1, 12) + 7 * lines
 
 
-def begin(base: Array, arcs: Array, loads: Array, lines: Array, slopes: int, buffer: Array) -> tuple[Body, Space]:
-    """A body, and a space laid out in a buffer of `room_for` numbers whose first frame is the base (1, 12)."""
+def begin(base: Array, arcs: Array, loads: Array, lines: Array, slopes: int, buffer: Array) -> tuple[Body, Workspace]:
+    """A body, and a space laid out in a buffer of `workspace_size` numbers whose first frame is the base (1, 12)."""
     space, _ = carve(buffer, arcs.shape[0], lines.shape[0], slopes)
     for j in range(12):
         space.frames[0, j] = base[0, j]
     return Body(arcs, loads, lines), space
 
 
-def find_taut(lines: Array, tensions: Array, space: Space) -> None:
+def find_taut(lines: Array, tensions: Array, space: Workspace) -> None:
     """Fill which lines are taut, and the tensions (t,) that are held."""
     for i in range(lines.shape[0]):
         taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
         space.small[TAUT, i] = 1.0 if taut else 0.0
         if lines[i, t.HELD] == 0.0:
-            tensions[i] = lines[i, t.VALUE]
+            tensions[i] = lines[i, t.LINE_VALUE]
 
 
 @shared
-def look(x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space) -> tuple[int, Vec, Vec]:
+def evaluate_state(
+    x: Array, tensions: Array, body: Body, load_factor: float, descends: bool, space: Workspace
+) -> tuple[int, Vec, Vec]:
     """Fill everything but the step in this state; see `factorise` for what is returned."""
-    assemble(x, body.arcs, body.lines, tensions, share, space.frames, space.stages, space.slopes)
+    assemble(x, body.arcs, body.lines, tensions, load_factor, space.frames, space.stages, space.slopes)
     _measure(body.lines, space)
     scratch = space.scratch[space.scratch.shape[0] - 11 :]
-    return factorise(x, space.frames, body.arcs, body.loads, share, descends, space.stages, scratch)
+    return factorise(x, space.frames, body.arcs, body.loads, load_factor, descends, space.stages, scratch)
 
 
-def _measure(lines: Array, space: Space) -> None:
+def _measure(lines: Array, space: Workspace) -> None:
     """Sum up the lengths of the lines."""
     for i in range(lines.shape[0]):
         first, total = int(lines[i, t.FIRST_SLOPE]), 0.0
@@ -113,7 +115,7 @@ def _measure(lines: Array, space: Space) -> None:
         space.small[LENGTHS, i] = total
 
 
-def along(lines: Array, i: int, change: Array, space: Space) -> float:
+def along(lines: Array, i: int, change: Array, space: Workspace) -> float:
     """How the length of line i changes with states (N, 4)."""
     first, begin, total = int(lines[i, t.FIRST_SLOPE]), int(lines[i, t.FIRST_ARC]), 0.0
     for k in range(begin, int(lines[i, t.LAST_ARC]) + 1):
@@ -122,7 +124,7 @@ def along(lines: Array, i: int, change: Array, space: Space) -> float:
     return total
 
 
-def answer_lines(lines: Array, count: int, space: Space) -> None:
+def answer_lines(lines: Array, count: int, space: Workspace) -> None:
     """Fill what a tension of each held line changes, and the matrix of all."""
     for i in range(lines.shape[0]):
         if lines[i, t.HELD] > 0.0:
@@ -138,7 +140,7 @@ def answer_lines(lines: Array, count: int, space: Space) -> None:
             space.matrix[i, i] += lines[i, t.COMPLIANCE]
 
 
-def hold(lines: Array, space: Space, column: Array, pulls: Array) -> None:
+def hold(lines: Array, space: Workspace, column: Array, pulls: Array) -> None:
     """Let taut lines answer the change `column` (N, 4) of states; `pulls` (t,) of their lengths become tensions."""
     for i in range(lines.shape[0]):
         space.small[WANTED, i] = along(lines, i, column, space) + pulls[i] if space.small[TAUT, i] > 0.0 else 0.0
@@ -148,7 +150,7 @@ def hold(lines: Array, space: Space, column: Array, pulls: Array) -> None:
         _pull(i, pulls[i], space, column)
 
 
-def _pull(i: int, tension: float, space: Space, column: Array) -> None:
+def _pull(i: int, tension: float, space: Workspace, column: Array) -> None:
     """Take off states (N, 4) what so much more tension of line i changes."""
     count = column.shape[0]
     if tension != 0.0:
@@ -157,7 +159,7 @@ def _pull(i: int, tension: float, space: Space, column: Array) -> None:
                 column[k, j] -= tension * space.changes[i * count + k, j]
 
 
-def find_step(tensions: Array, body: Body, space: Space) -> int:
+def find_step(tensions: Array, body: Body, space: Workspace) -> int:
     """Fill the step, and the tensions after it, from what was seen at a state.
 
     Returns how many falling directions the taut lines hold.
@@ -174,7 +176,7 @@ def find_step(tensions: Array, body: Body, space: Space) -> int:
     for i in range(lines.shape[0]):
         if lines[i, t.HELD] > 0.0:
             held += 1
-            wanted = small[LENGTHS, i] - lines[i, t.VALUE] + along(lines, i, space.step, space)
+            wanted = small[LENGTHS, i] - lines[i, t.LINE_VALUE] + along(lines, i, space.step, space)
             for j in range(lines.shape[0]):
                 if lines[j, t.HELD] > 0.0:
                     own = space.matrix[i, j] - (lines[i, t.COMPLIANCE] if i == j else 0.0)
@@ -198,16 +200,16 @@ def _size(arcs: Array, step: Array) -> tuple[float, float]:
             turn = max(turn, abs(step[k, j]))
         if step[k, t.LENGTH] != 0.0:
             stretch = max(stretch, abs(step[k, t.LENGTH]) / arcs[k, t.REST_LENGTH])
-    share = 1.0
+    step_length = 1.0
     if turn > LARGEST_TURN:
-        share = LARGEST_TURN / turn
+        step_length = LARGEST_TURN / turn
     if stretch > LARGEST_STRETCH:
-        share = min(share, LARGEST_STRETCH / stretch)
-    return max(turn, stretch), share
+        step_length = min(step_length, LARGEST_STRETCH / stretch)
+    return max(turn, stretch), step_length
 
 
-def _work(tensions: Array, body: Body, space: Space) -> float:
-    """Derivative along the step of what it lowers, in the state that was looked at with these tensions."""
+def _work(tensions: Array, body: Body, space: Workspace) -> float:
+    """Derivative along the step of what it lowers, in the state that was examined with these tensions."""
     total = 0.0
     for k in range(space.step.shape[0]):
         for j in range(4):
@@ -215,7 +217,7 @@ def _work(tensions: Array, body: Body, space: Space) -> float:
     for i in range(body.lines.shape[0]):
         if body.lines[i, t.HELD] > 0.0 and space.small[TAUT, i] > 0.0:
             moved = along(body.lines, i, space.step, space)
-            off = space.small[LENGTHS, i] - body.lines[i, t.VALUE] - body.lines[i, t.COMPLIANCE] * tensions[i]
+            off = space.small[LENGTHS, i] - body.lines[i, t.LINE_VALUE] - body.lines[i, t.COMPLIANCE] * tensions[i]
             total += moved * ((space.small[TENSIONS, i] - tensions[i]) + off / max(space.matrix[i, i], 1e-300))
     return total
 
@@ -233,9 +235,9 @@ def _sound(x: Array, arcs: Array) -> bool:
 
 
 def descend(
-    x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space, most: int
+    x: Array, tensions: Array, body: Body, load_factor: float, descends: bool, space: Workspace, most: int
 ) -> tuple[bool, int]:
-    """Go from `x` (N, 4) and `tensions` (t,) to an equilibrium under a share of the loads, in place.
+    """Go from `x` (N, 4) and `tensions` (t,) to an equilibrium under a load factor, in place.
 
     Unless it `descends`, it is Newton's method as it is, which ends in unstable equilibria as well. Returns whether it
     was reached, and how many steps that took.
@@ -243,38 +245,40 @@ def descend(
     free = descends
     for i in range(body.lines.shape[0]):
         free = free and body.lines[i, t.HELD] == 0.0
-    negative, _, _ = look(x, tensions, body, share, free, space)
+    negative, _, _ = evaluate_state(x, tensions, body, load_factor, free, space)
     for iteration in range(most):
         if (
             find_step(tensions, body, space) < negative and descends and not free
         ):  # not even with what holds it a least energy
-            look(x, tensions, body, share, True, space)
+            evaluate_state(x, tensions, body, load_factor, True, space)
             find_step(tensions, body, space)
         largest, alpha = _size(body.arcs, space.step)
         if not largest < HUGE:
             return False, iteration
-        negative = _go(x, tensions, body, share, free, alpha, largest < SURE or not descends, space)
-        if largest < DONE or not _sound(x, body.arcs):
+        negative = _line_search(x, tensions, body, load_factor, free, alpha, largest < SURE or not descends, space)
+        if largest < CONVERGED or not _sound(x, body.arcs):
             return _sound(x, body.arcs), iteration + 1
     return False, most
 
 
-def _go(x: Array, tensions: Array, body: Body, share: float, free: bool, most: float, sure: bool, space: Space) -> int:
-    """Go along the step, no farther than `most` of it, and look there; returns how many pivots are negative there."""
+def _line_search(
+    x: Array, tensions: Array, body: Body, load_factor: float, free: bool, most: float, sure: bool, space: Workspace
+) -> int:
+    """Go along the step, no farther than `most` of it, and check there; returns how many pivots are negative there."""
     small, alpha, negative = space.small, most, 0
     work = _work(tensions, body, space)
     for i in range(body.lines.shape[0]):
-        small[BEFORE, i] = tensions[i]
-        small[CHANGE, i] = small[TENSIONS, i] - tensions[i]
+        small[TENSION_BEFORE, i] = tensions[i]
+        small[TENSION_CHANGE, i] = small[TENSIONS, i] - tensions[i]
     for _ in range(MOST_HALVINGS):
         for k in range(x.shape[0]):
             for j in range(4):
                 space.trial[k, j] = x[k, j] + alpha * space.step[k, j]
         for i in range(body.lines.shape[0]):
-            tensions[i] = small[BEFORE, i] + alpha * small[CHANGE, i]
-        negative, _, _ = look(space.trial, tensions, body, share, free, space)
+            tensions[i] = small[TENSION_BEFORE, i] + alpha * small[TENSION_CHANGE, i]
+        negative, _, _ = evaluate_state(space.trial, tensions, body, load_factor, free, space)
         after = _work(tensions, body, space)
-        if sure or after <= TURNED * abs(work):
+        if sure or after <= RETURNED_WORK * abs(work):
             break
         alpha *= max(0.1, min(0.6, abs(work) / (abs(work) + after)))
     for k in range(x.shape[0]):

@@ -7,12 +7,12 @@ Both are `length (f v, g)` with functions of `x = |v|^2`: `f_k(x) = sum (-x)^j /
 
 import math
 
+from sinuous.kernels.chain.arc import SERIES_END
 from sinuous.kernels.maths.vectors import Vec
 
-SERIES_END = 10.0
-TERMS = 13
-SERIES_6 = tuple((-1) ** j / math.factorial(2 * j + 6) for j in range(TERMS))
-SERIES_7 = tuple((-1) ** j / math.factorial(2 * j + 7) for j in range(TERMS))
+PROFILE_TERMS = 13
+SERIES_6 = tuple((-1) ** j / math.factorial(2 * j + 6) for j in range(PROFILE_TERMS))
+SERIES_7 = tuple((-1) ** j / math.factorial(2 * j + 7) for j in range(PROFILE_TERMS))
 
 Even = tuple[float, float, float, float, float, float, float]
 Profile = tuple[float, float, float, float, float, float]
@@ -22,8 +22,8 @@ Square = tuple[float, float, float]
 def even_functions(x: float) -> Even:
     """f_1 to f_7 at x: power series to a little beyond t = pi; above, closed forms."""
     if x < SERIES_END:
-        f6, f7 = SERIES_6[TERMS - 1], SERIES_7[TERMS - 1]
-        for j in range(TERMS - 2, -1, -1):
+        f6, f7 = SERIES_6[PROFILE_TERMS - 1], SERIES_7[PROFILE_TERMS - 1]
+        for j in range(PROFILE_TERMS - 2, -1, -1):
             f6, f7 = SERIES_6[j] + x * f6, SERIES_7[j] + x * f7
         f4, f5 = 1.0 / 24.0 - x * f6, 1.0 / 120.0 - x * f7
         f3 = 1.0 / 6.0 - x * f5

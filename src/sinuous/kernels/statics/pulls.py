@@ -8,7 +8,7 @@ active set.
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 
-ROUNDING = 1e-12
+TENSION_ROUNDING = 1e-12
 """Tension, relative to the largest, and error of a length that count as none."""
 
 
@@ -25,7 +25,7 @@ def find_tensions(lines: Array, matrix: Array, wanted: Array, taut: Array, out: 
         largest = 0.0
         for i in range(count):
             largest = max(largest, taut[i] * abs(out[i]))
-        worst, which = -ROUNDING * largest, -1
+        worst, which = -TENSION_ROUNDING * largest, -1
         for i in range(count):
             if taut[i] > 0.0 and lines[i, t.PUSHES] == 0.0 and out[i] < worst:
                 worst, which = out[i], i
@@ -38,7 +38,7 @@ def find_tensions(lines: Array, matrix: Array, wanted: Array, taut: Array, out: 
                 left = wanted[i]
                 for j in range(count):
                     left -= taut[j] * matrix[i, j] * out[j]
-                if left > most + ROUNDING * abs(wanted[i]):
+                if left > most + TENSION_ROUNDING * abs(wanted[i]):
                     most, which = left, i
         if which < 0:
             break

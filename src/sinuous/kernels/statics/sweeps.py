@@ -39,14 +39,21 @@ Wrench = tuple[Vec, Vec]
 
 
 def factorise(
-    x: Array, frames: Array, arcs: Array, loads: Array, share: float, descends: bool, stages: Array, scratch: Array
+    x: Array,
+    frames: Array,
+    arcs: Array,
+    loads: Array,
+    load_factor: float,
+    descends: bool,
+    stages: Array,
+    scratch: Array,
 ) -> tuple[int, Vec, Vec]:
     """Sweep from tip to base: fill residuals and factors of `stages`.
 
     Parameters
     ----------
     loads : array (k, 10)
-        In the order of their arcs; `share` of them acts.
+        In the order of their arcs; `load_factor` of them acts.
     descends : bool
         Whether arcs are made stiffer where the step would lead up.
     scratch : array (11, 12)
@@ -64,24 +71,24 @@ def factorise(
     last = loads.shape[0] - 1
     for k in range(x.shape[0] - 1, -1, -1):
         while last >= 0 and loads[last, t.LOAD_ARC] >= k:
-            m, f, p = _load(frames, loads, last, share, origin)
+            m, f, p = _load(frames, loads, last, load_factor, origin)
             moment, force = add(moment, add(m, cross(p, f))), add(force, f)
             _stiffen(P, p, f)
             last -= 1
         _pivot(x, frames, k, origin, moment, force, P, arcs, stages, scratch)
         negative += _invert(arcs, k, descends, stages, scratch)
-        weight = scale(share, get_vec(arcs, k, t.WEIGHT))
+        weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
         _close(k, weight, P, stages, scratch)
-        center = get_vec(stages, k, t.CENTER)
+        center = get_vec(stages, k, t.ARC_CENTER)
         moment, force = add(moment, cross(center, weight)), add(force, weight)
     return negative, moment, force
 
 
-def _load(frames: Array, loads: Array, i: int, share: float, origin: Vec) -> tuple[Vec, Vec, Vec]:
+def _load(frames: Array, loads: Array, i: int, load_factor: float, origin: Vec) -> tuple[Vec, Vec, Vec]:
     """Moment and force of a load, and where it acts, from the base."""
     rotation, position = frame(frames, int(loads[i, t.LOAD_ARC]) + 1)
-    place = add(sub(position, origin), mat_vec(rotation, get_vec(loads, i, t.OFFSET)))
-    return scale(share, get_vec(loads, i, t.MOMENT)), scale(share, get_vec(loads, i, t.FORCE)), place
+    place = add(sub(position, origin), mat_vec(rotation, get_vec(loads, i, t.LOAD_OFFSET)))
+    return scale(load_factor, get_vec(loads, i, t.MOMENT)), scale(load_factor, get_vec(loads, i, t.FORCE)), place
 
 
 def _stiffen(P: Array, p: Vec, f: Vec) -> None:
@@ -114,7 +121,7 @@ def _pivot(
     """Fill the residual of arc k, in `scratch` rows 0 to 3 its pivot (4) and what twists ask of it (6)."""
     _bend_wrench(x, frames, k, origin, moment, force, scratch)
     for i in range(4):
-        omega, v = get_vec(stages, k, t.COLUMNS + 6 * i), get_vec(stages, k, t.COLUMNS + 6 * i + 3)
+        omega, v = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i), get_vec(stages, k, t.TWIST_COLUMNS + 6 * i + 3)
         stages[k, t.RESIDUAL + i] = stages[k, t.GRADIENT + i] - dot(omega, moment) - dot(v, force)
         turning, moving = add(cross(omega, moment), cross(v, force)), cross(omega, force)
         for j in range(3):
@@ -135,7 +142,7 @@ def _pivot(
             )
         put_vec(stages, k, t.PUSH + 3 * i, push)
     for i in range(4):
-        omega = get_vec(stages, k, t.COLUMNS + 6 * i)
+        omega = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i)
         for j in range(4):
             pushed = dot(omega, get_vec(stages, k, t.PUSH + 3 * j))
             pivot = stages[k, t.HESSIAN + 4 * i + j] - scratch[4 + i, j] - pushed
@@ -248,7 +255,7 @@ def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None
             for m in range(4):
                 total += stages[k, t.PUSH + 3 * m + i] * stages[k, t.FEEDBACK + 6 * m + j]
             P[i, j] += total
-    _stiffen(P, get_vec(stages, k, t.CENTER), weight)
+    _stiffen(P, get_vec(stages, k, t.ARC_CENTER), weight)
 
 
 def impose(given: Array, stages: Array, wanted: Array) -> None:
@@ -268,7 +275,7 @@ def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
     sx = sy = sz = 0.0
     for k in range(stages.shape[0] - 1, -1, -1):
         for i in range(4):
-            omega = get_vec(stages, k, t.COLUMNS + 6 * i)
+            omega = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i)
             out[k, i] = wanted[k, i] + omega[0] * sx + omega[1] * sy + omega[2] * sz
         a, b, c, d = out[k, 0], out[k, 1], out[k, 2], out[k, 3]
         for i in range(4):
@@ -290,7 +297,7 @@ def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
 def move(k: int, change: Array, omega: Vec, v: Vec, stages: Array) -> Wrench:
     """The twist of the end of arc k, from that of its beginning and a change of states (N, 4)."""
     for i in range(4):
-        share, column = change[k, i], t.COLUMNS + 6 * i
-        omega = add_scaled(omega, share, get_vec(stages, k, column))
-        v = add_scaled(v, share, get_vec(stages, k, column + 3))
+        moved, column = change[k, i], t.TWIST_COLUMNS + 6 * i
+        omega = add_scaled(omega, moved, get_vec(stages, k, column))
+        v = add_scaled(v, moved, get_vec(stages, k, column + 3))
     return omega, v

@@ -18,7 +18,7 @@ def runs_through(actuation: Array, j: int) -> bool:
     return bool(actuation[j, 0] < actuation[j, LAST_SEGMENT])
 
 
-def share(actuation: Array, q: Array, aim: Array) -> float:
+def admissible_step(actuation: Array, q: Array, aim: Array) -> float:
     """Largest t in [0, 1] for which `q + t (aim - q)` keeps all limits, when `q` does."""
     t = 1.0
     j = 0
@@ -45,7 +45,7 @@ def hold_back(actuation: Array, q: Array, aim: Array) -> None:
     """Shorten the motion from `q` to `aim` so that `aim` keeps all limits."""
     if actuation.shape[0] == 0:
         return
-    t = share(actuation, q, aim)
+    t = admissible_step(actuation, q, aim)
     if t >= 1.0:
         return
     t *= 1.0 - 1e-12
@@ -91,20 +91,20 @@ def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
         at = rows.start[k]
         while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
             if rows.kind[at] == IDLE:
-                room = _room(actuation, j, total if runs_through(actuation, j) else own)
+                left = _slack(actuation, j, total if runs_through(actuation, j) else own)
                 weights = get_vec(actuation, j, WEIGHTS)
                 wanted = dot(weights, change if runs_through(actuation, j) else move)
-                slack = 1e-9 * (abs(room[0]) + abs(room[1])) if math.isfinite(room[0] + room[1]) else 1e-12
-                if wanted > room[1] + slack or wanted < room[0] - slack:
+                slack = 1e-9 * (abs(left[0]) + abs(left[1])) if math.isfinite(left[0] + left[1]) else 1e-12
+                if wanted > left[1] + slack or wanted < left[0] - slack:
                     rows.kind[at] = HARD
-                    rows.value[at] = room[1] if wanted > room[1] else room[0]
+                    rows.value[at] = left[1] if wanted > left[1] else left[0]
                     count += 1
             at += 1
             j += 1
     return count
 
 
-def _room(actuation: Array, j: int, at: Vec) -> tuple[float, float]:
+def _slack(actuation: Array, j: int, at: Vec) -> tuple[float, float]:
     value = dot(get_vec(actuation, j, WEIGHTS), at)
     return actuation[j, MIN_VALUE] - value, actuation[j, MAX_VALUE] - value
 

@@ -8,13 +8,13 @@ the second time means alone are carried. The step with m such rows is then, exac
 """
 
 from sinuous.kernels.body.rows import Rows
-from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
+from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS
 from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.states import PAIRS, State, Work, coupling_of
 
-LEAST = 1e-12
+LEAST_PIVOT = 1e-12
 """What keeps two self-contacts that say the same from leaving nothing to divide by."""
 
 
@@ -37,12 +37,12 @@ def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
     n, count = state.q.shape[0], int(state.norms[PAIRS])
     pairs, _, pull, replies, system = coupling_of(state, work)
     for a in range(count):
-        reply(state.columns, work.root, pairs, a, WEIGHTS, state.rows, pull, replies[a], coupled)
+        reply(state.columns, work.root, pairs, a, PAIR_WEIGHTS, state.rows, pull, replies[a], coupled)
         for b in range(a + 1):
             system[a, b] = system[b, a] = _seen(pairs, b, replies[a])
-        system[a, a] += mu + LEAST
+        system[a, a] += mu + LEAST_PIVOT
     for a in range(count):
-        system[a, count] = pairs[a, VALUE] - _seen(pairs, a, work.step)
+        system[a, count] = pairs[a, PAIR_VALUE] - _seen(pairs, a, work.step)
     solve_symmetric(system, count)
     for a in range(count):
         for k in range(n):
@@ -53,5 +53,5 @@ def _seen(pairs: Array, a: int, step: Array) -> float:
     """What self-contact `a` sees of a step (n, 3)."""
     total = 0.0
     for k in range(step.shape[0]):
-        total += dot(get_vec(pairs, a, WEIGHTS + 3 * k), get_vec(step, k, 0))
+        total += dot(get_vec(pairs, a, PAIR_WEIGHTS + 3 * k), get_vec(step, k, 0))
     return total

@@ -30,7 +30,7 @@ from sinuous.kernels.step.sweeps import SOFT_VARIANCE, extend_here
 MOST_ROWS = 6
 """Most rows of a dense system."""
 
-SIGHT_WIDTH = 18
+JACOBIAN_WIDTH = 18
 """Columns of what is seen of a segment: of each of its coordinates, what rows 3 to 5 see, then rows 0 to 2."""
 
 MOST_SEGMENTS = 12
@@ -39,14 +39,14 @@ MOST_SEGMENTS = 12
 
 def dense_size(segments: int) -> int:
     """Numbers of scratch: what is seen (n, 18), and the system (6, 7)."""
-    return SIGHT_WIDTH * segments + MOST_ROWS * (MOST_ROWS + 1)
+    return JACOBIAN_WIDTH * segments + MOST_ROWS * (MOST_ROWS + 1)
 
 
 def carve_dense(buffer: Array, n: int) -> tuple[Array, Array]:
     """Lay out scratch for n segments."""
-    size = SIGHT_WIDTH * n
+    size = JACOBIAN_WIDTH * n
     system = buffer[size : size + MOST_ROWS * (MOST_ROWS + 1)]
-    return shaped(buffer[:size], (n, SIGHT_WIDTH)), shaped(system, (MOST_ROWS, MOST_ROWS + 1))
+    return shaped(buffer[:size], (n, JACOBIAN_WIDTH)), shaped(system, (MOST_ROWS, MOST_ROWS + 1))
 
 
 def are_few(rows: Rows, n: int) -> bool:
@@ -54,8 +54,8 @@ def are_few(rows: Rows, n: int) -> bool:
     return bool(n <= MOST_SEGMENTS and rows.start[n] <= MOST_ROWS)
 
 
-def see(columns: Array, rows: Rows, sights: Array) -> None:
-    """Fill `sights` (n, 18) for `columns` (n, 18) as `kinematics` fills them; no row is HARD or IDLE."""
+def fill_constraint_jacobian(columns: Array, rows: Rows, jacobian: Array) -> None:
+    """Fill `jacobian` (n, 18) for `columns` (n, 18) as `kinematics` fills them; no row is HARD or IDLE."""
     n = columns.shape[0]
     count = rows.start[n]
     for k in range(n):
@@ -70,16 +70,16 @@ def see(columns: Array, rows: Rows, sights: Array) -> None:
                 own = (dot(a, x) + dot(c, u), dot(a, y) + dot(c, v), dot(a, z) + dot(c, w))
                 if i < rows.start[k + 1] and rows.kind[i] != END:
                     own = add(own, get_vec(rows.inner, i, 0))
-            sights[k, at], sights[k, 6 + at], sights[k, 12 + at] = own
+            jacobian[k, at], jacobian[k, 6 + at], jacobian[k, 12 + at] = own
 
 
-def dense_step(sights: Array, root: Array, mean: Array, rows: Rows, mu: float, system: Array, step: Array) -> None:
+def dense_step(jacobian: Array, root: Array, mean: Array, rows: Rows, mu: float, system: Array, step: Array) -> None:
     """Fill `step` (n, 3) with dq, for what `see` has filled; `system` (6, 7) is scratch."""
     n = root.shape[0]
     m = rows.start[n]
     reach = (NOTHING, NOTHING, NOTHING, ZERO, ZERO)
     for k in range(n):
-        reach, _, _ = extend_here(reach, sights, k, get_mat(root, k, 0), get_vec(mean, k, 0))
+        reach, _, _ = extend_here(reach, jacobian, k, get_mat(root, k, 0), get_vec(mean, k, 0))
     last, mixed, first, late, early = reach
     for i in range(3):
         put_vec(system, i, 0, first[i])
@@ -93,9 +93,9 @@ def dense_step(sights: Array, root: Array, mean: Array, rows: Rows, mu: float, s
     for k in range(n):
         L = get_mat(root, k, 0)
         pull = (
-            dot(get_vec(sights, k, 0), late) + dot(get_vec(sights, k, 3), early),
-            dot(get_vec(sights, k, 6), late) + dot(get_vec(sights, k, 9), early),
-            dot(get_vec(sights, k, 12), late) + dot(get_vec(sights, k, 15), early),
+            dot(get_vec(jacobian, k, 0), late) + dot(get_vec(jacobian, k, 3), early),
+            dot(get_vec(jacobian, k, 6), late) + dot(get_vec(jacobian, k, 9), early),
+            dot(get_vec(jacobian, k, 12), late) + dot(get_vec(jacobian, k, 15), early),
         )
         put_vec(step, k, 0, add(get_vec(mean, k, 0), mat_vec(L, vec_mat(pull, L))))
 

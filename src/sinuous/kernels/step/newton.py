@@ -2,15 +2,15 @@
 
 import math
 
-from sinuous.kernels.body.contacts import SOFTNESS, Body, Look, contacts
+from sinuous.kernels.body.contacts import SOFTNESS, ContactSearch, PosedBody, contacts
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
-from sinuous.kernels.body.self_contacts import VALUE, self_contacts
+from sinuous.kernels.body.self_contacts import PAIR_VALUE, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
-from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import Scene, coarseness, number_of
@@ -19,7 +19,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step import states as s
 from sinuous.kernels.step.coupling import couple
-from sinuous.kernels.step.dense import are_few, carve_dense, dense_step, see
+from sinuous.kernels.step.dense import are_few, carve_dense, dense_step, fill_constraint_jacobian
 from sinuous.kernels.step.states import State, Work, coupling_of, pick
 from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
@@ -27,27 +27,27 @@ from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 MISSED = -1
 """In place of a verdict of the proof: the targets were not met."""
 
-SLACK, SAMPLED_SLACK = 0.1, 0.6
+PROOF_SLACK, SAMPLED_PROOF_SLACK = 0.1, 0.6
 """How far below the true clearance its proved bound may be, as a share of it; among sampled obstacles more, because
 less would cost exact distances everywhere."""
 
-FINEST = 1e-7
+FINEST_PROOF = 1e-7
 """Length of backbone, in robot lengths, below which a proof gives up."""
 
 SELF_MARGIN = 10.0
-"""Self-clearance that steps aim for where they look at it, as a multiple of the margin from obstacles: which places are
+"""Self-clearance that steps aim for where they examine it, as a multiple of the margin from obstacles: which places are
 closest to each other changes more in a step than which are closest to an obstacle."""
 
-EXACT = 1e-10
+EXACT_DAMPING = 1e-10
 """Least damping, with which rows are met exactly."""
 
-PATIENCE = 12
+MOST_SLOW_STEPS = 12
 """Steps in a row that gain little before a start is given up."""
 
-WISHFUL = 4
+MOST_SLOW_WISHED_STEPS = 4
 """Steps in a row that gain little before nothing is wished for any more."""
 
-ROUNDS = 3
+MOST_BINDINGS = 3
 """Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
 
 
@@ -67,7 +67,7 @@ def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, f
     return at, off, turn
 
 
-def close(state: State, count: int) -> None:
+def finish_rows(state: State, count: int) -> None:
     """Finish a linearisation with `count` rows and no self-contact: where rows end, and the norms of their values."""
     rows = state.rows
     rows.start[state.q.shape[0]] = count
@@ -80,7 +80,7 @@ def close(state: State, count: int) -> None:
             merit += square
     state.norms[s.MERIT] = merit
     state.norms[s.WISH] = wished / (SOFTNESS * SOFTNESS)
-    state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = math.inf, 0.0
+    state.norms[s.SELF_BOUND], state.norms[s.PAIRS] = math.inf, 0.0
 
 
 def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
@@ -89,36 +89,36 @@ def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     shape, pairs = Shape(problem.limits, state.q, state.frames, own.spans), own.pairs
     count, low = self_contacts(shape, state.columns, SELF_MARGIN * problem.margin, problem.unit, pairs)
     for a in range(count):
-        state.norms[s.MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
-    state.norms[s.SELF_SEEN], state.norms[s.PAIRS] = low, count
+        state.norms[s.MERIT] += pairs[a, PAIR_VALUE] * pairs[a, PAIR_VALUE]
+    state.norms[s.SELF_BOUND], state.norms[s.PAIRS] = low, count
 
 
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float, with_self: bool) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
-    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`), self-contacts only
-    `with_self`. When the time is over, some are missing.
+    Contacts are searched for as deep as `depth` and as exactly as `mode` says (see `contacts.ContactSearch`),
+    self-contacts only `with_self`. When the time is over, some are missing.
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
     off = turn = 0.0
     seen = math.inf
     mount = problem.mount
-    body = Body(problem.limits, q, frames, problem.unit)
-    look = Look(problem.margin, wish, depth, mode)
+    body = PosedBody(problem.limits, q, frames, problem.unit)
+    search = ContactSearch(problem.margin, wish, depth, mode)
     scratch = Scratch(work.among, work.clock)
     at = actuator = 0
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         if number_of(problem.scene) > 0:
-            at, least = contacts(body, problem.scene, k, mount, look, scratch, rows, at)
+            at, least = contacts(body, problem.scene, k, mount, search, scratch, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
         at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
-    close(state, at)
-    state.norms[s.POSITION], state.norms[s.ANGLE], state.norms[s.SEEN] = off, turn, seen
+    finish_rows(state, at)
+    state.norms[s.POSITION], state.norms[s.ANGLE], state.norms[s.CLEARANCE_SEEN] = off, turn, seen
     if with_self:
         add_self_contacts(problem, state, work)
 
@@ -141,12 +141,12 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
         actuation.release(state.rows)
     n = state.q.shape[0]
     few = not coupled and state.norms[s.PAIRS] == 0.0 and are_few(state.rows, n)
-    sights, system = carve_dense(work.rest, n)
+    jacobian, system = carve_dense(work.rest, n)
     if few:
-        see(state.columns, state.rows, sights)
-    for _ in range(ROUNDS):
+        fill_constraint_jacobian(state.columns, state.rows, jacobian)
+    for _ in range(MOST_BINDINGS):
         if few:
-            dense_step(sights, work.root, work.mean, state.rows, mu, system, work.step)
+            dense_step(jacobian, work.root, work.mean, state.rows, mu, system, work.step)
         else:
             sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
             sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
@@ -161,7 +161,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
     return bound
 
 
-def rest(work: Work) -> None:
+def wish_nothing(work: Work) -> None:
     """Wish for no motion."""
     for k in range(work.mean.shape[0]):
         put_vec(work.mean, k, 0, ZERO)
@@ -203,14 +203,14 @@ def met(problem: Problem, state: State, loose: float) -> bool:
         norms[s.MERIT] < math.inf
         and norms[s.POSITION] <= problem.position_tolerance
         and norms[s.ANGLE] <= problem.angle_tolerance
-        and norms[s.SEEN] >= -loose
-        and norms[s.SELF_SEEN] >= 0.0
+        and norms[s.CLEARANCE_SEEN] >= -loose
+        and norms[s.SELF_BOUND] >= 0.0
     )
 
 
 def met_by(state: State, loose: float) -> bool:
     """Targets and obstacles within what samples may be wrong by: they may be what keeps the targets from being met."""
-    return bool(state.norms[s.POSITION] <= loose and state.norms[s.SEEN] >= -loose)
+    return bool(state.norms[s.POSITION] <= loose and state.norms[s.CLEARANCE_SEEN] >= -loose)
 
 
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
@@ -223,8 +223,8 @@ def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work
         return CLEAR, math.inf
     if scene.table.shape[0] == 0:
         return CLEAR, math.inf
-    slack = SAMPLED_SLACK if coarseness(scene) > 0.0 else SLACK
-    finest = FINEST * problem.unit
+    slack = SAMPLED_PROOF_SLACK if coarseness(scene) > 0.0 else PROOF_SLACK
+    finest = FINEST_PROOF * problem.unit
     scratch = Scratch(work.among, work.clock)
     verdict, clearance, _, _, _ = prove(
         problem.limits, state.q, state.frames, scene, problem.mount, slack, finest, scratch
@@ -237,17 +237,17 @@ def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     if not problem.avoids_itself:
         return CLEAR, math.inf
     shape = Shape(problem.limits, state.q, state.frames, coupling_of(state, work).spans)
-    verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock)
+    verdict, clearance, _ = prove_self(shape, FINEST_PROOF * problem.unit, work.clock)
     return verdict, clearance
 
 
-def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int, float]:
+def _progress(found: float, merit: float, slow: int, damping_scale: float) -> tuple[int, float]:
     """Count steps in a row that gain little, and adapt how much the damping is eased; `merit` is the best so far."""
     if found >= merit:
-        return slow + 1, 10.0 * easing
+        return slow + 1, 10.0 * damping_scale
     if merit == math.inf:
-        return slow, easing
-    return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * easing)
+        return slow, damping_scale
+    return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * damping_scale)
 
 
 def descend(
@@ -262,18 +262,18 @@ def descend(
     gain little, they do without: a wish moves the targets' rows by a hundred-millionth of what it is short of.
 
     Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
-    when it fails again, contacts are looked for more closely. Self-contacts are looked for from the first failed proof
-    that the body does not run through itself on: most shapes never come near themselves.
+    when it fails again, contacts are searched for more closely. Self-contacts are searched for from the first failed
+    proof that the body does not run through itself on: most shapes never come near themselves.
 
     Returns which is the best, the verdict of the proofs (MISSED: the targets were not met), the number of iterations,
     the clearances from obstacles and from itself that were seen, and whether limits bound the last step. Of a state
     that was never linearised whole, for lack of time, the merit is infinite.
     """
     project_to_limits(problem, pick(states, at), work)
-    depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
+    depth, looked_at, merit, damping_scale = problem.step_depth, at, math.inf, 1.0
     # Samples may see an overlap where there is none; then the proof decides.
     coarse = coarseness(problem.scene)
-    mode, loose = solids.STEP if coarse > 0.0 else solids.EXACT, 0.0 if brief else coarse
+    mode, loose = solids.INTERPOLATED if coarse > 0.0 else solids.EXACT, 0.0 if brief else coarse
     slow = iteration = 0
     bound = with_self = False
     while True:
@@ -283,9 +283,9 @@ def descend(
             if merit == math.inf:
                 at, looked.norms[s.MERIT] = looked_at, math.inf
             state = pick(states, at)
-            return at, MISSED, iteration, state.norms[s.SEEN], state.norms[s.SELF_SEEN], bound
+            return at, MISSED, iteration, state.norms[s.CLEARANCE_SEEN], state.norms[s.SELF_BOUND], bound
         found = looked.norms[s.MERIT]
-        slow, easing = _progress(found, merit, slow, easing)
+        slow, damping_scale = _progress(found, merit, slow, damping_scale)
         if found < merit:
             at, merit = looked_at, found
         state = pick(states, at)
@@ -293,31 +293,31 @@ def descend(
             verdict, self_clearance = self_proof(problem, state, work)
             if verdict != CLEAR:
                 if with_self or brief:
-                    return at, verdict, iteration, state.norms[s.SEEN], self_clearance, bound
-                with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
+                    return at, verdict, iteration, state.norms[s.CLEARANCE_SEEN], self_clearance, bound
+                with_self, looked_at, merit, slow, damping_scale = True, at, math.inf, 0, 1.0
                 continue
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or brief or depth >= problem.step_depth + 6 or late(work.clock):
                 return at, verdict, iteration, clearance, self_clearance, bound
-            if mode == solids.STEP:
+            if mode == solids.INTERPOLATED:
                 mode, loose = solids.EXACT, 0.0
             else:
                 depth += 2
             looked_at, merit = at, math.inf
             continue
-        sampled = slow >= PATIENCE and loose > 0.0 and met_by(state, loose)
-        if sampled or (wish > 0.0 and slow >= WISHFUL):
+        sampled = slow >= MOST_SLOW_STEPS and loose > 0.0 and met_by(state, loose)
+        if sampled or (wish > 0.0 and slow >= MOST_SLOW_WISHED_STEPS):
             mode, loose = (solids.EXACT, 0.0) if sampled else (mode, loose)
-            wish, looked_at, merit, slow, easing = 0.0, at, math.inf, 0, 1.0
+            wish, looked_at, merit, slow, damping_scale = 0.0, at, math.inf, 0, 1.0
             continue
         if (
             iteration >= most
-            or slow >= (1 if brief else PATIENCE)
-            or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0])
+            or slow >= (1 if brief else MOST_SLOW_STEPS)
+            or spend(work.clock, SEGMENT_WORK * state.q.shape[0])
         ):
-            return at, MISSED, iteration, state.norms[s.SEEN], state.norms[s.SELF_SEEN], bound
+            return at, MISSED, iteration, state.norms[s.CLEARANCE_SEEN], state.norms[s.SELF_BOUND], bound
         iteration += 1
-        rest(work)
-        bound = step(problem, state, work, max(EXACT, 0.01 * easing * merit))
+        wish_nothing(work)
+        bound = step(problem, state, work, max(EXACT_DAMPING, 0.01 * damping_scale * merit))
         looked_at = 1 - at
         move(problem, state, work, pick(states, looked_at))

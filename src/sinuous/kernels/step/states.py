@@ -19,7 +19,7 @@ from sinuous.kernels.step.dense import dense_size
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
 least clearance seen, how far wishes for clearance are from met, a lower bound of the self-clearance (infinite: it was
-not looked at), and the number of self-contacts; then these, see `coupling_of`."""
+not examined), and the number of self-contacts; then these, see `coupling_of`."""
 
 Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock", "rest"])
 """Scratch of one solve; `clock`: see `kernels.clock`. `rest` holds what few solves need, in one array: each array costs
@@ -32,7 +32,7 @@ motion (n, 3); what each of them moves (m, n, 3); and a system of equations (m, 
 STATES = 3
 """States in a workspace: two take turns in a descent, a third serves corrections."""
 
-MERIT, POSITION, ANGLE, SEEN, WISH, SELF_SEEN, PAIRS = range(7)
+MERIT, POSITION, ANGLE, CLEARANCE_SEEN, WISH, SELF_BOUND, PAIRS = range(7)
 
 NORMS = 7
 

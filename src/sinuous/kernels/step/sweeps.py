@@ -49,11 +49,11 @@ Own = tuple[Mat, Mat, Mat, Mat, Vec]
 SOFT_VARIANCE = 1e-10
 """Variance of SOFT rows, whatever `mu`: far from the targets a wish weighs no less than near them."""
 
-HARD_SHARE = 1e-10
+HARD_VARIANCE = 1e-10
 """Variance of HARD rows, relative to their weights: small, yet enough for two that say the same."""
 
 
-INVERSE = 12
+INVERSE_VARIANCE = 12
 """Column of the gains that holds the inverse of the variance of what a row sees."""
 
 
@@ -123,7 +123,7 @@ def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
     gain_turn, gain_move = scale(f, turn), scale(f, move)
     put_vec(rows.gain, i, 0, gain_turn)
     put_vec(rows.gain, i, 3, gain_move)
-    rows.gain[i, INVERSE] = f
+    rows.gain[i, INVERSE_VARIANCE] = f
     rows.innovation[i] = f * nu
     return (
         _even(_sub_outer(A, gain_turn, turn)),
@@ -153,7 +153,7 @@ def _within(
     spread = dot(a, turn) + dot(c, move) + dot(b, used) + dot(s, total)
     variance = mu
     if kind == HARD:
-        variance = HARD_SHARE * (dot(b, b) + dot(s, s))
+        variance = HARD_VARIANCE * (dot(b, b) + dot(s, s))
     elif kind == SOFT:
         variance = SOFT_VARIANCE
     f = 1.0 / (spread + variance)
@@ -163,7 +163,7 @@ def _within(
     put_vec(rows.gain, i, 3, gain_move)
     put_vec(rows.gain, i, 6, gain_used)
     put_vec(rows.gain, i, 9, gain_total)
-    rows.gain[i, INVERSE] = f
+    rows.gain[i, INVERSE_VARIANCE] = f
     rows.innovation[i] = f * nu
     return (
         (
@@ -232,7 +232,7 @@ def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, coupled:
                 nu -= dot(get_vec(rows.inner, i, 0), add(m, mat_vec(L, z)))
             if kind == HARD and coupled:
                 nu -= dot(get_vec(rows.total, i, 0), summed)
-            rows.innovation[i] = rows.gain[i, INVERSE] * nu
+            rows.innovation[i] = rows.gain[i, INVERSE_VARIANCE] * nu
             turned = add_scaled(turned, nu, get_vec(rows.gain, i, 0))
             moved = add_scaled(moved, nu, get_vec(rows.gain, i, 3))
             if kind != END:

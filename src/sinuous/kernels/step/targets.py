@@ -11,6 +11,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.body.rows import END, Rows
 from sinuous.kernels.chain.kinematics import compose, frame
 from sinuous.kernels.maths.vectors import (
+    ZERO,
     Array,
     Mat,
     Vec,
@@ -29,7 +30,6 @@ from sinuous.kernels.maths.vectors import (
 )
 from sinuous.kernels.problem import Problem
 
-NONE = (0.0, 0.0, 0.0)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
@@ -52,7 +52,7 @@ def distal_target(targets: Array, segments: int) -> int:
 def tangent_back(targets: Array, i: int) -> Vec:
     """Where the backbone comes from at the target; zero where it may come from anywhere."""
     if targets[i, t.ORIENTATION] == t.FREE:
-        return NONE
+        return ZERO
     if targets[i, t.ORIENTATION] == t.DIRECTION:
         return scale(-1.0, get_vec(targets, i, t.GOAL))
     return (-targets[i, t.GOAL + 2], -targets[i, t.GOAL + 5], -targets[i, t.GOAL + 8])
@@ -131,7 +131,7 @@ def add_rows(
     Returns the next free row, the position error (length) and the angle error (rad); zero where nothing is asked.
     """
     rotation, position = end_pose(frames, tool, end_segment(targets, i, frames.shape[0] - 1))
-    miss, turn = NONE, NONE
+    miss, turn = ZERO, ZERO
     if targets[i, t.HAS_POSITION] != 0.0:
         inverse = 1.0 / unit
         miss = sub(get_vec(targets, i, t.TARGET_POSITION), position)
@@ -141,13 +141,13 @@ def add_rows(
         at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
     if targets[i, t.ORIENTATION] == t.ROTATION:
         turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
-        at = put_row(rows, at, X, NONE, turn[0])
-        at = put_row(rows, at, Y, NONE, turn[1])
-        at = put_row(rows, at, Z, NONE, turn[2])
+        at = put_row(rows, at, X, ZERO, turn[0])
+        at = put_row(rows, at, Y, ZERO, turn[1])
+        at = put_row(rows, at, Z, ZERO, turn[2])
     elif targets[i, t.ORIENTATION] == t.DIRECTION:
         tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
         turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
         a, b = across(tangent)
-        at = put_row(rows, at, a, NONE, dot(turn, a))
-        at = put_row(rows, at, b, NONE, dot(turn, b))
+        at = put_row(rows, at, a, ZERO, dot(turn, a))
+        at = put_row(rows, at, b, ZERO, dot(turn, b))
     return at, norm(miss), norm(turn)

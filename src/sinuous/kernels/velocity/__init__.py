@@ -1,1 +1,1 @@
-"""One tick of a control loop: the damped step within limits, rates, contacts and self-contacts, proved clear."""
+"""One control step: the damped step within limits, rates, contacts and self-contacts, proved clear."""

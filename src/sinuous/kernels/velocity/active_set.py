@@ -20,16 +20,16 @@ from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import reply
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.velocity import layout as v
-from sinuous.kernels.velocity.bounds import LEFT, Cut, Limits, along, size_of, worst_cut
-from sinuous.kernels.velocity.layout import Asked, Tick, WorkingSet
+from sinuous.kernels.velocity.bounds import LENGTH_TOLERANCE, Cut, Limits, along, size_of, worst_cut
+from sinuous.kernels.velocity.layout import Control, StepRequest, WorkingSet
 
-HARD = 1e-13
+HARD_VARIANCE = 1e-13
 """Variance of constraints that must hold: enough for two that say the same."""
 
-SOFT = 1e-3
+SOFT_VARIANCE_RATIO = 1e-3
 """Variance of what is only wished for, as a share of that of what is asked."""
 
-EXACT = 1e-8
+LEAST_DAMPING = 1e-8
 """Least damping."""
 
 GAIN = 100.0
@@ -50,7 +50,7 @@ def most_violated(working: WorkingSet, count: int) -> tuple[int, float]:
     worst, excess = -1, 0.0
     for a in range(count):
         if working.active[a] == 0:
-            missing = working.about[a, v.VALUE]
+            missing = working.about[a, v.CONSTRAINT_VALUE]
             for b in range(count):  # who is not active has no multiplier
                 missing -= working.system[a, b] * working.about[b, v.MULTIPLIER]
             if missing > excess:
@@ -69,7 +69,7 @@ def _solve_active(working: WorkingSet, count: int) -> int:
         a = working.listed[i]
         for j in range(i, m):  # what is below the diagonal is never read
             working.scratch[i, j] = working.system[a, working.listed[j]]
-        working.scratch[i, m] = working.about[a, v.VALUE]
+        working.scratch[i, m] = working.about[a, v.CONSTRAINT_VALUE]
     solve_symmetric(working.scratch, m)
     return m
 
@@ -79,18 +79,18 @@ def activate(working: WorkingSet, count: int, a: int) -> None:
     working.active[a] = 1
     for _ in range(2 * count + 2):
         m = _solve_active(working, count)
-        share = 1.0
+        fraction = 1.0
         for i in range(m):
             multiplier = working.scratch[i, m]
             if multiplier <= 0.0:
                 before = working.about[working.listed[i], v.MULTIPLIER]
-                share = min(share, before / (before - multiplier) if before > multiplier else 0.0)
+                fraction = min(fraction, before / (before - multiplier) if before > multiplier else 0.0)
         left = False
         for i in range(m):
             b, multiplier = working.listed[i], working.scratch[i, m]
             before = working.about[b, v.MULTIPLIER]
-            moved = before + share * (multiplier - before)
-            if share < 1.0 and multiplier <= 0.0 and moved <= 1e-12 * (abs(multiplier) + before):
+            moved = before + fraction * (multiplier - before)
+            if fraction < 1.0 and multiplier <= 0.0 and moved <= 1e-12 * (abs(multiplier) + before):
                 moved, left = 0.0, True
                 working.active[b] = 0
             working.about[b, v.MULTIPLIER] = moved
@@ -125,30 +125,37 @@ def _worst_bound(rows: Array, step: Array) -> tuple[float, int, int]:
     return worst, which, side
 
 
-def _add_bound(tick: Tick, count: int, at: int, side: int, softness: float) -> None:
+def _add_bound(control: Control, count: int, at: int, side: int, softness: float) -> None:
     """Make one side of a bound constraint number `count` of the working set."""
-    working, row, own = tick.working, tick.bounds[at], 3 * tick.q.shape[0]
+    working, row, own = control.working, control.bounds[at], 3 * control.q.shape[0]
     row[own + v.TAKEN] += 1 << side
     sign = -1.0 if side % 2 == 1 else 1.0
     for i in range(own):
         working.weights[count, i] = sign * row[i]
-    working.about[count, v.VALUE] = sign * row[own + v.LOW + side]
-    working.about[count, v.SOFTNESS] = softness if side >= 2 else HARD
-    working.about[count, v.WHAT] = row[own + (v.KIND_HIGH if side % 2 == 1 else v.KIND_LOW)]
-    working.about[count, v.WHERE], working.about[count, v.WHICH] = row[own + v.SEGMENT], row[own + v.OTHER]
-    _add(tick, count)
+    working.about[count, v.CONSTRAINT_VALUE] = sign * row[own + v.LOW + side]
+    working.about[count, v.CONSTRAINT_VARIANCE] = softness if side >= 2 else HARD_VARIANCE
+    working.about[count, v.CONSTRAINT_KIND] = row[own + (v.KIND_HIGH if side % 2 == 1 else v.KIND_LOW)]
+    working.about[count, v.CONSTRAINT_SEGMENT], working.about[count, v.CONSTRAINT_OTHER] = (
+        row[own + v.BOUND_SEGMENT],
+        row[own + v.BOUND_OTHER],
+    )
+    _add(control, count)
 
 
-def _add_cut(tick: Tick, count: int, cut: Cut, k: int, softness: float) -> None:
+def _add_cut(control: Control, count: int, cut: Cut, k: int, softness: float) -> None:
     """Make a cut of segment `k` constraint number `count` of the working set."""
-    working = tick.working
-    for i in range(3 * tick.q.shape[0]):
+    working = control.working
+    for i in range(3 * control.q.shape[0]):
         working.weights[count, i] = 0.0
     put_vec(working.weights, count, 3 * k, scale(-1.0, cut.weights))
-    working.about[count, v.VALUE] = along(working.weights[count], tick.step) + cut.excess
-    working.about[count, v.SOFTNESS] = softness if cut.soft else HARD
-    working.about[count, v.WHAT], working.about[count, v.WHERE], working.about[count, v.WHICH] = cut.kind, k, -1.0
-    _add(tick, count)
+    working.about[count, v.CONSTRAINT_VALUE] = along(working.weights[count], control.step) + cut.excess
+    working.about[count, v.CONSTRAINT_VARIANCE] = softness if cut.soft else HARD_VARIANCE
+    (
+        working.about[count, v.CONSTRAINT_KIND],
+        working.about[count, v.CONSTRAINT_SEGMENT],
+        working.about[count, v.CONSTRAINT_OTHER],
+    ) = cut.kind, k, -1.0
+    _add(control, count)
 
 
 def _dot(a: Array, b: Array) -> float:
@@ -158,44 +165,44 @@ def _dot(a: Array, b: Array) -> float:
     return total
 
 
-def _add(tick: Tick, count: int) -> None:
+def _add(control: Control, count: int) -> None:
     """Compute what constraint number `count` moves, and make it active; its weights and its value are there."""
-    working = tick.working
-    moved = shaped(working.replies[count], (tick.q.shape[0], 3))
-    reply(tick.columns, tick.root, working.weights, count, 0, tick.rows, working.pull, moved, False)
+    working = control.working
+    moved = shaped(working.replies[count], (control.q.shape[0], 3))
+    reply(control.columns, control.root, working.weights, count, 0, control.rows, working.pull, moved, False)
     for b in range(count + 1):
         working.system[count, b] = working.system[b, count] = _dot(working.weights[b], working.replies[count])
-    working.system[count, count] += working.about[count, v.SOFTNESS]
-    working.about[count, v.VALUE] -= along(working.weights[count], working.free)
+    working.system[count, count] += working.about[count, v.CONSTRAINT_VARIANCE]
+    working.about[count, v.CONSTRAINT_VALUE] -= along(working.weights[count], working.free)
     working.about[count, v.MULTIPLIER] = 0.0
     activate(working, count + 1, count)
 
 
-def _constrained(problem: Problem, asked: Asked, tick: Tick, start: Array, bounds: int, mu: float) -> int:
-    """Fill `tick.step` with the step of damping `mu` within all constraints; returns how many the working set has."""
-    working, q, step, rows = tick.working, tick.q, tick.step, tick.bounds[:bounds]
-    within, n = Limits(problem.limits, asked.rates, tick.root, start), q.shape[0]
+def _constrained(problem: Problem, asked: StepRequest, control: Control, start: Array, bounds: int, mu: float) -> int:
+    """Fill `control.step` with the step of damping `mu` within all constraints; returns the size of the working set."""
+    working, q, step, rows = control.working, control.q, control.step, control.bounds[:bounds]
+    within, n = Limits(problem.limits, asked.rates, control.root, start), q.shape[0]
     for at in range(bounds):
         rows[at, 3 * n + v.TAKEN] = 0.0
-    sweeps.forward(tick.columns, tick.root, tick.none, tick.rows, mu, False)
-    sweeps.backward(tick.columns, tick.root, tick.none, tick.rows, working.free, False)
+    sweeps.forward(control.columns, control.root, control.none, control.rows, mu, False)
+    sweeps.backward(control.columns, control.root, control.none, control.rows, working.free, False)
     count = wishes = 0
     _combine(working, count, step)
     for _ in range(4 * working.active.shape[0]):
         again, missing = most_violated(working, count)
         worst, which, side = _worst_bound(rows, step)
         cut, where = worst_cut(within, q, step, wishes < CUTS_FOR_WISHES * n)
-        if max(missing, worst) <= LEFT and where < 0:
+        if max(missing, worst) <= LENGTH_TOLERANCE and where < 0:
             break
-        if missing > LEFT and missing >= max(worst, cut.excess):
+        if missing > LENGTH_TOLERANCE and missing >= max(worst, cut.excess):
             activate(working, count, again)
         elif count == working.active.shape[0]:
             break
         elif worst >= cut.excess:
-            _add_bound(tick, count, which, side, SOFT * mu)
+            _add_bound(control, count, which, side, SOFT_VARIANCE_RATIO * mu)
             count += 1
         else:
-            _add_cut(tick, count, cut, where, SOFT * mu)
+            _add_cut(control, count, cut, where, SOFT_VARIANCE_RATIO * mu)
             wishes += cut.soft
             count += 1
         _combine(working, count, step)
@@ -203,29 +210,29 @@ def _constrained(problem: Problem, asked: Asked, tick: Tick, start: Array, bound
 
 
 def constrained_step(
-    problem: Problem, asked: Asked, tick: Tick, start: Array, bounds: int, mu: float, most: float
+    problem: Problem, asked: StepRequest, control: Control, start: Array, bounds: int, mu: float, most: float
 ) -> int:
-    """Fill `tick.step` with the constrained step of the least damping, from `mu` on, that moves by at most `most`.
+    """Fill `control.step` with the constrained step of the least damping, from `mu` on, that moves by at most `most`.
 
     Near a singular shape a small motion of the tip would take a large one of the body. The step that is no longer than
     `most` and comes nearest to what is asked is one of larger damping (Levenberg, Marquardt), and continuous in the
     shape. It is found by false position in the logarithms of damping and size (the Illinois rule). Returns how many
     constraints are in the working set.
     """
-    count = _constrained(problem, asked, tick, start, bounds, mu)
-    size = size_of(tick.root, tick.step)
+    count = _constrained(problem, asked, control, start, bounds, mu)
+    size = size_of(control.root, control.step)
     if size <= most or mu >= 1.0 / (GAIN * GAIN):
         return count
     low, high, above = math.log(mu), math.log(1.0 / (GAIN * GAIN)), math.log(size / most)
-    count = _constrained(problem, asked, tick, start, bounds, math.exp(high))
-    size = size_of(tick.root, tick.step)
+    count = _constrained(problem, asked, control, start, bounds, math.exp(high))
+    size = size_of(control.root, control.step)
     if size >= most or size == 0.0:
         return count
     below = math.log(size / most)
     for _ in range(TRIES):
         middle = (low * below - high * above) / (below - above)
-        count = _constrained(problem, asked, tick, start, bounds, math.exp(middle))
-        size = size_of(tick.root, tick.step)
+        count = _constrained(problem, asked, control, start, bounds, math.exp(middle))
+        size = size_of(control.root, control.step)
         found = math.log(max(size, 1e-300) / most)
         if abs(found) < 1e-3:
             break

@@ -1,7 +1,7 @@
-"""What a tick is asked for, as Python writes it, and what it works on.
+"""What a control step is asked for, as Python writes it, and what it works on.
 
 The group `asked` is flat: the header; a row for every segment with its rates; and a row for every actuator that has a
-limit or a rate. Rates hold for the tick as a whole, from the configuration that it begins with. Infinite: no limit.
+limit or a rate. Rates hold for the step as a whole, from the configuration that it begins with. Infinite: no limit.
 
 A *constraint* is `weights . dq >= value`. A *bound* is a row of weights with up to four of them: least and greatest
 value, and least and greatest value that is wished for. The *working set* holds the constraints that the step was found
@@ -10,57 +10,77 @@ to violate; those whose multipliers are positive are *active* (Nocedal & Wright,
 
 from collections import namedtuple
 
-from sinuous.kernels.between.sweep import carve_sweep, sweep_size
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
+from sinuous.kernels.certificate.sweep import carve_sweep, sweep_size
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 
-KIND, TWIST, ROUNDS, WISH, SECONDS, ACTUATORS, BOUNDS, CONSTRAINTS = 0, 1, 7, 8, 9, 10, 11, 12
+ASKED_KIND, ASKED_TWIST, ASKED_ROUNDS, ASKED_WISH, ASKED_SECONDS, ASKED_ACTUATORS, ASKED_BOUNDS, ASKED_CONSTRAINTS = (
+    0,
+    1,
+    7,
+    8,
+    9,
+    10,
+    11,
+    12,
+)
 """Places in the header: TARGETS, POSITION or POSE; the motion of the tip (6): rotation (rad) and displacement (length
 unit), in world axes; most Newton steps; the clearance up to which the body is pushed away from obstacles; seconds for
 all; how many rows of actuators there are; and how many bounds and constraints of the working set there is room for."""
 
 HEADER = 13
 
-TARGETS, POSITION, POSE = range(3)
+MEET_TARGETS, MOVE_POSITION, MOVE_POSE = range(3)
 """What is asked: that targets are met, a displacement of the tip, or both its displacement and its rotation."""
 
-BEND_CHANGE, LENGTH_CHANGE, BEND_SECOND, LENGTH_SECOND, BEFORE = range(5)
+BEND_CHANGE, LENGTH_CHANGE, BEND_SECOND, LENGTH_SECOND, CHANGE_BEFORE = range(5)
 """Columns of a segment's rates: largest change of the bending vector (rad) and of the length; how much these changes
-may differ from those of the tick before (second differences); and those (3)."""
+may differ from those of the step before (second differences); and those (3)."""
 
-RATES_WIDTH = 7
+STEP_RATES_WIDTH = 7
 
-LEAST, MOST, CHANGE, SECOND, LAST = range(5)
+LOWEST, HIGHEST, LARGEST_CHANGE, SECOND_DIFFERENCE, LAST_CHANGE = range(5)
 """Columns of an actuator after the derivatives of its value (3 n): limits of its value; its largest change; how much
-this change may differ from that of the tick before; and that."""
+this change may differ from that of the step before; and that."""
 
 ACTUATOR_COLUMNS = 5
 
-Asked = namedtuple("Asked", ["kind", "twist", "rounds", "wish", "seconds", "room", "rates", "actuators"])
-"""The header by its names, `twist` (1, 6), `room` for bounds and constraints; rates of segments (n, 7) and actuators
-(p, 3 n + 5)."""
+StepRequest = namedtuple(
+    "StepRequest", ["kind", "twist", "rounds", "wish", "seconds", "capacity", "rates", "actuators"]
+)
+"""The header by its names, `twist` (1, 6), `capacity` for bounds and constraints; rates of segments (n, 7) and
+actuators (p, 3 n + 5)."""
 
-LOW, HIGH, WISHED_LOW, WISHED_HIGH, GAP, KIND_LOW, KIND_HIGH, SEGMENT, OTHER, TAKEN = range(10)
+LOW, HIGH, WISHED_LOW, WISHED_HIGH, GAP, KIND_LOW, KIND_HIGH, BOUND_SEGMENT, BOUND_OTHER, TAKEN = range(10)
 """Columns of a bound after its weights (3 n), in units of the metric: what the weighted motion must be at least and at
 most, and what it is wished to be; for a contact the gap (length), for all others infinite; the kinds of the two sides;
 the segment, and the obstacle, actuator or other segment; and which of the four are in the working set (bits)."""
 
 BOUND_WIDTH = 10
 
-VALUE, SOFTNESS, MULTIPLIER, WHAT, WHERE, WHICH = range(6)
+CONSTRAINT_VALUE, CONSTRAINT_VARIANCE, MULTIPLIER, CONSTRAINT_KIND, CONSTRAINT_SEGMENT, CONSTRAINT_OTHER = range(6)
 """Columns of a constraint in the working set: its value, the variance that it is kept with, its multiplier, and what it
 is called: kind, segment, and obstacle, actuator or other segment."""
 
 CONSTRAINT_WIDTH = 6
 
-LENGTH, BEND, CURVATURE, ACTUATOR, CLEARANCE, SELF_CLEARANCE, LENGTH_RATE, BEND_RATE, ACTUATOR_RATE, ACCELERATION = (
-    range(10)
-)
+(
+    LENGTH_LIMIT,
+    BEND_LIMIT,
+    CURVATURE_LIMIT,
+    ACTUATOR_LIMIT,
+    CLEARANCE_LIMIT,
+    SELF_CLEARANCE_LIMIT,
+    LENGTH_RATE_LIMIT,
+    BEND_RATE_LIMIT,
+    ACTUATOR_RATE_LIMIT,
+    ACCELERATION_LIMIT,
+) = range(10)
 """Kinds of constraints."""
 
 WorkingSet = namedtuple("WorkingSet", "weights replies about system scratch active listed free pull")
@@ -69,7 +89,7 @@ WorkingSet = namedtuple("WorkingSet", "weights replies about system scratch acti
 which of them are active (r,) int64, and the numbers of those (r,) int64; the step without any of them, and a motion
 (n, 3)."""
 
-Tick = namedtuple("Tick", "q trial frames columns rows root none step bounds near pairs spans working sweep")
+Control = namedtuple("Control", "q trial frames columns rows root none step bounds near pairs spans working sweep")
 """Configurations where it is and where it may go next (n, 3), frames (n + 1, 12) and columns (n, 18) where it is; rows
 of what is asked; root of the metric (n, 9), no motion (n, 3) and the step (n, 3); bounds (b, 3 n + 10); numbers of
 obstacles (m,) int64; self-contacts and spans as `body.self_contacts` has them; the working set; and scratch of the
@@ -77,7 +97,7 @@ proof of a motion, with the clock."""
 
 
 def most_bounds(segments: int, obstacles: int, actuators: int) -> int:
-    """Most bounds of a tick: contacts, self-contacts, actuators."""
+    """Most bounds of a control step: contacts, self-contacts, actuators."""
     return (min(obstacles, 8) * 4 * segments + 8 if obstacles else 0) + MOST_PAIRS + actuators
 
 
@@ -95,22 +115,22 @@ def tick_size(segments: int, obstacles: int, targets: int, actuators: int) -> in
     return own + MOST_PAIRS * (1 + 3 * n) + SPAN_WIDTH * (n + 1) + working + sweep_size(n, obstacles)
 
 
-def read_asked(asked: Array, n: int) -> Asked:
+def read_asked(asked: Array, n: int) -> StepRequest:
     """Take the group apart, for n segments."""
-    p, actuators = int(asked[ACTUATORS]), HEADER + RATES_WIDTH * n
-    return Asked(
-        int(asked[KIND]),
-        shaped(asked[TWIST:ROUNDS], (1, 6)),
-        int(asked[ROUNDS]),
-        asked[WISH],
-        asked[SECONDS],
-        (int(asked[BOUNDS]), int(asked[CONSTRAINTS])),
-        shaped(asked[HEADER:actuators], (n, RATES_WIDTH)),
+    p, actuators = int(asked[ASKED_ACTUATORS]), HEADER + STEP_RATES_WIDTH * n
+    return StepRequest(
+        int(asked[ASKED_KIND]),
+        shaped(asked[ASKED_TWIST:ASKED_ROUNDS], (1, 6)),
+        int(asked[ASKED_ROUNDS]),
+        asked[ASKED_WISH],
+        asked[ASKED_SECONDS],
+        (int(asked[ASKED_BOUNDS]), int(asked[ASKED_CONSTRAINTS])),
+        shaped(asked[HEADER:actuators], (n, STEP_RATES_WIDTH)),
         shaped(asked[actuators : actuators + p * (3 * n + ACTUATOR_COLUMNS)], (p, 3 * n + ACTUATOR_COLUMNS)),
     )
 
 
-def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Tick:
+def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Control:
     """Lay out the workspace in `buffer`; `base` (1, 12).
 
     `sizes`: segments, obstacles, rows of what is asked, bounds, and constraints of the working set.
@@ -142,4 +162,4 @@ def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]
     pull, rest = cut(rest, n, 3)
     working = WorkingSet(weights, replies, about, system, scratch, active, listed, free, pull)
     sweep = carve_sweep(rest, base, n, m)
-    return Tick(q, trial, frames, columns, rows, root, none, step, bounds, near, pairs, spans, working, sweep)
+    return Control(q, trial, frames, columns, rows, root, none, step, bounds, near, pairs, spans, working, sweep)

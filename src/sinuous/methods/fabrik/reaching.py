@@ -29,14 +29,13 @@ from typing import ClassVar
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.body.glance import deepest
+from sinuous.kernels.body.sampling import sampled_clearance
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.fields.distances import obstacle, price
+from sinuous.kernels.clock import SEGMENT_WORK, over, spend
+from sinuous.kernels.fields.distances import obstacle, work_of_all
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.fabrik.links import (
     Chain,
     axis_of,
@@ -49,6 +48,7 @@ from sinuous.methods.fabrik.links import (
     unfold,
 )
 from sinuous.methods.options import Options, count, flag, number
+from sinuous.methods.prepared import Capabilities
 from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
@@ -94,12 +94,14 @@ def push_away(problem: Problem, check: Check, chain: Chain, q: Array, aside: Asi
     if aside.looks == 0 or not has_obstacles(problem):
         return 0.0
     overlap = travel = 0.0
-    cost = aside.looks * price(problem.scene)
+    cost = aside.looks * work_of_all(problem.scene)
     for k in range(q.shape[0]):
         if spend(check.clock, cost):
             break
         rotation, position = frame(check.frames, k)
-        clearance, which, place = deepest(problem, rotation, position, get_vec(q, k, 0), k, travel, aside.looks)
+        clearance, which, place = sampled_clearance(
+            problem, rotation, position, get_vec(q, k, 0), k, travel, aside.looks
+        )
         travel += q[k, 2]
         overlap = max(overlap, -clearance)
         if clearance < 0.0:
@@ -130,7 +132,7 @@ def descend(problem: Problem, check: Check, work: Work, most: int, aside: Aside)
         if wrong < least or met:
             least = wrong
             copy(work.q, work.kept)
-        if met or slow >= patience or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
+        if met or slow >= patience or spend(check.clock, SEGMENT_WORK * work.q.shape[0]):
             return iteration + 1, met
     return most, False
 

@@ -15,8 +15,8 @@ import math
 from collections import namedtuple
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
-from sinuous.kernels.clock import SEGMENT_LOOKS, spend
-from sinuous.kernels.fields.distances import price
+from sinuous.kernels.clock import SEGMENT_WORK, spend
+from sinuous.kernels.fields.distances import work_of_all
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.methods.opti_path.path import (
     Aim,
@@ -196,7 +196,7 @@ def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, factors: tup
 
 def arc_price(potential: Potential, setting: Setting, obstacles: bool) -> int:
     """Looks that the costs of an arc cost, see `kernels.clock`."""
-    return SEGMENT_LOOKS + (int(setting.samples) * price(potential.scene) if obstacles else 0)
+    return SEGMENT_WORK + (int(setting.samples) * work_of_all(potential.scene) if obstacles else 0)
 
 
 def gradient_backwards(

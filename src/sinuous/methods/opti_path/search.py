@@ -7,7 +7,7 @@ clear. The first path that the common check (see `sinuous.methods.search`) calls
 
 import math
 
-from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.shapes import first_of
 from sinuous.kernels.maths.vectors import ZERO, Array, add, add_scaled, copy, dot, get_vec, norm, put_vec, scale, sub
@@ -211,7 +211,7 @@ def improve(problem: Problem, check: Check, work: Work, aim: Aim, source: int, a
             copy(path.points, path.kept)
         if iteration >= setting.iterations:
             break
-        if spend(check.clock, SEGMENT_LOOKS * q.shape[0]):
+        if spend(check.clock, SEGMENT_WORK * q.shape[0]):
             break
         weights = scheduled(setting, iteration, long > 0.0, turn > problem.angle_tolerance)
         iteration += 1

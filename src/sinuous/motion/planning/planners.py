@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.configurations import overlap_at
 from sinuous.motion.planning.local_planner import QueryEnds
 from sinuous.motion.planning.path_pacing import pace_path
@@ -40,7 +40,7 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
     Each planner yields a path, or `None` where the other one may go on. `trees`: memory of this robot and scene, to
     grow the first trees in. `turns`: most turns of each; by default as many as the time allows.
     """
-    if query.robot.hangs:
+    if query.robot.has_external_load:
         return _under_load(query)
     ends, taken = QueryEnds(query), 0
     planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]

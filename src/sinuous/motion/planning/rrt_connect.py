@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
-from sinuous.kernels.between.sweep import sweep_size
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import ANSWER_WIDTH, VERDICT
+from sinuous.kernels.certificate.sweep import sweep_size
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.model.robot import Robot, robot_group
 from sinuous.motion.planning.local_planner import QueryEnds, roots_of
@@ -107,7 +107,7 @@ class RRTConnect:
     def _asked(
         self, seed: int, draws: tuple[int, int], deadline: Deadline, shortcuts: int
     ) -> tuple[float, float, float, int, int, int, int]:
-        """Return the numbers that the kernels take; see `kernels.planning.query.Asked`."""
+        """Return the numbers that the kernels take; see `kernels.planning.query.PlanRequest`."""
         return float(self._robot.mount), self._robot.mean_length, deadline.left(), seed, *draws, shortcuts
 
     @cached_property
@@ -131,7 +131,7 @@ class RRTConnect:
 
 def load_trees(robot: Robot, scene: Snapshot) -> None:
     """Compile what grows trees, or load it."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         RRTConnect(robot, scene).load()
 
 

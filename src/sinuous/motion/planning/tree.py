@@ -30,7 +30,7 @@ class Tree:
     parents : list of int
         The node from which each node was reached; -1: it is a root.
     proofs : list of (ndarray (14,) or None)
-        What is proved of the edge to each node, where that is kept; see `kernels.between.query`.
+        What is proved of the edge to each node, where that is kept; see `kernels.certificate.query`.
     """
 
     def __init__(self, robot: Robot) -> None:

@@ -134,8 +134,8 @@ def _of_pieces(pieces: Pieces) -> Part:
     """Row and store of a tree."""
     row = np.zeros(t.OBSTACLE_WIDTH)
     row[[t.KIND, t.SIGN]] = t.TREE, pieces.sign
-    row[[t.LEVELS, t.COUNT, t.ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
-    row[[t.CUBE_HALF, t.ROUNDING]] = pieces.half, pieces.rounding
+    row[[t.LEVELS, t.ITEM_COUNT, t.ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
+    row[[t.CUBE_HALF, t.ROUNDING_RADIUS]] = pieces.half, pieces.rounding
     items = pieces.nodes.size
     normals = items + pieces.items.size
     row[[t.NODES, t.ITEMS]] = 0.0, items

@@ -11,7 +11,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
-from sinuous.kernels.tables import COUNT, ITEM_KIND, LEVELS, TRIANGLES
+from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, TRIANGLES
 from sinuous.scene.prepared import kept
 
 CELLS, ENTRIES = 29_000, 1_900_000
@@ -26,7 +26,7 @@ def candidates(row: Floats, store: Floats, shape: tuple[int, int, int]) -> Float
     from sinuous.kernels.fields.candidates import CELL_SIZE, WORK, list_candidates  # noqa: PLC0415
 
     cells, lists = np.empty((*shape, CELL_SIZE)), np.empty(ENTRIES)
-    count = list_candidates(row.reshape(1, -1).copy(), store, np.empty((WORK, int(row[COUNT]))), cells, lists)
+    count = list_candidates(row.reshape(1, -1).copy(), store, np.empty((WORK, int(row[ITEM_COUNT]))), cells, lists)
     return np.concatenate([cells.ravel(), lists[:count]])
 
 

@@ -14,18 +14,19 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.parameter_groups import read_tangent
 from sinuous.base.reprs import ShortRepr
-from sinuous.studies.batch.tables.kinds import NpzRows, open_source
-from sinuous.studies.batch.tables.layout import INVALID, STATUSES, Block
+from sinuous.studies.batch.tables.reading import NpzRows, open_source
+from sinuous.studies.batch.tables.results import INVALID, STATUSES
 from sinuous.studies.batch.work import ChunkSolver
+from sinuous.studies.runs.engine import Arrays
 
 if TYPE_CHECKING:
     from sinuous.answer.derivatives.many import Derivatives
 
 
-NEEDED = ["status", "q", "clearance"]
+DERIVED_ARRAYS = ["status", "q", "clearance"]
 """What a table of results says of answers that are derived."""
 
-SHOWN = 10
+MOST_SHOWN = 10
 """Rows without a target whose numbers are printed."""
 
 
@@ -66,7 +67,7 @@ class Answers:
     targets: Any
     fingerprint: str
     chunk: int
-    found: Path | Block
+    found: Path | Arrays
 
     def derivatives(self, wrt: tuple[Parameter, ...]) -> "Iterator[Derivatives]":
         """Derive one chunk after the other."""
@@ -80,14 +81,14 @@ class Answers:
 
 
 @contextmanager
-def _reader(found: Path | Block) -> Iterator[Callable[[int, int], Block]]:
+def _reader(found: Path | Arrays) -> Iterator[Callable[[int, int], Arrays]]:
     """Yield what reads rows of results, from the first up to, without it, the last."""
     if not isinstance(found, Path):
         yield lambda first, last: {name: rows[first:last] for name, rows in found.items()}
         return
     if found.suffix.lower() != ".npz":
         raise InputError("out", "cannot be derived", str(found), "results as .npz, or in memory")
-    with closing(NpzRows(found, lambda _: NEEDED)) as rows:
+    with closing(NpzRows(found, lambda _: DERIVED_ARRAYS)) as rows:
         yield rows.read
 
 
@@ -126,7 +127,7 @@ class Batch(ShortRepr):
     seconds: float
     before: int
     total: int
-    results: Block | None = field(default=None)
+    results: Arrays | None = field(default=None)
     _answers: Answers | None = field(default=None)
 
     words = STATUSES
@@ -237,8 +238,8 @@ class Batch(ShortRepr):
         done = f"{self.rows:,} rows" if self.rows == self.total else f"{self.rows:,} of {self.total:,} rows"
         parts = [f"Batch: {done}{': ' if ended else ''}{ended}"]
         if self.counts.get(INVALID):
-            numbers = ", ".join(map(str, self.invalid[:SHOWN]))
-            more = ", ..." if self.counts[INVALID] > SHOWN else ""
+            numbers = ", ".join(map(str, self.invalid[:MOST_SHOWN]))
+            more = ", ..." if self.counts[INVALID] > MOST_SHOWN else ""
             parts.append(f"  invalid    rows {numbers}{more}")
         parts += [f"  skipped    rows {each.first} to {each.last}: {each.why}" for each in self.failed]
         if self.rows > self.before:

@@ -12,10 +12,9 @@ import numpy as np
 from sinuous.base.documents import draft_of
 from sinuous.base.errors import InputError
 from sinuous.studies.batch.batch import Batch, Failed
-from sinuous.studies.batch.tables.kinds import joined, write_results
-from sinuous.studies.batch.tables.layout import CODES, INVALID, SKIPPED, STATUSES, Block, Layout
+from sinuous.studies.batch.tables.results import CODES, INVALID, SKIPPED, STATUSES, Layout, joined, write_results
 from sinuous.studies.runs.checkpoint import Checkpoint, check_same, read_record, write_record
-from sinuous.studies.runs.engine import Failure
+from sinuous.studies.runs.engine import Arrays, Failure
 
 MOST_INVALID = 1000
 """Rows that are no targets whose numbers are kept."""
@@ -73,7 +72,7 @@ class Results:
         """First row of a chunk, and the first one after it."""
         return number * self._chunk, min(self._rows, (number + 1) * self._chunk)
 
-    def write(self, number: int, block: Block) -> None:
+    def write(self, number: int, block: Arrays) -> None:
         """Keep a chunk, whose rows have no numbers yet."""
         self._chunks.write(number, {**block, "row": block["row"] + self.span(number)[0]})
 
@@ -109,7 +108,7 @@ class Results:
             self._chunks.remove()
         return batch(rows=self._rows, counts=counts, invalid=invalid)
 
-    def _blocks(self, *names: str) -> Iterator[Block]:
+    def _blocks(self, *names: str) -> Iterator[Arrays]:
         """Yield all chunks in order, or these arrays of each; the next one is read meanwhile."""
         chunks = self._each(*names)
         with ThreadPoolExecutor(1) as reader:
@@ -118,7 +117,7 @@ class Results:
                 coming = reader.submit(next, chunks, None)
                 yield block
 
-    def _each(self, *names: str) -> Iterator[Block]:
+    def _each(self, *names: str) -> Iterator[Arrays]:
         """Yield all chunks in order, or these arrays of each; rows of a chunk that is missing were skipped."""
         for number in range(self._count):
             if number in self._done:
@@ -137,7 +136,7 @@ class Results:
         return sum(last - first for first, last in map(self.span, numbers))
 
 
-def tally(blocks: Iterable[Block]) -> tuple[dict[str, int], tuple[int, ...]]:
+def tally(blocks: Iterable[Arrays]) -> tuple[dict[str, int], tuple[int, ...]]:
     """Count how rows ended, and find the numbers of those that are no targets, 1 = first."""
     counts: Counter[int] = Counter()
     invalid: list[int] = []

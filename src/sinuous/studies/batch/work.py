@@ -14,18 +14,19 @@ from sinuous.problem.target import TipGoals
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.solver.many import read_initial
 from sinuous.solver.solver import Solver
-from sinuous.studies.batch.tables.layout import INVALID, Block, Layout
-from sinuous.studies.batch.tables.source import Raw
+from sinuous.studies.batch.tables.reading import Raw
+from sinuous.studies.batch.tables.results import INVALID, Layout
+from sinuous.studies.runs.engine import Arrays
 
 if TYPE_CHECKING:
     from sinuous.answer.derivatives.many import Derivatives
 
 Whole = NDArray[np.int64]
 
-BITS = 6
+CURVE_BITS = 6
 """Bits of each coordinate along the Z-order curve: up to nine coordinates fit into one whole number."""
 
-RUN = 8
+RUN_LENGTH = 8
 """Neighbours along the curve of which the first is solved by itself, and the others from its solution."""
 
 
@@ -50,7 +51,7 @@ class ChunkSolver:
         self._solver.solve_many(positions=np.empty((0, 3)), initial=self._initial, workers=1)
         return self
 
-    def __call__(self, raw: Raw) -> Block:
+    def __call__(self, raw: Raw) -> Arrays:
         """Solve rows by the names of `GoalArrays`, which are not checked yet, in this thread alone."""
         count = len(next(iter(raw.values())))
         block = self.layout.nothing(0, count, INVALID)
@@ -62,7 +63,7 @@ class ChunkSolver:
             self.layout.fill(block, slice(None) if len(own) == count else own, found, self._solver.robot)
         return block
 
-    def derive(self, raw: Raw, block: Block, wrt: tuple[Parameter, ...]) -> "Derivatives":
+    def derive(self, raw: Raw, block: Arrays, wrt: tuple[Parameter, ...]) -> "Derivatives":
         """Derive the answers to the rows of a chunk; derivatives of those that are not solved are NaN."""
         from sinuous.answer.derivatives.many import Derivatives  # noqa: PLC0415
 
@@ -119,8 +120,8 @@ def halves(goals: TipGoals) -> tuple[Whole, Whole, Whole]:
     """
     order = np.argsort(_codes(_features(goals)), kind="stable")
     places = np.arange(len(order))
-    first = places % RUN == 0
-    return order[first], order[~first], places[~first] // RUN
+    first = places % RUN_LENGTH == 0
+    return order[first], order[~first], places[~first] // RUN_LENGTH
 
 
 def _features(goals: TipGoals) -> Floats:
@@ -132,10 +133,10 @@ def _features(goals: TipGoals) -> Floats:
 def _codes(features: Floats) -> NDArray[np.uint64]:
     """Places (m,) along the curve: the bits of all coordinates in turn."""
     low, extent = features.min(axis=0), np.ptp(features, axis=0)
-    cells = ((features - low) / np.where(extent > 0.0, extent, 1.0) * (2**BITS - 1)).astype(np.uint64)
+    cells = ((features - low) / np.where(extent > 0.0, extent, 1.0) * (2**CURVE_BITS - 1)).astype(np.uint64)
     count = cells.shape[1]
     codes = np.zeros(len(cells), np.uint64)
-    for bit in range(BITS):
+    for bit in range(CURVE_BITS):
         for k in range(count):
             codes |= ((cells[:, k] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(bit * count + k)
     return codes

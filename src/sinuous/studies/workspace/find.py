@@ -6,9 +6,8 @@ threads do: the calls of a solver always come in the same order, and a checkpoin
 """
 
 import time as clock
-from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,157 +28,13 @@ from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import longest_body
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
-from sinuous.studies.runs.engine import Arrays
-from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, directions_of, reach_of, verdicts_of
+from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, directions_of, reach_of
+from sinuous.studies.workspace.rounds import CALL_SIZE, Calls, MappedPlaces, Rounds, neighbours_of
 
-Numbers = NDArray[np.int64]
-
-TOGETHER = 200_000
-"""Questions that are solved in one call: it bounds memory, and what is lost when a map is interrupted."""
-
-TRIES = 2
-"""Neighbours that a voxel begins from in one direction."""
-
-ROUNDS = 12
-"""Most rounds in which what is left begins from neighbours."""
-
-FACES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
-
-
-class Calls:
-    """Calls of `Solver.solve_many`, numbered in the order in which a map makes them.
-
-    Parameters
-    ----------
-    workers : int
-        Most threads.
-    checkpoint : Checkpoint
-        Holds the calls that were made, by their numbers.
-    """
-
-    def __init__(self, workers: int, checkpoint: Checkpoint) -> None:
-        self._workers, self._checkpoint = workers, checkpoint
-        self._numbers = count()
-
-    def solve(self, solver: Solver, **goals: Any) -> tuple[Codes, NDArray[np.float32]]:
-        """Return the verdicts (m,) of a call, and its configurations (m, n, 3) in single precision."""
-
-        def make() -> Arrays:
-            found = solver.solve_many(workers=self._workers, **goals)
-            return {"codes": verdicts_of(found), "q": found.q.astype(np.float32)}
-
-        call = self._checkpoint.once(next(self._numbers), make)
-        return call["codes"], call["q"]
-
-
-class ReachAnswers(NamedTuple):
-    """What was found for places (m, 3) in directions (d, 3).
-
-    Attributes
-    ----------
-    codes : ndarray (m, d)
-        Verdicts.
-    q : ndarray (m, d, n, 3)
-        The best configurations, in single precision: what neighbours begin from.
-    """
-
-    codes: Codes
-    q: NDArray[np.float32]
-
-
-class ReachWork(NamedTuple):
-    """What is to be found out of a robot in a scene.
-
-    Attributes
-    ----------
-    robot : Robot
-    scene : Snapshot
-    places : ndarray (m, 3)
-    neighbours : ndarray (m, 6)
-        Numbers of the places beside each, -1 where there is none.
-    directions : ndarray (d, 3)
-    calls : Calls
-    """
-
-    robot: Robot
-    scene: Snapshot
-    places: Floats
-    neighbours: Numbers
-    directions: Floats
-    calls: Calls
-
-
-class Rounds:
-    """Solves all directions of places by a solver."""
-
-    def __init__(self, solver: Solver, work: ReachWork) -> None:
-        self._solver, self._work = solver, work
-        shape = len(work.places), len(work.directions)
-        self.answers = ReachAnswers(
-            np.full(shape, Verdict.NOT_FOUND, np.uint8), np.zeros((*shape, len(solver.robot), 3), np.float32)
-        )
-
-    def begin(self, asked: Numbers, initial: NDArray[np.float32] | None, bar: ProgressBar) -> None:
-        """Solve some questions, numbers (k,) of place and direction together, each by itself or from its own."""
-        for first in range(0, len(asked), TOGETHER):
-            some = asked[first : first + TOGETHER]
-            self._solve(some, None if initial is None else initial[some])
-            bar.advance(len(some))
-
-    def from_neighbours(self) -> None:
-        """Solve what is left from what was found beside it, until nothing more comes of it."""
-        codes = self.answers.codes
-        tried = np.zeros(codes.shape, np.uint8)
-        for _ in range(ROUNDS):
-            asked, begun = self._candidates(tried)
-            if not len(asked):
-                return
-            tried.ravel()[asked] += 1
-            for first in range(0, len(asked), TOGETHER):
-                some = slice(first, first + TOGETHER)
-                self._solve(asked[some], self._flat_q[begun[some]])
-
-    @property
-    def _flat_q(self) -> NDArray[np.float32]:
-        q = self.answers.q
-        return q.reshape(-1, *q.shape[2:])
-
-    def _candidates(self, tried: NDArray[np.uint8]) -> tuple[Numbers, Numbers]:
-        """Questions that are open and may begin from a neighbour, and which neighbour that is."""
-        codes = self.answers.codes
-        ways = codes.shape[1]
-        places, directions = np.nonzero((codes >= Verdict.OBSTACLE) & (tried < TRIES))
-        beside = self._work.neighbours[places]
-        solved = (beside >= 0) & (codes[beside, directions[:, None]] == Verdict.SOLVED)
-        rank = np.cumsum(solved, axis=1) - 1
-        wanted = solved & (rank == tried[places, directions][:, None])
-        some = wanted.any(axis=1)
-        near = beside[some, wanted[some].argmax(axis=1)]
-        return places[some] * ways + directions[some], near * ways + directions[some]
-
-    def _solve(self, asked: Numbers, initial: NDArray[np.float32] | None) -> None:
-        place, direction = np.divmod(asked, len(self._work.directions))
-        given = None if initial is None else initial.astype(np.float64)
-        places, directions = self._work.places[place], self._work.directions[direction]
-        codes, q = self._work.calls.solve(self._solver, positions=places, directions=directions, initial=given)
-        flat = self.answers.codes.ravel()
-        better = (flat[asked] >= Verdict.OBSTACLE) & ((codes != Verdict.NOT_FOUND) | (flat[asked] > codes))
-        flat[asked[better]] = codes[better]
-        self._flat_q[asked[better]] = q[better]
-
-
-def neighbours_of(taken: NDArray[np.bool_]) -> Numbers:
-    """Numbers (m, 6) of the voxels beside those that are taken, in their order; -1 for none."""
-    numbers = np.full(np.array(taken.shape) + 2, -1, np.int64)
-    numbers[1:-1, 1:-1, 1:-1][taken] = np.arange(int(taken.sum()))
-    at = np.argwhere(taken) + 1
-    return np.stack([numbers[tuple((at + step).T)] for step in FACES], axis=-1)
-
-
-SAMPLES = 6
+SEGMENT_SAMPLES = 6
 """Points of a segment whose distances tell which obstacle a body runs into."""
 
-BODIES_TOGETHER = 20_000
+CHUNK_BODIES = 20_000
 """Bodies that are looked at in one step: it bounds memory."""
 
 
@@ -244,24 +99,29 @@ def reach(
     calls = Calls(threads, checkpoint)
     with code_first():
         taken = _within_reach(free, voxels, calls)
-    points = voxels.middles[taken]
-    work = ReachWork(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
-    with code_first(), ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
-        alone = _without_obstacles(work, free, bar)
-        among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
-    verdicts, unhindered = (_whole(codes, taken) for codes in (among, alone.codes))
-    obstacles = np.full(voxels.shape, -1, np.int16)
-    if blamed is not None:
-        obstacles[taken] = blamed
+    places, snapshot = MappedPlaces(voxels.middles[taken], neighbours_of(taken), axes), solver.scene.snapshot()
+    alone = Rounds(free, places, calls)
+    codes, obstacles = alone.codes, np.full(voxels.shape, -1, np.int16)
+    with code_first(), ProgressBar((2 if len(place) else 1) * codes.size if shown else 0) as bar:
+        alone.solve(np.arange(codes.size), None, bar)
+        alone.solve_from_neighbours()
+        if len(place):
+            codes = _among_obstacles(Rounds(solver, places, calls), alone, bar)
+            blocked = _blocked_places(solver, places, calls)
+            if len(blocked):
+                codes[blocked] = np.where(
+                    codes[blocked] == Verdict.OUT_OF_REACH, codes[blocked], Verdict.TARGET_BLOCKED
+                )
+            obstacles[taken] = _blame(solver.robot, snapshot, places, codes, alone)
     found = Reach(
         voxels=voxels,
         directions=np.array(axes),
-        verdicts=verdicts,
-        free=unhindered,
+        verdicts=_whole(codes, taken),
+        free=_whole(alone.codes, taken),
         obstacles=obstacles,
-        names=tuple(work.scene.name(i) for i in range(len(work.scene))),
+        names=tuple(snapshot.name(i) for i in range(len(snapshot))),
         base=np.array(robot.base[:3, 3]),
-        farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
+        farthest=np.inf if robot.has_external_load else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
     if out is not None:
@@ -285,57 +145,44 @@ def _within_reach(free: Solver, voxels: Voxels, calls: Calls) -> NDArray[np.bool
     """Which voxels (x, y, z) are not proved to be out of reach, whatever the direction."""
     points = voxels.middles.reshape(-1, 3)
     near = []
-    for first in range(0, len(points), TOGETHER):
-        codes, _ = calls.solve(free, positions=points[first : first + TOGETHER])
+    for first in range(0, len(points), CALL_SIZE):
+        codes, _ = calls.solve(free, positions=points[first : first + CALL_SIZE])
         near.append(codes != Verdict.OUT_OF_REACH)
     return np.concatenate(near).reshape(voxels.shape)
 
 
-def _without_obstacles(work: ReachWork, free: Solver, bar: ProgressBar) -> ReachAnswers:
-    rounds = Rounds(free, work)
-    rounds.begin(np.arange(rounds.answers.codes.size), None, bar)
-    rounds.from_neighbours()
-    return rounds.answers
-
-
-def _among_obstacles(
-    work: ReachWork, solver: Solver, alone: ReachAnswers, bar: ProgressBar
-) -> tuple[Codes, NDArray[np.int16]]:
-    """Verdicts (m, d), and the obstacle (m,) that takes most directions away, -1 where none does."""
-    rounds = Rounds(solver, work)
-    codes = rounds.answers.codes
-    free = alone.codes == Verdict.SOLVED
-    rounds.begin(np.flatnonzero(free), alone.q.reshape(-1, *alone.q.shape[2:]), bar)
-    rounds.begin(np.flatnonzero(free & (codes >= Verdict.OBSTACLE)), None, bar)
+def _among_obstacles(rounds: Rounds, alone: Rounds, bar: ProgressBar) -> Codes:
+    """Verdicts (m, d) among obstacles of what is solved without them; of the rest the verdict without obstacles."""
+    codes, free = rounds.codes, alone.codes == Verdict.SOLVED
+    rounds.solve(np.flatnonzero(free), alone.q, bar)
+    rounds.solve(np.flatnonzero(free & (codes >= Verdict.OBSTACLE)), None, bar)
     codes[~free] = Verdict.OUT_OF_REACH  # not to be tried, until the free verdict takes its place
-    rounds.from_neighbours()
+    rounds.solve_from_neighbours()
     codes[~free] = alone.codes[~free]
     codes[free & (codes >= Verdict.OBSTACLE)] = Verdict.OBSTACLE
-    blocked = _blocked_places(work, solver)
-    if len(blocked):
-        codes[blocked] = np.where(codes[blocked] == Verdict.OUT_OF_REACH, codes[blocked], Verdict.TARGET_BLOCKED)
-    return codes, _blame(work, codes, alone)
+    return codes
 
 
-def _blocked_places(work: ReachWork, solver: Solver) -> NDArray[np.int64]:
+def _blocked_places(solver: Solver, places: MappedPlaces, calls: Calls) -> NDArray[np.int64]:
     """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
-    near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.needed_radii))
+    distances = solver.scene.snapshot().distance(places.positions)
+    near = np.flatnonzero(distances < max(solver.robot.needed_radii))
     if not len(near):
         return near
-    codes, _ = work.calls.solve(solver, positions=work.places[near])
+    codes, _ = calls.solve(solver, positions=places.positions[near])
     return near[codes == Verdict.TARGET_BLOCKED]
 
 
-def _blame(work: ReachWork, codes: Codes, alone: ReachAnswers) -> NDArray[np.int16]:
-    """Which obstacle takes most directions away from each place."""
-    hit, taken = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
-    at = np.concatenate([hit[0], taken[0]])
-    of_bodies = _deepest(work.robot, work.scene, alone.q[hit])
-    which = np.concatenate([of_bodies, work.scene.nearest(work.places[taken[0]])]).astype(np.int64)
+def _blame(robot: Robot, scene: Snapshot, places: MappedPlaces, codes: Codes, alone: Rounds) -> NDArray[np.int16]:
+    """Which obstacle (m,) takes most directions away from each place, -1 where none does."""
+    hit, blocked = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
+    at = np.concatenate([hit[0], blocked[0]])
+    of_bodies = _deepest(robot, scene, alone.q[np.ravel_multi_index(hit, codes.shape)])
+    which = np.concatenate([of_bodies, scene.nearest(places.positions[blocked[0]])]).astype(np.int64)
     result = np.full(len(codes), -1, np.int16)
-    pairs, counts = np.unique(at * len(work.scene) + which, return_counts=True)
+    pairs, counts = np.unique(at * len(scene) + which, return_counts=True)
     order = np.argsort(counts, kind="stable")  # the most frequent one is written last
-    place, obstacle = np.divmod(pairs[order], len(work.scene))
+    place, obstacle = np.divmod(pairs[order], len(scene))
     result[place] = obstacle
     return result
 
@@ -343,17 +190,17 @@ def _blame(work: ReachWork, codes: Codes, alone: ReachAnswers) -> NDArray[np.int
 def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
-    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.hangs else (None, robot)
-    radii = np.repeat(np.array(body.needed_radii), SAMPLES)
-    for first in range(0, len(q), BODIES_TOGETHER):
-        some = q[first : first + BODIES_TOGETHER].astype(np.float64)
+    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.has_external_load else (None, robot)
+    radii = np.repeat(np.array(body.needed_radii), SEGMENT_SAMPLES)
+    for first in range(0, len(q), CHUNK_BODIES):
+        some = q[first : first + CHUNK_BODIES].astype(np.float64)
         if ways is not None:
             some = np.array([ways.at(q).shown for q in some])
-        points = body.backbone(some, SAMPLES)[:, 1:]
-        along = np.cumsum(np.repeat(some[..., 2] / SAMPLES, SAMPLES, axis=1), axis=1)
+        points = body.backbone(some, SEGMENT_SAMPLES)[:, 1:]
+        along = np.cumsum(np.repeat(some[..., 2] / SEGMENT_SAMPLES, SEGMENT_SAMPLES, axis=1), axis=1)
         gaps = np.where(along >= robot.mount, scene.distance(points) - radii, np.inf)
         worst = gaps.argmin(axis=1)
-        found[first : first + BODIES_TOGETHER] = scene.nearest(points[np.arange(len(some)), worst])
+        found[first : first + CHUNK_BODIES] = scene.nearest(points[np.arange(len(some)), worst])
     return found
 
 

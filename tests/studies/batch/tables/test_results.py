@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 from pyarrow import parquet
 
-from sinuous.studies.batch.tables.kinds import write_results
-from sinuous.studies.batch.tables.layout import CODES, STATUSES, Layout
+from sinuous.studies.batch.tables.results import CODES, STATUSES, Layout, write_results
 from tests.studies.batch.questions import ROBOT
 
 LAYOUT = Layout.of(ROBOT)

@@ -1,0 +1,179 @@
+"""Places that are full of something: struts, rubble, parallel tubes, a porous solid, or two plates with pillars."""
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+from scipy.spatial import ConvexHull, cKDTree
+
+import sinuous as sn
+from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape, keeps_from_itself
+from benchmarks.places.parts.surfaces import Surface, around, solid
+from benchmarks.places.place import Sketch, sketch_of
+from sinuous.base.checks import Floats
+from sinuous.measures.obstacles import measure
+from sinuous.scene.obstacles import Obstacle
+
+APART = 4.0
+"""Distance of the shape from itself."""
+
+LEEWAY = 1.15
+"""Least distance of what is solid from the shape."""
+
+NEAR = 8.0
+"""Distance from the shape up to which there is something."""
+
+PITCH, STRUT = (5.0, 8.0), (0.2, 0.5)
+"""Distance of parallel struts of a lattice, and their radius."""
+
+BLOCKS, BLOCK = (60, 160), (0.6, 3.0)
+"""How many blocks are tried for rubble, and their size."""
+
+CORNERS = 12
+"""Points whose convex hull is a block."""
+
+TUBE, GAP = (0.8, 2.5), (1.2, 2.5)
+"""Radius of the tubes of a bundle, and the gap between neighbours."""
+
+TUBE_LENGTH = 24.0
+
+PERIOD, SHEET = (9.0, 14.0), (0.25, 0.4)
+"""Period of a gyroid, and half the thickness of its sheet."""
+
+TUNNEL, CELL, DEEP = (1.3, 1.7), 0.6, 4.0
+"""Radius of the tunnel through it, edge of the cells of its surface, and how far around the shape it is solid."""
+
+SLAB, PILLAR, PILLARS = (1.25, 1.8), (0.5, 3.0), (10, 30)
+"""Half the distance of two plates, radius of the pillars between them; and how many pillars are tried.
+
+All lengths are in radii of the body.
+"""
+
+MOST = 400
+"""Obstacles of a place: those nearest to the shape are kept."""
+
+
+def lattice(robot: sn.Robot, rng: Generator) -> Sketch:
+    """Fill the space with struts along three axes, but for those that the shape would touch."""
+    q, curve, radius = _drawn(robot, rng)
+    pitch, thickness = radius * rng.uniform(*PITCH), radius * rng.uniform(*STRUT)
+    turn, nodes = np.linalg.qr(rng.normal(size=(3, 3)))[0], _nodes(curve, pitch, NEAR * radius, rng)
+    struts: list[Obstacle] = []
+    for axis in range(3):
+        step = pitch * np.eye(3)[axis]
+        struts += [sn.Capsule(node @ turn.T, (node + step) @ turn.T, thickness) for node in nodes @ turn]
+    return sketch_of(robot, _clear(struts, curve, radius), q, rng)
+
+
+def rubble(robot: sn.Robot, rng: Generator) -> Sketch:
+    """Heap boxes and convex stones around the shape."""
+    q, curve, radius = _drawn(robot, rng)
+    blocks: list[Obstacle] = []
+    for _ in range(int(rng.integers(*BLOCKS))):
+        away, size = rng.normal(size=3), radius * rng.uniform(*BLOCK)
+        center = curve.points[rng.integers(len(curve.points))]
+        center = center + away / np.linalg.norm(away) * (size + radius * rng.uniform(1.0, 4.0))
+        if rng.random() < 0.5:
+            box = sn.Box(center, size * rng.uniform(0.6, 1.6, 3), rng.normal(size=4))
+            blocks += _clear([box], curve, radius)
+        else:
+            stone = _stone(center, size, curve, radius, rng)
+            blocks += [] if stone is None else [stone]
+    return sketch_of(robot, blocks, q, rng)
+
+
+def bundle(robot: sn.Robot, rng: Generator) -> Sketch:
+    """Stand parallel tubes around the shape, as in a heat exchanger, but for those that it would touch."""
+    q, curve, radius = _drawn(robot, rng)
+    tube, gap = radius * rng.uniform(*TUBE), 2.0 * radius * rng.uniform(*GAP)
+    pitch, axes = 2.0 * tube + gap, np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    flat = curve.points @ axes[:, :2]
+    near = cKDTree(flat)
+    low, high = flat.min(axis=0) - NEAR * radius, flat.max(axis=0) + NEAR * radius
+    tubes: list[Obstacle] = []
+    for row, y in enumerate(np.arange(low[1], high[1], 0.5 * math.sqrt(3.0) * pitch)):
+        for x in np.arange(low[0] + 0.5 * pitch * (row % 2), high[0], pitch):
+            distance, closest = near.query([x, y])
+            if distance < NEAR * radius:
+                middle = axes @ np.array([x, y, curve.points[closest] @ axes[:, 2]])
+                half = 0.5 * TUBE_LENGTH * radius * axes[:, 2]
+                tubes.append(sn.Cylinder(middle - half, middle + half, tube))
+    return sketch_of(robot, _clear(tubes, curve, radius), q, rng)
+
+
+def gyroid(robot: sn.Robot, rng: Generator) -> Sketch:
+    """Lead the shape through a porous solid, the sheet of a gyroid, with a tunnel about the shape."""
+    q, _, radius = _drawn(robot, rng)
+    period, sheet, tunnel = (radius * rng.uniform(*one) for one in (PERIOD, SHEET, TUNNEL))
+    turn, shift = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.uniform(0.0, 2.0 * math.pi, 3)
+    axis = cKDTree(curve_of(robot, q, math.ceil(q[:, 2].max() / (0.25 * radius))).points)
+
+    def signed(points: Floats) -> Floats:
+        x, y, z = (2.0 * math.pi / period * points @ turn + shift).T
+        wave = np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x)
+        gap = axis.query(points)[0]
+        thick = np.abs(wave) * period / (2.0 * math.pi * 1.5) - sheet
+        return np.asarray(np.maximum.reduce([thick, tunnel - gap, gap - DEEP * radius]))
+
+    surface = around(np.asarray(axis.data), DEEP * radius, CELL * radius, signed)
+    return sketch_of(robot, [solid(surface, "gyroid")], q, rng)
+
+
+def slab(robot: sn.Robot, rng: Generator) -> Sketch | None:
+    """Bend the shape in a plane between two plates, with pillars beside it."""
+    radius, side = max(robot.radii), 1.0
+    rows = []
+    for segment in robot.segments:
+        low, high = segment.length
+        side = side if rng.random() < 0.6 else -side
+        rows.append([side * segment.max_bend * rng.uniform(0.2, 0.7), 0.0, rng.uniform(max(low, 0.3 * high), high)])
+    q = np.array(rows)
+    curve = curve_of(robot, q, 12)
+    if not keeps_from_itself(curve, APART * radius):
+        return None
+    half, normal = radius * rng.uniform(*SLAB), robot.base[:3, 1]
+    plates = [sn.HalfSpace(robot.base[:3, 3] - way * half * normal, way * normal) for way in (1.0, -1.0)]
+    pillars: list[Obstacle] = []
+    for _ in range(int(rng.integers(*PILLARS))):
+        size, turn = radius * rng.uniform(*PILLAR), rng.uniform(0.0, 2.0 * math.pi)
+        away = math.cos(turn) * robot.base[:3, 0] + math.sin(turn) * robot.base[:3, 2]
+        foot = curve.points[rng.integers(len(curve.points))] + (size + radius * rng.uniform(LEEWAY, 3.0)) * away
+        pillars.append(sn.Cylinder(foot - 1.5 * half * normal, foot + 1.5 * half * normal, size))
+    return sketch_of(robot, [*plates, *_clear(pillars, curve, radius)], q, rng)
+
+
+def _drawn(robot: sn.Robot, rng: Generator) -> tuple[Floats, Curve, float]:
+    radius = max(robot.radii)
+    q = draw_shape(robot, APART * radius, rng)
+    return q, curve_of(robot, q, 12), radius
+
+
+def _nodes(curve: Curve, pitch: float, near: float, rng: Generator) -> Floats:
+    """Corners (m, 3) of a cubic grid that are near the shape."""
+    origin = rng.uniform(0.0, pitch, 3)
+    reach = math.ceil(near / pitch)
+    block = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    cells = np.unique(np.floor((curve.points - origin) / pitch).astype(np.int64), axis=0)
+    nodes: Floats = origin + pitch * np.unique((cells[:, None] + block).reshape(-1, 3), axis=0)
+    return nodes[cKDTree(curve.points).query(nodes)[0] < near]
+
+
+def _clear(obstacles: list[Obstacle], curve: Curve, radius: float) -> list[Obstacle]:
+    """The obstacles that leave the shape alone; of many, those that are nearest to it."""
+    gaps = [float(measure(obstacle, curve.points).min()) for obstacle in obstacles]
+    kept = [i for i in np.argsort(gaps, kind="stable") if gaps[i] > LEEWAY * radius]
+    return [obstacles[i] for i in kept[:MOST]]
+
+
+def _stone(center: Floats, size: float, curve: Curve, radius: float, rng: Generator) -> sn.Mesh | None:
+    """A convex stone; `None` where it may touch the shape: a face must lie between it and each point."""
+    corners = center + 0.8 * size * rng.normal(size=(CORNERS, 3)) / math.sqrt(3.0)
+    hull = ConvexHull(corners)
+    beyond = (curve.points @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
+    if beyond.min() < LEEWAY * radius:
+        return None
+    a, b, c = (corners[hull.simplices[:, i]] for i in range(3))
+    outwards = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) > 0.0
+    faces = np.where(outwards[:, None], hull.simplices, hull.simplices[:, ::-1]).astype(np.int64)
+    used, numbers = np.unique(faces, return_inverse=True)
+    return solid(Surface(corners[used], numbers.reshape(faces.shape)), "stone")

@@ -1,0 +1,112 @@
+"""The motion linear in q from one configuration to another, and what a proof of it works on."""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH
+from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH
+from sinuous.kernels.clock import CLOCK_SIZE
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import Array
+
+TIME_LEVELS = 44
+"""How often time may be halved."""
+
+PROVED_BOUND, LEAST_SEEN, WHEN, SEGMENT, FRACTION, WHICH = range(6)
+"""What is known of clearances, `seen`: the lower bound of what is proved so far; the least that was seen, and where: at
+which time, on which segment, at which fraction of it, and to which obstacle or other segment."""
+
+CLEARANCES_WIDTH = 6
+
+PACE_WIDTH, DRIFT_WIDTH, BALL_WIDTH = 5, 31, 4
+"""Numbers of the pace of an obstacle, and of its drift: see `drift`; and of a ball, see `obstacles.measure_balls`."""
+
+KNOTS, HALFWAY = 3, 2
+"""Configurations at hand: where an interval begins, where it ends, and the one half-way."""
+
+Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself", "drifts"])
+"""Rows of the segments (n, 8), the first and the last configuration (n, 3; rad and length unit), the scene, whether the
+body must not run through itself, and how obstacles move meanwhile (c, 31), see `drift`: the rows of these in the scene
+are written as time goes on. `Sweep.still` (0, 31) says that none does."""
+
+Sweep = namedtuple("Sweep", "q frames reach reached near counts rates spans looked pairs left paces balls still clock")
+"""Scratch of a proof of n segments among m obstacles: configurations (3, n, 3) and their frames (3, n + 1, 12), whose
+first rows are the base; of every segment the obstacles that it can reach at all (n, m) int64, and how many they are
+(n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
+(46, n) int64; `rates` (n, 5); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
+segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch first, and how many of them that are after
+so many halvings (46,) int64; how fast every obstacle moves, `paces` (m, 5) of `drift`; a ball that holds each, `balls`
+(m, 4), see `measure_balls`; no drifts (0, 31); and the clock, see `kernels.clock`."""
+
+
+def sweep_size(segments: int, obstacles: int) -> int:
+    """Numbers (float64) that `carve_sweep` takes from a buffer."""
+    own = KNOTS * (15 * segments + 12 + SPAN_WIDTH * (segments + 1))
+    pairs = segments * (segments + 1) // 2
+    each = 2 * obstacles + 1 + TIME_LEVELS + 2 + MOTION_RATES_WIDTH
+    return own + segments * each + (1 + PACE_WIDTH + BALL_WIDTH) * obstacles + pairs + TIME_LEVELS + 2 + CLOCK_SIZE
+
+
+def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
+    """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12).
+
+    Every segment may reach every obstacle, at first, and none of these moves or is known to lie in a ball.
+    """
+    a = 3 * KNOTS * n
+    b = a + 12 * KNOTS * (n + 1)
+    c = b + SPAN_WIDTH * KNOTS * (n + 1)
+    paces = c + MOTION_RATES_WIDTH * n
+    balls = paces + PACE_WIDTH * m
+    d = balls + BALL_WIDTH * m
+    whole = buffer[d:].view(np.int64)
+    e = n * m
+    f = e + n
+    g = f + n * m
+    h = g + (TIME_LEVELS + 2) * n
+    i = h + m
+    j = i + n * (n + 1) // 2
+    k = j + TIME_LEVELS + 2
+    frames = shaped(buffer[a:b], (KNOTS, n + 1, 12))
+    rotation, position = frame(base, 0)
+    for at in range(KNOTS):
+        put_frame(frames[at], 0, rotation, position)
+    buffer[paces:balls] = 0.0
+    buffer[balls:d] = math.inf
+    reach, reached = shaped(whole[:e], (n, m)), whole[e:f]
+    for at in range(n):
+        reached[at] = m
+        for which in range(m):
+            reach[at, which] = which
+    return Sweep(
+        shaped(buffer[:a], (KNOTS, n, 3)),
+        frames,
+        reach,
+        reached,
+        shaped(whole[f:g], (n, m)),
+        shaped(whole[g:h], (TIME_LEVELS + 2, n)),
+        shaped(buffer[c:paces], (n, MOTION_RATES_WIDTH)),
+        shaped(buffer[b:c], (KNOTS, n + 1, SPAN_WIDTH)),
+        whole[h:i],
+        whole[i:j],
+        whole[j:k],
+        shaped(buffer[paces:balls], (m, PACE_WIDTH)),
+        shaped(buffer[balls:d], (m, BALL_WIDTH)),
+        shaped(buffer[:0], (0, DRIFT_WIDTH)),
+        whole[k : k + CLOCK_SIZE],
+    )
+
+
+def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:
+    """Fill `out` (n, 3) with the configuration at time t."""
+    for k in range(q0.shape[0]):
+        for j in range(3):
+            out[k, j] = (1.0 - t) * q0[k, j] + t * q1[k, j]
+
+
+def knot(motion: Motion, t: float, sweep: Sweep, at: int) -> None:
+    """Put the configuration at time t into a place of the sweep, with its frames."""
+    at_time(motion.q0, motion.q1, t, sweep.q[at])
+    forward(sweep.q[at], sweep.frames[at])

@@ -1,0 +1,412 @@
+"""Surfaces as vertices and faces: of simple solids and of obstacles; and points on those that have no surface.
+
+Vertices are shared where a surface is smooth, and kept apart along an edge: pages shade by the normals of vertices.
+"""
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base.checks import Floats
+from sinuous.kernels import packing
+from sinuous.model.poses import least_rotation
+from sinuous.model.robot import Robot
+from sinuous.scene.grids import Field, Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
+
+Faces = NDArray[np.int64]
+Triangles = NDArray[np.uint32]
+
+ARC = 6
+"""Bands of a quarter of a circle, from the equator to a pole."""
+
+
+class Surface(NamedTuple):
+    """A surface in space.
+
+    Attributes
+    ----------
+    vertices : ndarray (v, 3)
+        In the length unit.
+    faces : ndarray (f, 4)
+        Indices of the corners, counterclockwise as seen from outside. A triangle repeats its last corner.
+    """
+
+    vertices: Floats
+    faces: Faces
+
+    @property
+    def facets(self) -> Floats:
+        """Corners (f, 4, 3) of all faces."""
+        return self.vertices[self.faces]
+
+    @property
+    def triangles(self) -> Triangles:
+        """The faces as triangles (t, 3)."""
+        return as_triangles(self.faces)
+
+    def moved(self, rotation: Floats, position: Floats) -> "Surface":
+        """Return the surface rotated (3, 3), then translated (3,)."""
+        return Surface(self.vertices @ rotation.T + position, self.faces)
+
+    def turned(self) -> "Surface":
+        """Return the same surface with its inside outside."""
+        triangle = (self.faces[:, 2] == self.faces[:, 3])[:, None]
+        return Surface(self.vertices, np.where(triangle, self.faces[:, [2, 1, 0, 0]], self.faces[:, ::-1]))
+
+
+def as_triangles(faces: Faces) -> Triangles:
+    """Triangles (t, 3) of faces with four corners; a face that repeats its last corner gives one."""
+    second = faces[faces[:, 2] != faces[:, 3]]
+    return np.concatenate([faces[:, [0, 1, 2]], second[:, [0, 2, 3]]]).astype(np.uint32)
+
+
+def joined(*surfaces: Surface) -> Surface:
+    """Put several surfaces together."""
+    starts = np.cumsum([0, *(len(each.vertices) for each in surfaces[:-1])])
+    faces = [each.faces + start for each, start in zip(surfaces, starts, strict=True)]
+    return Surface(np.concatenate([each.vertices for each in surfaces]), np.concatenate(faces))
+
+
+def ring_faces(rings: int, around: int) -> Faces:
+    """Faces ((rings - 1) * around, 4) between neighbouring rings of so many vertices, which turn counterclockwise."""
+    ring, place = np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij")
+    a, b = ring * around + place, ring * around + (place + 1) % around
+    return np.stack([a, b, b + around, a + around], axis=-1).reshape(-1, 4)
+
+
+def circle(around: int) -> Floats:
+    """Points (around, 2) of a circle of radius 1."""
+    turn = np.arange(around) * (2.0 * math.pi / around)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+
+
+def arc(radius: float, begin: float, end: float, bands: int) -> Floats:
+    """Points (bands + 1, 2) of an arc about the origin, from one angle (rad) to another."""
+    angles = np.linspace(begin, end, bands + 1)
+    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def lathe(profile: Floats, around: int) -> Surface:
+    """A surface of revolution about z; `profile` (p, 2): distance from the axis, and height, upwards."""
+    rings = np.empty((len(profile), around, 3))
+    rings[..., :2] = profile[:, None, :1] * circle(around)
+    rings[..., 2] = profile[:, 1:]
+    return Surface(rings.reshape(-1, 3), ring_faces(len(profile), around))
+
+
+def sphere(radius: float, around: int) -> Surface:
+    """A ball about the origin."""
+    return lathe(arc(radius, -0.5 * math.pi, 0.5 * math.pi, 2 * ARC + 1), around)
+
+
+def capsule(radius: float, half: float, around: int, pieces: int) -> Surface:
+    """All points within `radius` of the z axis from -half to half; its wall is cut into so many pieces."""
+    shift = np.array([0.0, half])
+    low, high = arc(radius, -0.5 * math.pi, 0.0, ARC) - shift, arc(radius, 0.0, 0.5 * math.pi, ARC) + shift
+    wall = np.linspace(low[-1], high[0], pieces + 1)[1:-1]
+    return lathe(np.concatenate([low, wall, high]), around)
+
+
+def cylinder(radius: float, half: float, around: int, pieces: int) -> Surface:
+    """A cylinder with flat ends about z, from -half to half; its wall is cut into so many pieces."""
+    wall = np.linspace([radius, -half], [radius, half], pieces + 1)
+    bottom, top = np.array([[0.0, -half], [radius, -half]]), np.array([[radius, half], [0.0, half]])
+    return joined(*(lathe(profile, around) for profile in (bottom, wall, top)))
+
+
+def box(half: Floats, pieces: int) -> Surface:
+    """A box about the origin with these half extents (3,); its edges are cut into so many pieces."""
+    sides = []
+    for axis in range(3):
+        for height in (-1.0, 1.0):
+            side = square(1.0, pieces)
+            side.vertices[:, 2] = height
+            facing = side if height > 0.0 else side.turned()
+            sides.append(Surface(np.roll(facing.vertices, axis + 1, axis=-1) * half, facing.faces))
+    return joined(*sides)
+
+
+def square(half: float, pieces: int) -> Surface:
+    """A square about the origin in the plane z = 0, that faces up; its edges are cut into so many pieces."""
+    edge = np.linspace(-half, half, pieces + 1)
+    x, y = np.meshgrid(edge, edge)
+    corner = np.arange((pieces + 1) ** 2).reshape(pieces + 1, pieces + 1)
+    corners = [corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]]
+    return Surface(
+        np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3), np.stack(corners, axis=-1).reshape(-1, 4)
+    )
+
+
+AROUND = 32
+"""Faces around what is round."""
+
+PIECES = 12
+"""Faces along an edge or a wall: pictures sort faces by the distance of their middles, so that none may be long."""
+
+MOST_POINTS = 20_000
+"""Points of an obstacle that are drawn; of more, evenly spread ones are."""
+
+Dotted = PointCloud | Grid | Field
+"""Obstacles that are drawn as points."""
+
+
+def obstacle_surface(
+    obstacle: Obstacle, middle: Floats, span: float, around: int = AROUND, pieces: int = PIECES
+) -> Surface:
+    """Return the surface of an obstacle in the world. It faces the side where the body may be.
+
+    Parameters
+    ----------
+    obstacle : Primitive or Mesh
+        A mesh that is not watertight has no inside; its faces face as they are given.
+    middle : ndarray (3,)
+        A half-space has no end: a square is drawn where it is nearest to this place.
+    span : float
+        Side of that square.
+    around : int
+        Faces around what is round.
+    pieces : int
+        Faces along an edge of a box or square, and along the wall of a cylinder or capsule.
+    """
+    if isinstance(obstacle, Mesh):
+        surface = Surface(obstacle.vertices, obstacle.faces[:, [0, 1, 2, 2]])
+        return surface.turned() if obstacle.inside else surface
+    if isinstance(obstacle, HalfSpace):
+        near = middle - (middle - obstacle.point) @ obstacle.normal * obstacle.normal
+        return square(0.5 * span, pieces).moved(obstacle.frame.rotation, near)
+    if not isinstance(obstacle, Primitive):
+        raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
+    center, rotation, half, _ = obstacle.frame
+    match obstacle:
+        case Sphere(radius=radius):
+            local = sphere(radius, around)
+        case Box():
+            local = box(half, pieces)
+        case Capsule(radius=radius):
+            local = capsule(radius, float(half[2]), around, pieces)
+        case Cylinder(radius=radius):
+            local = cylinder(radius, float(half[2]), around, pieces)
+        case _:
+            raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
+    surface = local.moved(rotation, center)
+    return surface.turned() if obstacle.inside else surface
+
+
+def dots(obstacle: Dotted) -> Floats:
+    """Points (m, 3) of a cloud, or on the surface of a grid or field."""
+    if isinstance(obstacle, PointCloud):
+        points = obstacle.points
+    elif isinstance(obstacle, Grid) and obstacle.occupancy:
+        points = obstacle.points(np.argwhere(_outermost(obstacle.values.astype(np.bool_))))
+    else:
+        points = obstacle.points(_crossings(obstacle.values))
+    return points[:: -(-len(points) // MOST_POINTS)] if len(points) > MOST_POINTS else points
+
+
+def _outermost(occupied: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Occupied cells that have a free one at one of their six faces."""
+    around = np.pad(occupied, 1)
+    buried = np.ones_like(occupied)
+    for axis in range(3):
+        for step in (-1, 1):
+            buried &= np.roll(around, step, axis)[1:-1, 1:-1, 1:-1]
+    return np.asarray(occupied & ~buried)
+
+
+def _crossings(values: Floats) -> Floats:
+    """Places (m, 3), in steps of the grid, where neighbours along an axis differ in sign, by linear interpolation."""
+    found = []
+    for axis in range(3):
+        near = np.delete(values, -1, axis)
+        rise = np.diff(values, axis=axis)
+        at = np.argwhere((near > 0.0) != (near + rise > 0.0))
+        places = at.astype(np.float64)
+        places[:, axis] -= near[tuple(at.T)] / rise[tuple(at.T)]
+        found.append(places)
+    return np.concatenate(found)
+
+
+ALONG = 12
+"""Bands along a segment; each segment of a robot of many has fewer."""
+
+MOST_ALONG = 240
+"""Bands along the whole body, but for robots with more segments than that, which have one a segment."""
+
+CAP = 6
+"""Bands of the half balls in which the body ends."""
+
+FLANGE, PLATE = 1.6, 0.5
+"""Radius and thickness of the plate that the robot stands on, in radii of its first segment."""
+
+SLEEVE = 1.25
+"""Radius of the sleeve over the mount, in radii of the first segment."""
+
+TOOL = 0.3
+"""Radius of the tool, which has no body, in radii of the last segment."""
+
+
+class ColouredPart(NamedTuple):
+    """A part of the surface that has one colour.
+
+    Attributes
+    ----------
+    segment : int or None
+        The segment that it belongs to, 0 = first; None for what is no body.
+    rings : slice
+        Its rings.
+    faces : ndarray (f, 4)
+        They count its own vertices.
+    """
+
+    segment: int | None
+    rings: slice
+    faces: Faces
+
+
+class Ring(NamedTuple):
+    """A ring: the frame that it lies about, its radius, and how far ahead of the frame it is, along the z axis."""
+
+    frame: int
+    radius: float
+    ahead: float
+
+
+class BodySurface:
+    """How the surface of a robot follows from its configuration.
+
+    Parameters
+    ----------
+    robot : Robot
+    least_radius : float
+        The body is drawn no thinner than this.
+    around : int
+        Vertices of a ring.
+    pieces : int
+        Parts of each segment, which may have colours of their own.
+    along : int, optional
+        Bands along each segment; by default enough for a smooth picture.
+    fittings : bool
+        Whether the flange, the sleeve over the mount and the tool are drawn.
+    share : float
+        How much of its radius is drawn.
+
+    Attributes
+    ----------
+    parts : list of ColouredPart
+        From base to tip, then what is no body.
+    per_segment : int
+        Bands along each segment.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        least_radius: float,
+        around: int,
+        *,
+        pieces: int = 1,
+        along: int | None = None,
+        fittings: bool = True,
+        share: float = 1.0,
+    ) -> None:
+        wanted = max(1, min(ALONG, MOST_ALONG // len(robot))) if along is None else along
+        steps = max(1, -(-wanted // pieces))
+        self.robot, self.per_segment, self.parts = robot, pieces * steps, list[ColouredPart]()
+        self._around, self._circle, self._rings = around, circle(around), list[Ring]()
+        radii = [share * max(radius, least_radius) for radius in robot.radii]
+        self._last = len(robot) * self.per_segment
+        self._mounted = _segments_within(robot, robot.mount) if fittings else 0
+        self._reach = float(np.linalg.norm(robot.tool[:3, 3])) if fittings else 0.0
+        for k in range(len(robot)):
+            for first in range(k * self.per_segment, (k + 1) * self.per_segment, steps):
+                self._add_piece(k, radii[k], first, first + steps)
+        if fittings:
+            self._add_fittings(radii[0], radii[-1])
+        self._frame, self._radius, self._ahead = (np.array(column) for column in zip(*self._rings, strict=True))
+
+    def _add_piece(self, segment: int, radius: float, first: int, last: int) -> None:
+        """Add a tube about these frames; the body ends in half balls."""
+        rings = [Ring(i, radius, 0.0) for i in range(first, last + 1)]
+        angles = [0.5 * math.pi * i / CAP for i in range(1, CAP + 1)]
+        if first == 0:
+            rings = [Ring(0, radius * math.cos(a), -radius * math.sin(a)) for a in reversed(angles)] + rings
+        if last == self._last:
+            rings += [Ring(last, radius * math.cos(a), radius * math.sin(a)) for a in angles]
+        self._add(segment, rings)
+
+    def _add_fittings(self, first: float, last: float) -> None:
+        """Add the flange behind the half ball of the base, the sleeve and the tool; two equal rings make an edge."""
+        behind, before = Ring(0, FLANGE * first, -(1.0 + PLATE) * first), Ring(0, FLANGE * first, -first)
+        ends = behind._replace(radius=0.0), before._replace(radius=0.0)
+        self._add(None, [ends[0], behind, behind, before, before, ends[1]])
+        frame = self._last + 1
+        if self._mounted:
+            sleeve = [Ring(frame + i, SLEEVE * first, 0.0) for i in range(self._mounted * self.per_segment + 1)]
+            self._add(None, [*sleeve, sleeve[-1], sleeve[-1]._replace(radius=0.0)])
+            frame += len(sleeve)
+        if self._reach > 0.0:
+            outline = ((1.0, 0.0), (0.8, 0.7), (0.0, 1.0))
+            self._add(None, [Ring(frame, TOOL * last * size, self._reach * share) for size, share in outline])
+
+    def _add(self, segment: int | None, rings: list[Ring]) -> None:
+        band = np.array([ring != following for ring, following in pairwise(rings)])
+        faces = ring_faces(len(rings), self._around).reshape(len(band), -1, 4)[band].reshape(-1, 4)
+        self.parts.append(ColouredPart(segment, slice(len(self._rings), len(self._rings) + len(rings)), faces))
+        self._rings += rings
+
+    def vertices(self, q: Floats) -> list[Floats]:
+        """Vertices (T, v, 3) of every part in configurations (T, n, 3)."""
+        known = [_frames(self.robot, np.repeat(np.asarray(q, np.float64) / self.per_segment, self.per_segment, axis=1))]
+        if self._mounted:
+            known.append(self._mount_frames(q))
+        if self._reach > 0.0:
+            known.append(_tool_frames(self.robot, known[0][:, -1:]))
+        chosen = np.concatenate(known, axis=1)[:, self._frame]
+        axes = chosen[..., :9].reshape(*chosen.shape[:2], 3, 3)
+        centers = chosen[..., 9:] + self._ahead[:, None] * axes[..., 2]
+        across = np.einsum("ak,trik->trai", self._circle, axes[..., :2])
+        rings = centers[:, :, None] + self._radius[:, None, None] * across
+        return [rings[:, part.rings].reshape(len(rings), -1, 3) for part in self.parts]
+
+    def facets(self, q: Floats) -> list[Floats]:
+        """Corners (f, 4, 3) of the faces of every part in a configuration (n, 3)."""
+        return [own[0][part.faces] for own, part in zip(self.vertices(q[None]), self.parts, strict=True)]
+
+    def _mount_frames(self, q: Floats) -> Floats:
+        """Frames (T, k, 12) along the part of the backbone that lies within the mount."""
+        own = np.asarray(q, np.float64)[:, : self._mounted]
+        begins = np.cumsum(own[..., 2], axis=1) - own[..., 2]
+        share = np.clip((self.robot.mount - begins) / np.maximum(own[..., 2], 1e-300), 0.0, 1.0)
+        fine = np.repeat(share[..., None] * own / self.per_segment, self.per_segment, axis=1)
+        return _frames(self.robot, fine)
+
+
+def _segments_within(robot: Robot, length: float) -> int:
+    """How many segments may begin within this length of backbone from the base."""
+    begins = np.cumsum([0.0, *(segment.length[0] for segment in robot.segments[:-1])])
+    return int((begins < length).sum())
+
+
+def _frames(robot: Robot, arcs: Floats) -> Floats:
+    """Frames (T, m + 1, 12) at the base and at the ends of arcs (T, m, 3)."""
+    from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+    frames = np.empty((len(arcs), arcs.shape[1] + 1, 12))
+    batch.frames_of(np.ascontiguousarray(arcs), packing.pose_row(robot.base), frames)
+    return frames
+
+
+def _tool_frames(robot: Robot, tips: Floats) -> Floats:
+    """Frames (T, 1, 12) at the tip, where `tips` are those of the body, with z towards the point of the tool."""
+    place = robot.tool[:3, 3]
+    turned = tips.copy()
+    turned[..., :9] = (tips[..., :9].reshape(-1, 3, 3) @ least_rotation(place / np.linalg.norm(place))).reshape(
+        -1, 1, 9
+    )
+    return turned

@@ -1,0 +1,173 @@
+"""Tables of targets: the same rows from every kind of file, in chunks, and what is wrong with one is said."""
+
+import zipfile
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow
+import pytest
+from pyarrow import parquet
+
+import sinuous as sn
+from sinuous.studies.batch.tables.reading import open_source
+from sinuous.studies.batch.work import valid
+from tests.studies.batch.questions import write_csv
+
+ROWS = np.random.default_rng(0).normal(size=(23, 7))
+COLUMNS = "x", "y", "z", "qw", "qx", "qy", "qz"
+
+
+def write(file: Path, names: tuple[str, ...], rows: Any) -> Path:
+    if file.suffix == ".csv":
+        return write_csv(file, rows, ",".join(names))
+    if file.suffix == ".parquet":
+        parquet.write_table(pyarrow.table(dict(zip(names, rows.T, strict=True))), file, row_group_size=5)
+        return file
+    groups = {"positions": ("x", "y", "z"), "directions": ("dx", "dy", "dz"), "rotations": ("qw", "qx", "qy", "qz")}
+    arrays = {key: rows[:, [names.index(n) for n in own]] for key, own in groups.items() if own[0] in names}
+    np.savez(file, **arrays)
+    return file
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz", "parquet"])
+@pytest.mark.parametrize("chunk", [1, 4, 23, 100])
+def test_chunks_are_the_rows(ending: str, chunk: int, tmp_path: Path) -> None:
+    with closing(open_source(write(tmp_path / f"in.{ending}", COLUMNS, ROWS))) as source:
+        assert source.rows == len(ROWS)
+        spans = [(first, min(source.rows, first + chunk)) for first in range(0, source.rows, chunk)]
+        found = [source.read(*span) for span in spans if span[0] != 4]  # one that was done before
+    for key, columns in {"positions": slice(0, 3), "rotations": slice(3, 7)}.items():
+        expected = np.concatenate([ROWS[a:b, columns] for a, b in spans if a != 4])
+        np.testing.assert_array_equal(np.concatenate([each[key] for each in found]), expected)
+
+
+@pytest.mark.parametrize("rows", [ROWS[:, :3].copy(order="F"), np.asfortranarray(ROWS[:18].reshape(-1, 3, 3)[:, :, :])])
+@pytest.mark.parametrize("packed", [False, True])
+def test_arrays_of_any_order_packed_or_not(rows: Any, packed: bool, tmp_path: Path) -> None:
+    key = "positions" if rows.ndim == 2 else "rotations"
+    (np.savez_compressed if packed else np.savez)(tmp_path / "in.npz", **{key: rows.astype(np.float32)})
+    with closing(open_source(tmp_path / "in.npz")) as source:
+        for first in range(0, len(rows), 7):
+            last = min(len(rows), first + 7)
+            np.testing.assert_array_equal(source.read(first, last)[key], rows[first:last].astype(np.float32))
+
+
+def test_other_columns_are_left_alone_and_order_does_not_matter(tmp_path: Path) -> None:
+    table = tmp_path / "in.csv"
+    table.write_text("id, z ,name,x,y\n7,3,a,1,2\n\n8,6,b,4,5\n", encoding="utf-8")
+    with closing(open_source(table)) as source:
+        np.testing.assert_array_equal(source.read(0, 2)["positions"], [[1, 2, 3], [4, 5, 6]])
+
+
+@pytest.mark.parametrize("cell", ["", "abc", "nan", "inf", "0x10", "1_000"])
+def test_a_cell_that_is_no_number_makes_its_row_invalid(cell: str, tmp_path: Path) -> None:
+    table = tmp_path / "in.csv"
+    table.write_text(f"x,y,z\n1,2,3\n4,{cell},6\n7,8\n10,11,12\n", encoding="utf-8")
+    with closing(open_source(table)) as source:
+        rows, goals = valid(source.read(0, source.rows))
+    assert rows.tolist() == [0, 3]
+    np.testing.assert_array_equal(goals.positions, [[1, 2, 3], [10, 11, 12]])
+
+
+def test_missing_values_of_parquet_make_their_rows_invalid(tmp_path: Path) -> None:
+    table = pyarrow.table({"x": [1.0, None, 3.0], "y": [1, 2, 3], "z": [0.0, 0.0, 0.0]})
+    parquet.write_table(table, tmp_path / "in.parquet")
+    with closing(open_source(tmp_path / "in.parquet")) as source:
+        assert valid(source.read(0, 3))[0].tolist() == [0, 2]
+
+
+def test_directions_of_no_length_and_matrices_that_are_no_rotations_are_invalid() -> None:
+    directions = np.eye(3)[[0, 1, 2]] * [[1.0], [0.0], [5.0]]
+    assert valid({"directions": directions})[0].tolist() == [0, 2]
+    matrices = np.stack([np.eye(3), 2.0 * np.eye(3), -np.eye(3), np.eye(3)])
+    assert valid({"rotations": matrices})[0].tolist() == [0, 3]
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("a,b,c", "expected columns x,y,z"),
+        ("x,y", "there is no z"),
+        ("x,y,z,qw,qx,qy", "there is no qz"),
+        ("x,y,z,x", "x is there twice"),
+        ("dx,dy,dz,qw,qx,qy,qz", "expected columns"),
+        ("", "expected columns"),
+    ],
+)
+def test_a_table_without_the_columns_is_refused(header: str, told: str, tmp_path: Path) -> None:
+    table = tmp_path / "in.csv"
+    table.write_text(header + "\n", encoding="utf-8")
+    with pytest.raises(sn.InputError, match=rf"in\.csv: columns: .*{told}"):
+        open_source(table)
+
+
+def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
+    for name in ("in.npz", "in.parquet"):
+        (tmp_path / name).write_bytes(b"nothing like it")
+        with pytest.raises(sn.InputError, match=f"{name}: file: "):
+            open_source(tmp_path / name)
+    (tmp_path / "in.csv").write_bytes(b"x,y,z\n\xff\xfe")
+    with pytest.raises(sn.InputError, match="UTF-8"):
+        open_source(tmp_path / "in.csv")
+    with pytest.raises(sn.InputError, match="ends in"):
+        open_source(tmp_path / "in.xlsx")
+    with pytest.raises(sn.InputError, match="cannot be read"):
+        open_source(tmp_path / "no.csv")
+
+
+@pytest.mark.parametrize(
+    ("arrays", "told"),
+    [
+        ({"points": ROWS}, "arrays: expected arrays positions"),
+        ({"positions": ROWS}, r"positions: expected an array \(m, 3\)"),
+        ({"positions": ROWS[:, :3], "directions": ROWS[:4, :3]}, "as many rows"),
+        ({"directions": ROWS[:, :3], "xyzw": ROWS[:, :4]}, "arrays: expected arrays positions"),
+        ({"positions": np.array([["a", "b", "c"]])}, "positions: expected an array of numbers"),
+    ],
+)
+def test_npz_files_without_the_arrays_are_refused(arrays: dict[str, Any], told: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "in.npz", **arrays)
+    with pytest.raises(sn.InputError, match=told):
+        open_source(tmp_path / "in.npz")
+
+
+def test_nothing_is_unpickled(tmp_path: Path) -> None:
+    np.savez(tmp_path / "in.npz", positions=np.array([[1, 2, None]], object))
+    with pytest.raises(sn.InputError, match="an array of numbers"):
+        open_source(tmp_path / "in.npz")
+    with zipfile.ZipFile(tmp_path / "other.npz", "w") as archive:
+        archive.writestr("positions.npy", b"no array")
+    with pytest.raises(sn.InputError, match=r"other\.npz"):
+        open_source(tmp_path / "other.npz")
+
+
+@pytest.mark.parametrize(
+    ("targets", "told"),
+    [
+        ({"position": [[0, 0, 1]]}, "position: "),
+        ({"positions": [[0, 1]]}, "positions: expected an array"),
+        ({"positions": [["a", 0, 1]]}, "positions: expected rows of numbers"),
+        ({}, "targets: "),
+        (7, "targets: expected a file"),
+    ],
+)
+def test_wrong_arrays_are_refused(targets: Any, told: str) -> None:
+    with pytest.raises(sn.InputError, match=rf"^{told}"):
+        open_source(targets)
+
+
+def test_a_fingerprint_differs_when_a_row_does(tmp_path: Path) -> None:
+    def look(rows: Any) -> set[str]:
+        sources = [write(tmp_path / f"in.{ending}", COLUMNS, rows) for ending in ("csv", "npz", "parquet")]
+        opened = [*map(open_source, sources), open_source({"positions": rows[:, :3]})]
+        found = {source.fingerprint() for source in opened}
+        for source in opened:
+            source.close()
+        return found
+
+    changed = ROWS.copy()
+    changed[7, 1] += 1e-15
+    assert not look(ROWS) & look(changed)
+    assert look(ROWS) == look(ROWS.copy())

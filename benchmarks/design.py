@@ -18,7 +18,7 @@ from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 from sinuous.studies.designing.fields import Space
-from sinuous.studies.designing.find import SOLVE_TIME, STARTS, design
+from sinuous.studies.designing.find import DEFAULT_STARTS, SOLVE_SECONDS, design
 from sinuous.studies.designing.judge import Judge
 from sinuous.studies.designing.objectives import read_objectives
 from sinuous.studies.tasks.assess import assess
@@ -152,7 +152,7 @@ def _random(asked: DesignProblem, count: int, plan: Plan) -> tuple[float, float]
     """The least of random robots that do all tasks, and what the template has."""
     space = Space(asked.template, asked.vary)
     minimise = read_objectives(asked.minimise, asked.template)
-    options = {"time": SOLVE_TIME, "max_starts": STARTS}
+    options = {"time": SOLVE_SECONDS, "max_starts": DEFAULT_STARTS}
     judge = Judge(space, read_tasks(asked.tasks), sn.Scene(asked.scene), minimise, options)
     rng, least = plan.rng(92), np.inf
     for _ in range(count):

@@ -10,11 +10,11 @@ import sinuous as sn
 from benchmarks.harness.markdown import table
 from benchmarks.problems import ProblemSet
 from sinuous.files.nouns import read_robot
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.learned.network import Network
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import train
 from sinuous.methods.opti_path.options import OptiPath
+from sinuous.methods.prepared import Capabilities
 from sinuous.methods.registry import METHODS, capabilities, name_of
 
 STEP, ALONE = "learned, one step", "learned, alone"

@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous.base.arguments import MethodName
 from sinuous.methods.learned.search import Learned
-from sinuous.methods.learned.training import FEWEST, train
+from sinuous.methods.learned.training import FEWEST_TARGETS, train
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
@@ -91,7 +91,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
 def _method(name: MethodName) -> None:
     """Use a method; `learned` with a network that learns as little as can be: training takes seconds."""
     learned = name == "learned"
-    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST, width=1, rounds=1)) if learned else name
+    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST_TARGETS, width=1, rounds=1)) if learned else name
     Solver(ROBOT, FAR, method=method)
 
 

@@ -38,6 +38,7 @@ from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.attempts import IKQuery, StartBatch
 from sinuous.solver.blocked_base import base_blocked
 from sinuous.solver.control_step import ControlLoop
 from sinuous.solver.distinct_solutions import (
@@ -54,7 +55,6 @@ from sinuous.solver.loaded_solve import unsolved_start as start_at
 from sinuous.solver.many import Many, read_initial, read_workers
 from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.search import UNDECIDED, FirstSolved, Follow
-from sinuous.solver.starts import IKQuery, StartBatch
 from sinuous.solver.strategy import Strategy
 from sinuous.solver.thread_pool import share_jobs
 

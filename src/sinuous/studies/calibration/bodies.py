@@ -16,7 +16,7 @@ from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest
 from sinuous.studies.calibration.measurements import Place
 
-ANY = 1e300
+ANY_CONTRADICTION = 1e300
 """By how much values of rigid actuators may contradict each other: by anything, for that is what is fitted."""
 
 
@@ -32,7 +32,7 @@ class Free:
     """Bodies without load; their coordinates are configurations (N, n, 3)."""
 
     def __init__(self, robot: Robot, actuators: Floats) -> None:
-        self.robot, self.q = robot, robot.from_actuators(actuators, tolerance=ANY)
+        self.robot, self.q = robot, robot.from_actuators(actuators, tolerance=ANY_CONTRADICTION)
 
     def point(self, place: Place) -> Point:
         """A place of all bodies."""
@@ -45,7 +45,7 @@ class Free:
 
 def _drives(robot: Robot, actuators: Floats) -> "zip[tuple[Floats, Floats]]":
     """Configurations (n, 3) without load, and displacements (m,), at each of the values (N, m)."""
-    shapes = robot.from_actuators(actuators, tolerance=ANY)
+    shapes = robot.from_actuators(actuators, tolerance=ANY_CONTRADICTION)
     return zip(shapes, robot.drive.motors.displacements(actuators), strict=True)
 
 

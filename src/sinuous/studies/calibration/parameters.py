@@ -63,7 +63,7 @@ WIDTHS: dict[GroupName, float] = {
 """How far a drawing may well be off: logarithms of ratios; rad; of `offsets` and `tool` lengths of the robot; of
 `payload` masses that bend the softest segment by 1 rad, carried by a lever as long as the robot."""
 
-SOFT = 3.0
+SOFTNESS_RATIO = 3.0
 """Where a robot has rigid tendons: ratio of the stiffness of a tendon times its lever squared to that of its segment,
 from which a fit of elastic ones begins."""
 
@@ -86,7 +86,7 @@ def elastic(robot: Robot) -> Robot:
 
     Where no segment has a stiffness, the unit of force is such that all tendons have a stiffness of 1.
     """
-    softness = [_lever(robot, segment) ** 2 * 0.5 * sum(segment.length) / SOFT for segment in robot.segments]
+    softness = [_lever(robot, segment) ** 2 * 0.5 * sum(segment.length) / SOFTNESS_RATIO for segment in robot.segments]
     own = [
         segment.stiffness.bend / each
         for segment, each in zip(robot.segments, softness, strict=True)

@@ -11,17 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from sinuous.answer.verification import check
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 from sinuous.studies.designing.fields import Space
-from sinuous.studies.designing.find import SOLVE_TIME, STARTS, design
+from sinuous.studies.designing.find import DEFAULT_STARTS, SOLVE_SECONDS, design
 from sinuous.studies.designing.judge import Judge
 from sinuous.studies.designing.objectives import read_objectives
 from sinuous.studies.tasks.assess import assess
@@ -52,8 +49,8 @@ class DesignProblem(NamedTuple):
     """
 
     name: str
-    template: Robot
-    tasks: list[Target]
+    template: sn.Robot
+    tasks: list[sn.Target]
     scene: list[Obstacle]
     vary: dict[str, Any]
     minimise: str
@@ -63,7 +60,7 @@ def problem(number: int, rng: Generator) -> DesignProblem:
     """Return problem `number`: kinds and objectives take turns."""
     kinds = ("drum", "pipe", "room")
     kind, minimise = kinds[number % 3], ("length", "bend", "clearance")[number // 3 % 3]
-    template = Robot.uniform(4, 100.0, max_bend=1.8, radius=4.0)
+    template = sn.Robot.uniform(4, 100.0, max_bend=1.8, radius=4.0)
     scene = {"drum": _drum, "pipe": _pipe, "room": _room}[kind](rng)
     vary = {
         "segments.count": [3, 4, 5],
@@ -76,12 +73,12 @@ def problem(number: int, rng: Generator) -> DesignProblem:
 
 def _drum(rng: Generator) -> list[Obstacle]:
     """A drum about the robot, with blades that stand out of its wall."""
-    drum: list[Obstacle] = [Cylinder((0.0, 0.0, -200.0), (0.0, 0.0, 600.0), 260.0, inside=True, name="drum")]
+    drum: list[Obstacle] = [sn.Cylinder((0.0, 0.0, -200.0), (0.0, 0.0, 600.0), 260.0, inside=True, name="drum")]
     for angle in rng.uniform(0.0, 2.0 * np.pi) + np.arange(5) * 2.0 * np.pi / 5.0:
         way = np.array([np.cos(angle), np.sin(angle), 0.0])
         place = 220.0 * way + (0.0, 0.0, rng.uniform(120.0, 280.0))
         across = np.array([-way[1], way[0], 0.0])
-        drum.append(Box(place, (90.0, 8.0, 120.0), np.column_stack([way, across, (0.0, 0.0, 1.0)])))
+        drum.append(sn.Box(place, (90.0, 8.0, 120.0), np.column_stack([way, across, (0.0, 0.0, 1.0)])))
     return drum
 
 
@@ -90,33 +87,33 @@ def _pipe(rng: Generator) -> list[Obstacle]:
     places = [np.array([rng.uniform(60.0, 90.0), 0.0, 60.0])]
     for turn in rng.uniform(-0.5, 0.5, 4):
         places.append(places[-1] + 70.0 * np.array([np.sin(turn), np.cos(turn) * 0.3, 0.9]))
-    return [Capsule(a, b, 22.0) for a, b in pairwise(places)]
+    return [sn.Capsule(a, b, 22.0) for a, b in pairwise(places)]
 
 
 def _room(rng: Generator) -> list[Obstacle]:
     """A room with a table, a beam and some balls."""
-    room: list[Obstacle] = [Box((0.0, 0.0, 200.0), (700.0, 700.0, 700.0), inside=True, name="room")]
-    room.append(Box((130.0, rng.uniform(-40.0, 40.0), 100.0), (80.0, 200.0, 20.0), name="table"))
-    room.append(Box((-120.0, 0.0, rng.uniform(220.0, 280.0)), (30.0, 400.0, 30.0), name="beam"))
+    room: list[Obstacle] = [sn.Box((0.0, 0.0, 200.0), (700.0, 700.0, 700.0), inside=True, name="room")]
+    room.append(sn.Box((130.0, rng.uniform(-40.0, 40.0), 100.0), (80.0, 200.0, 20.0), name="table"))
+    room.append(sn.Box((-120.0, 0.0, rng.uniform(220.0, 280.0)), (30.0, 400.0, 30.0), name="beam"))
     for _ in range(4):
         way = rng.normal(size=3)
-        room.append(Sphere(170.0 * way / np.linalg.norm(way) + (0.0, 0.0, 220.0), 28.0))
+        room.append(sn.Sphere(170.0 * way / np.linalg.norm(way) + (0.0, 0.0, 220.0), 28.0))
     return room
 
 
-def _tasks(template: Robot, scene: list[Obstacle], rng: Generator) -> list[Target]:
+def _tasks(template: sn.Robot, scene: list[Obstacle], rng: Generator) -> list[sn.Target]:
     """Places of the tip in clear shapes of the template."""
-    tasks: list[Target] = []
+    tasks: list[sn.Target] = []
     for _ in range(FAR * TASKS):
         if len(tasks) == TASKS:
             break
         q = _shape(template, rng)
-        if check(template, q, scene).ok:
-            tasks.append(Target(template.tip(q)[:3, 3]))
+        if sn.check(template, q, scene).ok:
+            tasks.append(sn.Target(template.tip(q)[:3, 3]))
     return tasks
 
 
-def _shape(template: Robot, rng: Generator) -> Floats:
+def _shape(template: sn.Robot, rng: Generator) -> Floats:
     ways = rng.normal(size=(len(template), 2))
     bends = rng.uniform(0.1, 1.2, size=(len(template), 1)) * ways / np.linalg.norm(ways, axis=1)[:, None]
     return np.column_stack([bends, np.full(len(template), 100.0)])
@@ -155,8 +152,8 @@ def _random(asked: DesignProblem, count: int, plan: Plan) -> tuple[float, float]
     """The least of random robots that do all tasks, and what the template has."""
     space = Space(asked.template, asked.vary)
     minimise = read_objectives(asked.minimise, asked.template)
-    options = {"time": SOLVE_TIME, "max_starts": STARTS}
-    judge = Judge(space, read_tasks(asked.tasks), Scene(asked.scene), minimise, options)
+    options = {"time": SOLVE_SECONDS, "max_starts": DEFAULT_STARTS}
+    judge = Judge(space, read_tasks(asked.tasks), sn.Scene(asked.scene), minimise, options)
     rng, least = plan.rng(92), np.inf
     for _ in range(count):
         combination = space.combinations[int(rng.integers(len(space.combinations)))]

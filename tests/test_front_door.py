@@ -78,3 +78,20 @@ def test_the_import_brings_nothing_heavy() -> None:
     code = "import sys, sinuous; print(sorted({'numpy', 'numba', 'scipy', 'yaml', 'matplotlib'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@with_each(
+    ("old", "new"),
+    [("hangs", "is Robot.has_external_load now"), ("demands", "is private now"), ("least_demanded", "is private now")],
+)
+def test_an_attribute_that_was_renamed_says_its_name(old: str, new: str) -> None:
+    robot = sn.Robot.uniform(2, 50)
+    with pytest.warns(DeprecationWarning, match=rf"^Robot\.{old} {new}$"):
+        value = getattr(robot, old)
+    assert value in (False, (0.0, 0.0))
+
+
+def test_a_solver_answers_to_its_old_names() -> None:
+    with pytest.warns(DeprecationWarning, match=r"^Solver\.once is private now$"):
+        made = sn.Solver.once(sn.Robot.uniform(2, 50))
+    assert isinstance(made, sn.Solver)

@@ -9,17 +9,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.clutter.remembered import targets_about
 from benchmarks.clutter.ways import Row, timed
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.hidden import straight
 from benchmarks.places import Place, make
-from sinuous.answer.status import Status
 from sinuous.base.checks import Floats
-from sinuous.motion.plan import Goal, Planner
-from sinuous.problem.target import Target
-from sinuous.solver.memory import Memory
-from sinuous.solver.solver import Solver
+from sinuous.motion.plan import Goal
 from sinuous.studies.exploring.explore import explore
 
 AGAINST = {"explored": "not explored", "not explored": "not explored"}
@@ -33,12 +30,12 @@ AWAY, TRIES = (0.3, 0.6), 30
 
 def elsewhere(place: Place) -> Floats | None:
     """Return a clear shape (n, 3) whose tip is away from the hidden one; `None` where none is found."""
-    rng, solver = np.random.default_rng(place.seed), Solver(place.robot, place.scene)
+    rng, solver = np.random.default_rng(place.seed), sn.Solver(place.robot, place.scene)
     tip = place.robot.tip(place.hidden_q)[:3, 3]
     for _ in range(TRIES):
         way = rng.normal(size=3)
         far = place.robot.mean_length * rng.uniform(*AWAY)
-        solution = solver.solve(Target(tip + far * way / np.linalg.norm(way)))
+        solution = solver.solve(sn.Target(tip + far * way / np.linalg.norm(way)))
         if solution.solved:
             return np.array(solution.q)
     return None
@@ -49,15 +46,15 @@ def examined(family: str, seed: int, count: int) -> Iterator[Row]:
     place = make(family, seed)
     robot, scene, tolerance = place.robot, place.scene, place.tolerance
     start: Floats | None = straight(robot)
-    plain = Planner(robot, scene, time=SECONDS, tolerance=tolerance)
-    if plain.plan(straight(robot), place.hidden_q).status is Status.START_BLOCKED:
+    plain = sn.Planner(robot, scene, time=SECONDS, tolerance=tolerance)
+    if plain.plan(straight(robot), place.hidden_q).status is sn.Status.START_BLOCKED:
         start = elsewhere(place)
     if start is None:
         return
-    memory = Memory(robot)
-    Solver(robot, scene, memory=memory, tolerance=tolerance).solve(place.targets)
+    memory = sn.Memory(robot)
+    sn.Solver(robot, scene, memory=memory, tolerance=tolerance).solve(place.targets)
     explore(robot, scene, time=PATIENCE, rounds=ROUNDS, memory=memory, starts=start, workers=1)
-    walker = Planner(robot, scene, memory=memory.reading(), time=SECONDS, tolerance=tolerance)
+    walker = sn.Planner(robot, scene, memory=memory.reading(), time=SECONDS, tolerance=tolerance)
     goals: list[Goal] = [
         place.hidden_q,
         *(list(o.targets) for o in targets_about(place, count, np.random.default_rng(seed))),

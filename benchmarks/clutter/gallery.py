@@ -6,20 +6,18 @@ from typing import Annotated
 
 import typer
 
+import sinuous as sn
 from benchmarks.clutter.trials import Task, examine
 from benchmarks.harness.command import command
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES, make
-from sinuous.answer.solution import Solution
 from sinuous.base import checks
 from sinuous.cli.options import check_writable
-from sinuous.solver.solver import Solver
 from sinuous.view.display.bounds import best_view
-from sinuous.view.display.captions import caption
 from sinuous.view.display.contents import gather
-from sinuous.view.pictures.files import check_picture
+from sinuous.view.display.results import caption
+from sinuous.view.pictures.figures import axes_box, check_picture, fill, new_figure
 from sinuous.view.pictures.plot import draw_contents
-from sinuous.view.pictures.space import axes_box, fill, new_figure
 
 SHOWN = {
     **{"spheres 40": 6, "pipe 1.3": 1, "plates": 16, "drum": 1, "shelf": 1, "duct": 1},
@@ -30,10 +28,10 @@ SHOWN = {
 COLUMNS = 4
 
 
-def solved(family: str, number: int) -> Solution:
+def solved(family: str, number: int) -> sn.Solution:
     """Solve one place as a user would; the second time, so that the time is that of a solve and not of loading."""
     place = make(family, number)
-    solver = Solver(place.robot, place.scene, tolerance=place.tolerance)
+    solver = sn.Solver(place.robot, place.scene, tolerance=place.tolerance)
     solver.solve(place.targets)
     return solver.solve(place.targets)
 

@@ -8,13 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.clutter.ways import Row, timed
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places import Place, make
 from benchmarks.places.place import feasible, right
-from sinuous.problem.target import Target
-from sinuous.solver.memory import Memory
-from sinuous.solver.solver import Solver
 
 AGAINST = {"with a memory": "without", "without": "without"}
 
@@ -39,7 +37,7 @@ def targets_about(place: Place, count: int, rng: np.random.Generator) -> Iterato
         q[:, 2] = np.clip(q[:, 2], lengths[:, 0], lengths[:, 1])
         tip = tip_poses(place.robot, q[None])[0]
         direction = None if place.target.direction is None else tip[:3, 2]
-        other = replace(place, targets=(Target(tip[:3, 3], direction=direction),), hidden_q=q)
+        other = replace(place, targets=(sn.Target(tip[:3, 3], direction=direction),), hidden_q=q)
         if feasible(other):
             shapes.append(q)
             yield other
@@ -51,8 +49,8 @@ def examined(family: str, seed: int, count: int) -> Iterator[Row]:
     """Ask all targets of one place."""
     place = make(family, seed)
     others = list(targets_about(place, count, np.random.default_rng(seed)))
-    for way, memory in zip(AGAINST, (Memory(place.robot), None), strict=True):
-        solver = Solver(place.robot, place.scene, memory=memory, tolerance=place.tolerance)
+    for way, memory in zip(AGAINST, (sn.Memory(place.robot), None), strict=True):
+        solver = sn.Solver(place.robot, place.scene, memory=memory, tolerance=place.tolerance)
         solver.solve(place.targets)
         for other in others:
             solution, spent = timed(solver.solve, other.targets)

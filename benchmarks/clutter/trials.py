@@ -5,15 +5,12 @@ from functools import lru_cache
 from time import perf_counter
 from typing import Any, NamedTuple
 
+import sinuous as sn
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right
-from sinuous.answer.status import Status
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Tolerance
-from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver
 
-IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)
+IMPOSSIBLE = (sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED, sn.Status.NO_ROUTE)
 """What no place may be called: there is the hidden shape."""
 
 
@@ -99,10 +96,12 @@ def examine(task: Task) -> Trial:
     )
 
 
-def _prepared(robot: Robot, scene: Scene, tolerance: Tolerance, without: tuple[str, ...]) -> tuple[Solver, float]:
+def _prepared(
+    robot: sn.Robot, scene: sn.Scene, tolerance: sn.Tolerance, without: tuple[str, ...]
+) -> tuple[Solver, float]:
     """Return the solver that a user gets, and the seconds that it took to make."""
     began = perf_counter()
-    solver = Solver(robot, Scene(scene.obstacles), tolerance=tolerance, without=without)
+    solver = Solver(robot, sn.Scene(scene.obstacles), tolerance=tolerance, without=without)
     return solver, perf_counter() - began
 
 
@@ -111,7 +110,7 @@ _shared = lru_cache(maxsize=16)(_prepared)
 
 
 @lru_cache(maxsize=2)
-def _local(robot: Robot, scene: Scene, tolerance: Tolerance) -> Solver:
+def _local(robot: sn.Robot, scene: sn.Scene, tolerance: sn.Tolerance) -> Solver:
     """Return a solver without routes, which follows one start."""
     return Solver(robot, scene, tolerance=tolerance, max_starts=1, routes=False)
 

@@ -184,7 +184,7 @@ def _ticks(robot: sn.Robot, scene: sn.Scene, q: Any, target: Any, number: int, b
             given["twist"] = rng.normal(size=6) * ([1.0] * 3 + [unit] * 3)
         else:
             given["target"] = target
-        if kind == 2 and found and not robot.hangs:
+        if kind == 2 and found and not robot.has_external_load:
             given["measured"] = robot.tip(found[-1].q)[:3, 3] + 1e-3 * unit * rng.normal(size=3)
         found.append(solver.step(found[-1] if found else q, **given))
     return found

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.derivatives.differences import (
     ALL,
     SHARES,
@@ -21,12 +22,8 @@ from benchmarks.derivatives.differences import (
 from benchmarks.derivatives.families import FAMILIES, SHAPES, draw, loaded, preferred, solver_for
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from sinuous.answer.solution import Solution
 from sinuous.base.arguments import LoadParameter
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, NotSolvedError
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
 from sinuous.statics.equilibrium import find_equilibrium
 from sinuous.statics.response import GROUPS as LOADS
 
@@ -105,9 +102,9 @@ def _clearances(rng: Generator) -> Iterator[Compared]:
         yield Compared(True, error)
 
 
-def _gap_at(found: Solution, way: Tangent, h: float, motion: Floats) -> float:
+def _gap_at(found: sn.Solution, way: Tangent, h: float, motion: Floats) -> float:
     asked = question(found, way, h)
-    return float(least_gaps(Problem(asked.robot, asked.targets, asked.scene), (found.q + h * motion)[None])[0])
+    return float(least_gaps(sn.Problem(asked.robot, asked.targets, asked.scene), (found.q + h * motion)[None])[0])
 
 
 def _preferred(rng: Generator) -> Iterator[Compared]:
@@ -130,7 +127,7 @@ def _loaded(rng: Generator) -> Iterator[Compared]:
     """Of shapes under load: one parameter each, against shapes that are found anew, with two steps."""
     try:
         found = loaded(rng)
-    except (InputError, NotSolvedError):
+    except (sn.InputError, sn.NotSolvedError):
         return
     groups: tuple[LoadParameter, ...] = "loads", "payload", "gravity", "stiffness", "base", "q"
     derivative = found.derivative(groups)
@@ -147,7 +144,7 @@ def _loaded(rng: Generator) -> Iterator[Compared]:
         yield Compared(True, float(np.abs(derivative.states[name][..., i] - change).max() / scale))
 
 
-def _some(family: str, rng: Generator) -> Iterator[Solution]:
+def _some(family: str, rng: Generator) -> Iterator[sn.Solution]:
     """An answer of a family, and others beside it."""
     first = draw(family, rng)
     if first is None:
@@ -164,12 +161,12 @@ def _some(family: str, rng: Generator) -> Iterator[Solution]:
             yield found
 
 
-def _at(found: Solution, i: int, q: Floats) -> Target:
+def _at(found: sn.Solution, i: int, q: Floats) -> sn.Target:
     """What a target asks for, where a configuration has it."""
     target, robot = found.problem.targets[i], found.problem.robot
     last = target.segment is None or target.segment == len(robot)
     pose = robot.tip(q) if last else robot.forward(q)[(target.segment or 0) - 1]
-    return Target(
+    return sn.Target(
         None if target.position is None else pose[:3, 3],
         direction=None if target.direction is None else pose[:3, 2],
         rotation=None if target.rotation is None else pose[:3, :3],

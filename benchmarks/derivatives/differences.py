@@ -7,19 +7,14 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
+import sinuous as sn
 from benchmarks.derivatives.families import solver_for
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
-from sinuous.answer.solution import Solution
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
 from sinuous.kernels.tables import LENGTH_SCALE
 from sinuous.model.actuators import Lines
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
 from sinuous.scene.moving import moved
 from sinuous.scene.obstacles import Obstacle
 
@@ -34,13 +29,13 @@ neighbourhood in which the answer is smooth, a small one drowns in rounding."""
 class Question(NamedTuple):
     """A robot, targets and obstacles, and where to begin."""
 
-    robot: Robot
-    targets: list[Target]
+    robot: sn.Robot
+    targets: list[sn.Target]
     scene: list[Obstacle]
     initial: Floats
 
 
-def random_tangent(found: Solution, rng: Generator) -> Tangent:
+def random_tangent(found: sn.Solution, rng: Generator) -> Tangent:
     """Let all parameters move at once: by rad, and by mean lengths of the robot."""
     robot, problem = found.problem.robot, found.problem
     size, n = robot.mean_length, len(robot)
@@ -69,7 +64,7 @@ def random_tangent(found: Solution, rng: Generator) -> Tangent:
     }
 
 
-def _of_circles(robot: Robot, ends: Floats) -> Floats:
+def _of_circles(robot: sn.Robot, ends: Floats) -> Floats:
     """Let the limits of all lines of a circle move alike: those of the tendons and of the chambers of each segment."""
     kinds = ("tendon", "chamber", "stage", "linear")
     return np.ravel([ends[each.segment - 1, kinds.index(each.kind)] for each in robot.actuators])
@@ -100,7 +95,7 @@ def _place_of(obstacle: Obstacle) -> Floats:
     return np.zeros(3)
 
 
-def _segment(robot: Robot, k: int, way: Tangent, h: float) -> Segment:
+def _segment(robot: sn.Robot, k: int, way: Tangent, h: float) -> sn.Segment:
     own = robot.segments[k]
     low, high = own.length
     shift = h * way["lengths"][k] if "lengths" in way else 0.0
@@ -127,12 +122,12 @@ def _segment(robot: Robot, k: int, way: Tangent, h: float) -> Segment:
     return changed
 
 
-def _circle(robot: Robot, k: int, kind: str, lines: Lines, way: Tangent, h: float) -> Lines:
+def _circle(robot: sn.Robot, k: int, kind: str, lines: Lines, way: Tangent, h: float) -> Lines:
     number = [(kind, k) == each[:2] for each in circles_of(robot)].index(True)
     return lines.changed(radius=lines.radius + h * way["tendons"][number]) if "tendons" in way else lines
 
 
-def _targets(found: Solution, way: Tangent, h: float) -> list[Target]:
+def _targets(found: sn.Solution, way: Tangent, h: float) -> list[sn.Target]:
     listed, at = [], 0
     for own in found.problem.targets:
         position, turned = own.position, own
@@ -145,14 +140,14 @@ def _targets(found: Solution, way: Tangent, h: float) -> list[Target]:
             turn, at = Rotation.from_rotvec(h * way["target"][at : at + 3]).as_matrix(), at + 3
             axis = None if own.direction is None else turn @ own.direction
             matrix = None if own.rotation is None else turn @ own.rotation
-            turned = Target(position, direction=axis, rotation=matrix, segment=own.segment)
+            turned = sn.Target(position, direction=axis, rotation=matrix, segment=own.segment)
         else:
-            turned = Target(position, segment=own.segment)
+            turned = sn.Target(position, segment=own.segment)
         listed.append(turned)
     return listed
 
 
-def question(found: Solution, way: Tangent, h: float) -> Question:
+def question(found: sn.Solution, way: Tangent, h: float) -> Question:
     """Return what was asked, after the parameters have moved by `h` times a tangent."""
     robot, scene = found.problem.robot, list(found.problem.scene.obstacles)
     changed = robot.changed(segments=[_segment(robot, k, way, h) for k in range(len(robot))])
@@ -180,29 +175,29 @@ def question(found: Solution, way: Tangent, h: float) -> Question:
     return Question(changed, _targets(found, way, h), scene, q)
 
 
-def again(found: Solution, way: Tangent, h: float) -> Floats | None:
+def again(found: sn.Solution, way: Tangent, h: float) -> Floats | None:
     """Solve what was asked after the parameters have moved; nothing where that is impossible or fails."""
     try:
         asked = question(found, way, h)
         again = solver_for(asked.robot, asked.scene).solve(asked.targets, asked.initial)
-    except InputError:
+    except sn.InputError:
         return None
     return again.q if again.solved else None
 
 
-def minimum_again(found: Solution, way: Tangent, h: float) -> Floats | None:
+def minimum_again(found: sn.Solution, way: Tangent, h: float) -> Floats | None:
     """Find the minimum of what is preferred after the parameters have moved, from where it was."""
     wish, near = found._wish(), found.derivative().configuration
     if wish is None or wish.reference is None:
         return None
     asked = question(found, way, h)
     begin, reference = near + asked.initial - found.q, wish.reference + asked.initial - found.q
-    problem = Problem(asked.robot, asked.targets, asked.scene, found.problem.tolerance)
+    problem = sn.Problem(asked.robot, asked.targets, asked.scene, found.problem.tolerance)
     moved = derivative_of(problem, begin, "target", True, wish._replace(reference=reference))
     return moved.configuration if moved.regular else None
 
 
-def least_gaps(problem: Problem, q: Floats) -> Floats:
+def least_gaps(problem: sn.Problem, q: Floats) -> Floats:
     """Least distances (m,) of bodies (m, n, 3) from the obstacles, densely sampled and then refined.
 
     Each segment is refined by itself: the nearest place may be just before the end of one.
@@ -237,7 +232,7 @@ class Agreement(NamedTuple):
     step: float
 
 
-def agreement(found: Solution, motion: Floats, way: Tangent, one_sided: bool = False) -> Agreement:
+def agreement(found: sn.Solution, motion: Floats, way: Tangent, one_sided: bool = False) -> Agreement:
     """Compare a derivative (n, 3) along a tangent with central differences, or with those to one side."""
 
     def difference(h: float) -> Floats | None:
@@ -248,7 +243,7 @@ def agreement(found: Solution, motion: Floats, way: Tangent, one_sided: bool = F
     return _best(found, motion, difference)
 
 
-def agreement_of_minima(found: Solution, motion: Floats, way: Tangent) -> Agreement:
+def agreement_of_minima(found: sn.Solution, motion: Floats, way: Tangent) -> Agreement:
     """Compare it with differences of minima of what is preferred: near straight shapes they curve, so two steps."""
 
     def difference(h: float) -> Floats | None:
@@ -261,7 +256,7 @@ def agreement_of_minima(found: Solution, motion: Floats, way: Tangent) -> Agreem
     return _best(found, motion, difference)
 
 
-def _best(found: Solution, motion: Floats, difference: Callable[[float], Floats | None]) -> Agreement:
+def _best(found: sn.Solution, motion: Floats, difference: Callable[[float], Floats | None]) -> Agreement:
     """How well a derivative agrees at the step at which it does so best."""
     scale = np.array([1.0, 1.0, found.problem.robot.mean_length])
     best = Agreement(np.inf, np.nan)

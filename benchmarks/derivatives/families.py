@@ -7,48 +7,20 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
-from sinuous.answer.solution import Solution
+import sinuous as sn
+from benchmarks.places.scans import CORNERS, FACES
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
 from sinuous.kernels.packing import MARGIN
-from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.loads import Force, Payload
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment, Stiffness
-from sinuous.problem.problem import Preferences, Problem
-from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.solver.solver import Solver
-from sinuous.statics.equilibrium import Equilibrium
+from sinuous.scene.obstacles import Obstacle
 
 EXACT = 1e-12
 """Tolerances of answers and of their differences: mean lengths of the robot, rad."""
 
-CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-FACES = np.array(
-    [
-        [0, 1, 3],
-        [0, 3, 2],
-        [4, 6, 7],
-        [4, 7, 5],
-        [0, 4, 5],
-        [0, 5, 1],
-        [2, 3, 7],
-        [2, 7, 6],
-        [0, 2, 6],
-        [0, 6, 4],
-        [1, 5, 7],
-        [1, 7, 3],
-    ]
-)
-"""A cube of edge 1."""
 
-
-def solver_for(robot: Robot, scene: list[Obstacle]) -> Solver:
+def solver_for(robot: sn.Robot, scene: list[Obstacle]) -> sn.Solver:
     """Return a solver that meets targets to rounding."""
-    tolerance = Tolerance(EXACT * robot.mean_length, EXACT)
-    return Solver(robot, scene, tolerance=tolerance, routes=False, max_starts=8)
+    tolerance = sn.Tolerance(EXACT * robot.mean_length, EXACT)
+    return sn.Solver(robot, scene, tolerance=tolerance, routes=False, max_starts=8)
 
 
 def unit(rng: Generator, across: Floats | None = None) -> Floats:
@@ -67,22 +39,22 @@ def _placed(size: float, rng: Generator) -> Floats:
     return turned
 
 
-def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> Robot:
+def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> sn.Robot:
     """Return a robot in any unit, anywhere: 2 to 6 segments, some of which stretch, some with a tool."""
     size = 10.0 ** rng.uniform(-2.0, 3.0)
     segments = []
     for _ in range(int(rng.integers(2, 7))):
         length = size * rng.uniform(0.5, 1.5)
         span = (0.6 * length, 1.4 * length) if rng.random() < 0.6 else length
-        tendons = Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
-        chambers = Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
-        segments.append(Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
+        tendons = sn.Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
+        chambers = sn.Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
+        segments.append(sn.Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
     tool = _placed(0.3 * size, rng) if rng.random() < 0.5 else None
     base = _placed(2.0 * size, rng)
-    return Robot(segments, base=base, tool=tool)
+    return sn.Robot(segments, base=base, tool=tool)
 
 
-def random_shape(robot: Robot, rng: Generator) -> Floats:
+def random_shape(robot: sn.Robot, rng: Generator) -> Floats:
     """Return a configuration (n, 3) well within the limits."""
     bends = rng.normal(size=(len(robot), 2))
     bends *= rng.uniform(0.2, 0.7, size=(len(robot), 1)) * robot.limits[:, 2:3] / np.linalg.norm(bends, axis=1)[:, None]
@@ -91,33 +63,33 @@ def random_shape(robot: Robot, rng: Generator) -> Floats:
     return np.column_stack([bends, lengths])
 
 
-def targets_at(robot: Robot, q: Floats, rng: Generator) -> list[Target]:
+def targets_at(robot: sn.Robot, q: Floats, rng: Generator) -> list[sn.Target]:
     """Return targets that a configuration meets, of no more numbers than can be moved."""
     tip = robot.tip(q)
     free = int((robot.limits[:, 5:7] > 0.0) @ [2, 1] @ np.ones(len(robot)))
     kind = rng.integers(0, 5)
     if kind == 0 and free > 5:
-        targets = [Target(tip[:3, 3], direction=tip[:3, 2])]
+        targets = [sn.Target(tip[:3, 3], direction=tip[:3, 2])]
     elif kind == 1 and free > 6:
-        targets = [Target(tip[:3, 3], rotation=tip[:3, :3])]
+        targets = [sn.Target(tip[:3, 3], rotation=tip[:3, :3])]
     elif kind == 2:
-        targets = [Target(direction=tip[:3, 2])]
+        targets = [sn.Target(direction=tip[:3, 2])]
     elif kind == 3 and free > 6 and len(robot) > 2:
         elbow = robot.forward(q)[len(robot) - 2, :3, 2]
-        targets = [Target(tip[:3, 3]), Target(direction=elbow, segment=len(robot) - 1)]
+        targets = [sn.Target(tip[:3, 3]), sn.Target(direction=elbow, segment=len(robot) - 1)]
     else:
-        targets = [Target(tip[:3, 3])]
+        targets = [sn.Target(tip[:3, 3])]
     return targets
 
 
-def free(rng: Generator) -> Solution:
+def free(rng: Generator) -> sn.Solution:
     """Nothing is active."""
     robot = random_robot(rng, lines=rng.random() < 0.3)
     q = random_shape(robot, rng)
     return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
 
 
-def at_limits(rng: Generator) -> Solution:
+def at_limits(rng: Generator) -> sn.Solution:
     """Some segments are at limits of their bends, curvatures or lengths."""
     robot = random_robot(rng)
     q = random_shape(robot, rng)
@@ -135,7 +107,7 @@ def at_limits(rng: Generator) -> Solution:
     return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
 
 
-def at_actuators(rng: Generator) -> Solution:
+def at_actuators(rng: Generator) -> sn.Solution:
     """Some tendons and chambers are at their limits."""
     robot = random_robot(rng, lines=True)
     q = random_shape(robot, rng)
@@ -150,64 +122,45 @@ def at_actuators(rng: Generator) -> Solution:
     return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
 
 
-def _sphere(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return Sphere(p + (away + size) * normal, size)
+def _frame(z: Floats, rng: Generator) -> Floats:
+    x = unit(rng, z)
+    return np.column_stack([x, np.cross(z, x), z])
 
 
-def _hollow(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return Sphere(p + (away - 20.0 * size) * normal, 20.0 * size, inside=True)
-
-
-def _box(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return Box(p + (away + size) * normal, (2.0 * size, 2.0 * size, 2.0 * size), _frame(normal, rng))
+Place = Callable[[Floats, Floats, float, float, Generator], Obstacle]
+"""From a point, a normal, how far away, a size and random numbers to an obstacle that begins there."""
 
 
 def _edge(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
     turned = _frame(normal, rng) @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
     edges = (np.array([0.0, y, z]) @ turned.T for y in (size, -size) for z in (size, -size))
     least = min(edges, key=lambda edge: edge @ normal)
-    return Box(p + away * normal - least, (2.0 * size, 2.0 * size, 2.0 * size), turned)
+    return sn.Box(p + away * normal - least, np.full(3, 2.0 * size), turned)
 
 
-def _cylinder(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    axis = unit(rng, normal)
-    return Cylinder(
-        p + (away + size) * normal - 3.0 * size * axis, p + (away + size) * normal + 3.0 * size * axis, size
-    )
+def _along(kind: type[sn.Cylinder] | type[sn.Capsule], half: float) -> Place:
+    def make(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+        middle, axis = p + (away + size) * normal, unit(rng, normal)
+        return kind(middle - half * size * axis, middle + half * size * axis, size)
+
+    return make
 
 
-def _capsule(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    axis = unit(rng, normal)
-    return Capsule(p + (away + size) * normal - size * axis, p + (away + size) * normal + size * axis, size)
-
-
-def _plane(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    return HalfSpace(p + away * normal, -normal)
-
-
-def _mesh(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    frame = _frame(normal, rng)
-    return Mesh(p + (away + size) * normal + 2.0 * size * CORNERS @ frame.T, FACES)
-
-
-def _frame(z: Floats, rng: Generator) -> Floats:
-    x = unit(rng, z)
-    return np.column_stack([x, np.cross(z, x), z])
-
-
-OBSTACLES: dict[str, Callable[[Floats, Floats, float, float, Generator], Obstacle]] = {
-    "sphere": _sphere,
-    "inside": _hollow,
-    "box": _box,
+OBSTACLES: dict[str, Place] = {
+    "sphere": lambda p, n, away, size, _: sn.Sphere(p + (away + size) * n, size),
+    "inside": lambda p, n, away, size, _: sn.Sphere(p + (away - 20.0 * size) * n, 20.0 * size, inside=True),
+    "box": lambda p, n, away, size, rng: sn.Box(p + (away + size) * n, np.full(3, 2.0 * size), _frame(n, rng)),
     "edge": _edge,
-    "cylinder": _cylinder,
-    "capsule": _capsule,
-    "half_space": _plane,
-    "mesh": _mesh,
+    "cylinder": _along(sn.Cylinder, 3.0),
+    "capsule": _along(sn.Capsule, 1.0),
+    "half_space": lambda p, n, away, _, rng: sn.HalfSpace(p + away * n, -n),
+    "mesh": lambda p, n, away, size, rng: sn.Mesh(
+        p + (away + size) * n + 2.0 * size * CORNERS @ _frame(n, rng).T, FACES
+    ),
 }
 
 
-def touching(kind: str, rng: Generator, beside: float = 0.0, place: float | None = None) -> tuple[Problem, Floats]:
+def touching(kind: str, rng: Generator, beside: float = 0.0, place: float | None = None) -> tuple[sn.Problem, Floats]:
     """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
 
     It does so at the fraction `place` of a segment, by default anywhere but at the ends.
@@ -224,32 +177,32 @@ def touching(kind: str, rng: Generator, beside: float = 0.0, place: float | None
     away = robot.radii[k] + (MARGIN + beside) * robot.mean_length
     size = float(rng.uniform(0.1, 0.4)) * q[k, 2]
     obstacle = OBSTACLES[kind](here[:3, 3], normal, away, size, rng)
-    return Problem(robot, targets_at(robot, q, rng), [obstacle]), q
+    return sn.Problem(robot, targets_at(robot, q, rng), [obstacle]), q
 
 
-def _answer(asked: tuple[Problem, Floats]) -> Solution:
+def _answer(asked: tuple[sn.Problem, Floats]) -> sn.Solution:
     problem, q = asked
     return solver_for(problem.robot, list(problem.scene.obstacles)).solve(list(problem.targets), q)
 
 
-def beside_obstacles(rng: Generator) -> Solution:
+def beside_obstacles(rng: Generator) -> sn.Solution:
     """The body is near obstacles of any kind, and touches none."""
     return _answer(touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0))))
 
 
-def at_obstacles(rng: Generator) -> Solution:
+def at_obstacles(rng: Generator) -> sn.Solution:
     """The body touches an obstacle of any kind, unless the solve moves it away from there."""
     return _answer(touching(str(rng.choice(list(OBSTACLES))), rng))
 
 
-def curled(rng: Generator) -> Solution:
+def curled(rng: Generator) -> sn.Solution:
     """The body is near itself, or touches itself."""
     size = 10.0 ** rng.uniform(-2.0, 3.0)
     gap = float(rng.choice([MARGIN, 1e-3, 1e-2]))
     count, turn = int(rng.integers(4, 7)), rng.uniform(2.2, 2.8)
     lengths = size * rng.uniform(0.9, 1.1, count)
     q = np.column_stack([np.full(count, turn), np.linspace(0.0, 0.8, count), lengths])
-    thin = Robot([Segment((0.8 * each, 1.2 * each), 4.0, radius=1e-9 * size) for each in lengths])
+    thin = sn.Robot([sn.Segment((0.8 * each, 1.2 * each), 4.0, radius=1e-9 * size) for each in lengths])
     points = thin.backbone(q, 40)
     along = np.concatenate([[0.0], np.cumsum(np.repeat(lengths / 40, 40))])
     far = np.abs(along[:, None] - along) > 1.5 * size
@@ -258,7 +211,7 @@ def curled(rng: Generator) -> Solution:
     return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
 
 
-FAMILIES: dict[str, Callable[[Generator], Solution]] = {
+FAMILIES: dict[str, Callable[[Generator], sn.Solution]] = {
     "free": free,
     "limits": at_limits,
     "actuators": at_actuators,
@@ -269,11 +222,11 @@ FAMILIES: dict[str, Callable[[Generator], Solution]] = {
 """Kinds of answers."""
 
 
-def draw(family: str, rng: Generator) -> Solution | None:
+def draw(family: str, rng: Generator) -> sn.Solution | None:
     """Return a solved answer of a family, or nothing where that draw made none."""
     try:
         found = FAMILIES[family](rng)
-    except InputError:
+    except sn.InputError:
         return None
     return found if found.solved else None
 
@@ -285,8 +238,8 @@ SHAPES = {"straight": (1e-4, 1e-2), "bent": (0.5, 2.0), "pi": (3.0, 3.14)}
 class Preferred(NamedTuple):
     """An answer near a start, which is preferred, and so are small bends; and that start (n, 3)."""
 
-    found: Solution
-    prefer: Preferences
+    found: sn.Solution
+    prefer: sn.Preferences
     start: Floats
 
 
@@ -299,16 +252,16 @@ def preferred(shape: str, rng: Generator) -> Preferred:
     q = np.column_stack([ways, low + rng.uniform(0.2, 0.8, len(robot)) * (high - low)])
     q[:, :2] *= rng.uniform(*SHAPES[shape], (len(robot), 1)) / np.linalg.norm(q[:, :2], axis=1, keepdims=True)
     asked = q + 0.02 * rng.normal(size=q.shape) * robot.limits[:, [5, 5, 6]]
-    prefer = Preferences(start=1.0, bends=float(rng.choice([0.0, 0.01])))
-    solver = Solver(robot, tolerance=Tolerance(1e-9 * robot.mean_length, 1e-9), prefer=prefer, routes=False)
+    prefer = sn.Preferences(start=1.0, bends=float(rng.choice([0.0, 0.01])))
+    solver = sn.Solver(robot, tolerance=sn.Tolerance(1e-9 * robot.mean_length, 1e-9), prefer=prefer, routes=False)
     return Preferred(solver.solve(targets_at(robot, asked, rng), q), prefer, q)
 
 
-def loaded(rng: Generator) -> Equilibrium:
+def loaded(rng: Generator) -> sn.Equilibrium:
     """Draw a shape under load: of a robot of 1 to 3 elastic segments, in gravity, with a payload and a force."""
-    rod = Stiffness(bend=1.0, twist=rng.uniform(0.5, 1.5), stretch=10.0 ** rng.uniform(1.0, 3.0))
-    segments = [Segment((0.3, 0.6), radius=0.01)] * int(rng.integers(1, 4))
-    carried = Payload(rng.uniform(0.01, 0.1), 0.02 * rng.normal(size=3))
-    robot = Robot(segments, stiffness=rod, mass=0.3, arcs=4, gravity=3.0 * rng.normal(size=3), payload=carried)
-    loads = [Force(0.5 * rng.normal(size=3), 0.1 * rng.normal(size=3), position=0.05 * rng.normal(size=3))]
+    rod = sn.Stiffness(bend=1.0, twist=rng.uniform(0.5, 1.5), stretch=10.0 ** rng.uniform(1.0, 3.0))
+    segments = [sn.Segment((0.3, 0.6), radius=0.01)] * int(rng.integers(1, 4))
+    carried = sn.Payload(rng.uniform(0.01, 0.1), 0.02 * rng.normal(size=3))
+    robot = sn.Robot(segments, stiffness=rod, mass=0.3, arcs=4, gravity=3.0 * rng.normal(size=3), payload=carried)
+    loads = [sn.Force(0.5 * rng.normal(size=3), 0.1 * rng.normal(size=3), position=0.05 * rng.normal(size=3))]
     return robot.shape(random_shape(robot, rng), loads)

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.harness import machine
-from benchmarks.harness.baseline import Comparison, Figure, check, compare, load, save
+from benchmarks.harness.baseline import Comparison, compare, load, save
 from benchmarks.harness.experiment import Experiment, Findings, Piece
 from benchmarks.harness.journal import Journal, code_version
+from benchmarks.harness.lines import Line
 from benchmarks.harness.report import Report
 from sinuous.base.errors import InputError
 from sinuous.files.results import json_line
@@ -93,7 +94,9 @@ def conduct(experiment: Experiment, output: Output) -> int:
     """
     folder = Path(f"bench-{experiment.name}") if output.folder is None else output.folder
     facts = machine.describe()
-    before = None if output.against is None else _baseline(experiment, facts, output.against)
+    before = None
+    if output.against is not None:  # refused before anything is measured where it does not fit
+        before = load(output.against, "--against", Report(experiment, facts, Findings()).to_dict())
     journal = Journal.open(folder, _settings(experiment, facts), anew=output.anew)
     work = list(experiment.pieces())
     try:
@@ -115,14 +118,6 @@ def conduct(experiment: Experiment, output: Output) -> int:
     return 0 if report.findings.correct and not worse else 1
 
 
-def _baseline(experiment: Experiment, facts: dict[str, str], file: Path) -> list[Figure]:
-    """Figures to compare with, refused before anything is measured where they do not fit."""
-    baseline = load(file, "--against")
-    check(baseline, Report(experiment, facts, Findings()).to_dict(), "--against")
-    figures: list[Figure] = baseline["figures"]
-    return figures
-
-
 def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> None:
     """Measure what the journal lacks."""
     lacking = [(name, measure) for name, measure in work if name not in journal.pieces]
@@ -132,7 +127,7 @@ def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> Non
         journal.add(name, measured)
 
 
-def _compare(experiment: Experiment, journal: Journal, before: list[Figure], output: Output) -> Comparison:
+def _compare(experiment: Experiment, journal: Journal, before: list[Line], output: Output) -> Comparison:
     """Compare; what seems worse is measured again before it counts, for a busy machine slows one piece or another."""
     for _ in range(DOUBTS):
         found = compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)

@@ -1,6 +1,5 @@
 """How large a run is, what its random numbers begin with, and how it shows that it is alive."""
 
-import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeVar
@@ -12,11 +11,8 @@ from rich.progress import Progress
 
 Item = TypeVar("Item")
 
-REFRESH = 0.5
-"""Seconds between two pictures of a progress bar."""
-
-_shown: list[Progress] = []
-"""The display that is open: what runs inside of something else adds its bar to it."""
+_shown: list[str] = []
+"""What has a progress bar."""
 
 
 @dataclass(frozen=True)
@@ -45,30 +41,20 @@ class Plan:
         return np.random.default_rng([self.seed, *stream])
 
     def track(self, items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
-        """Go through items with a progress bar, in terminals.
+        """Go through items with a progress bar, in terminals; what runs within shows none of its own.
 
         The bar has no thread of its own, which would disturb what is timed: it is drawn between two items.
         """
-        if _shown:
-            yield from _bar(_shown[0], items, what, total)
-            return
         console = Console(stderr=True)
-        with Progress(console=console, auto_refresh=False, transient=True, disable=not console.is_terminal) as progress:
-            _shown.append(progress)
-            try:
-                yield from _bar(progress, items, what, total)
-            finally:
-                _shown.clear()
-
-
-def _bar(progress: Progress, items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
-    task = progress.add_task(what, total=total)
-    due = 0.0
-    try:
-        for done, item in enumerate(items):
-            yield item
-            if time.monotonic() >= due:
-                progress.update(task, completed=done + 1, refresh=True)
-                due = time.monotonic() + REFRESH
-    finally:
-        progress.remove_task(task)
+        if not console.is_terminal or _shown:
+            yield from items
+            return
+        _shown.append(what)
+        try:
+            with Progress(console=console, auto_refresh=False, transient=True) as progress:
+                task = progress.add_task(what, total=total)
+                for item in items:
+                    yield item
+                    progress.update(task, advance=1, refresh=True)
+        finally:
+            _shown.clear()

@@ -14,15 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+import sinuous as sn
 from benchmarks.judges.kinematics import arc_ends, segment_ends
 from benchmarks.judges.primitives import Distance, distances_to
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.grids import Field, Grid
-from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
 
 Indices = NDArray[np.intp]
 
@@ -45,7 +41,7 @@ class Clearances:
     scene : Scene
     """
 
-    def __init__(self, robot: Robot, scene: Scene) -> None:
+    def __init__(self, robot: sn.Robot, scene: sn.Scene) -> None:
         self._robot = robot
         exact = [obstacle for obstacle in scene.obstacles if isinstance(obstacle, Primitive)]
         others = [obstacle for obstacle in scene.obstacles if not isinstance(obstacle, Primitive)]
@@ -106,7 +102,7 @@ class _Frames(NamedTuple):
     before: Floats
 
     @classmethod
-    def of(cls, robot: Robot, q: Floats) -> "_Frames":
+    def of(cls, robot: sn.Robot, q: Floats) -> "_Frames":
         return cls(q, segment_ends(robot, q), np.cumsum(q[..., 2], axis=1) - q[..., 2])
 
 
@@ -116,7 +112,7 @@ def _lowest(before: Floats, after: Floats, lengths: Floats) -> Floats:
     return np.where(np.isfinite(before) & np.isfinite(after), 0.5 * (before + after - lengths), one_end)
 
 
-def least_clearance(robot: Robot, scene: Scene, q: Floats, enough: float = math.inf) -> Floats:
+def least_clearance(robot: sn.Robot, scene: sn.Scene, q: Floats, enough: float = math.inf) -> Floats:
     """Return the least clearance (m,) of configurations (m, n, 3); see `Clearances.least`."""
     return Clearances(robot, scene).least(q, enough)
 
@@ -133,7 +129,7 @@ def _primitive(obstacle: Primitive) -> Distance:
 
 
 @distance_of.register
-def _mesh(obstacle: Mesh) -> Distance:
+def _mesh(obstacle: sn.Mesh) -> Distance:
     vertices, faces = np.array(obstacle.vertices), np.array(obstacle.faces)
     tree = igl.AABB()
     tree.init(vertices, faces)
@@ -176,7 +172,7 @@ def _runs(points: Floats, distance: Floats) -> tuple[Indices, Indices]:
 
 
 @distance_of.register
-def _cloud(obstacle: PointCloud) -> Distance:
+def _cloud(obstacle: sn.PointCloud) -> Distance:
     groups = [
         (cKDTree(obstacle.points[obstacle.radii == radius]), float(radius)) for radius in np.unique(obstacle.radii)
     ]
@@ -184,7 +180,7 @@ def _cloud(obstacle: PointCloud) -> Distance:
 
 
 @distance_of.register
-def _grid(obstacle: Grid) -> Distance:
+def _grid(obstacle: sn.Grid) -> Distance:
     """Distance to occupied cubes: of those whose middle is near enough to be the nearest, exactly."""
     if not obstacle.occupancy:
         raise NotImplementedError("the judge does not know sampled distances")
@@ -208,5 +204,5 @@ def _cubes(offsets: Floats, half: float) -> float:
 
 
 @distance_of.register
-def _field(obstacle: Field) -> Distance:
+def _field(obstacle: sn.Field) -> Distance:
     return lambda points: np.asarray(obstacle.function(points), np.float64)

@@ -12,16 +12,12 @@ from functools import cached_property, lru_cache, partial, singledispatch
 import fcl
 import numpy as np
 
+import sinuous as sn
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import body_points
 from sinuous.base.checks import Floats
 from sinuous.model.poses import least_rotation
-from sinuous.model.robot import Robot
-from sinuous.scene.grids import Field, Grid
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle, Primitive
 
 FEWEST_SAMPLES = 50
 """Intervals between balls, a segment."""
@@ -44,14 +40,14 @@ class Body:
         Whether to measure clearances from exact shapes, too, at very many places.
     """
 
-    def __init__(self, robot: Robot, scene: Scene, thorough: bool = False) -> None:
+    def __init__(self, robot: sn.Robot, scene: sn.Scene, thorough: bool = False) -> None:
         self._robot = robot
         for obstacle in scene.obstacles:
-            if isinstance(obstacle, Sphere | Cylinder):
+            if isinstance(obstacle, sn.Sphere | sn.Cylinder):
                 _outside_only(obstacle)
         self._obstacles = scene.obstacles
         rich = [o for o in scene.obstacles if thorough or not isinstance(o, Primitive)]
-        self._clearances = Clearances(robot, Scene(rich)) if rich else None
+        self._clearances = Clearances(robot, sn.Scene(rich)) if rich else None
         self._grace = GRACE * robot.mean_length
         self._samples = _samples_of(robot)
 
@@ -110,7 +106,7 @@ def _manager(objects: list[fcl.CollisionObject]) -> fcl.DynamicAABBTreeCollision
     return manager
 
 
-def _samples_of(robot: Robot) -> int:
+def _samples_of(robot: sn.Robot) -> int:
     """So many that neighbouring balls are at most half a radius apart, within reason."""
     wanted = max(
         2.0 * segment.length[1] / radius if radius > 0.0 else MOST_SAMPLES
@@ -119,10 +115,10 @@ def _samples_of(robot: Robot) -> int:
     return int(np.clip(np.ceil(wanted), FEWEST_SAMPLES, MOST_SAMPLES))
 
 
-def _reach(robot: Robot, obstacles: Sequence[Obstacle]) -> float:
+def _reach(robot: sn.Robot, obstacles: Sequence[Obstacle]) -> float:
     """Return a length that neither the robot nor a room around it exceeds."""
     longest = sum(segment.length[1] for segment in robot.segments) + max(robot.radii)
-    rooms = [float(np.linalg.norm(o.size)) for o in obstacles if isinstance(o, Box) and o.inside]
+    rooms = [float(np.linalg.norm(o.size)) for o in obstacles if isinstance(o, sn.Box) and o.inside]
     return max([longest, *rooms])
 
 
@@ -135,18 +131,18 @@ def _shapes(obstacle: Obstacle, size: float) -> list[Shape]:
     raise NotImplementedError(f"the judge does not know {type(obstacle).__name__}")
 
 
-def _outside_only(obstacle: Sphere | Cylinder) -> None:
+def _outside_only(obstacle: sn.Sphere | sn.Cylinder) -> None:
     if obstacle.inside:
         raise NotImplementedError(f"the judge does not know how to be inside a {type(obstacle).__name__}")
 
 
 @_shapes.register
-def _sphere(obstacle: Sphere, size: float) -> list[Shape]:
+def _sphere(obstacle: sn.Sphere, size: float) -> list[Shape]:
     return [(fcl.Sphere(obstacle.radius), fcl.Transform(obstacle.center))]
 
 
 @_shapes.register
-def _box(obstacle: Box, size: float) -> list[Shape]:
+def _box(obstacle: sn.Box, size: float) -> list[Shape]:
     if not obstacle.inside:
         return [(fcl.Box(*obstacle.size), fcl.Transform(obstacle.rotation, obstacle.center))]
     axes = [*obstacle.rotation.T, *-obstacle.rotation.T]
@@ -155,24 +151,24 @@ def _box(obstacle: Box, size: float) -> list[Shape]:
 
 
 @_shapes.register
-def _capsule(obstacle: Capsule, size: float) -> list[Shape]:
+def _capsule(obstacle: sn.Capsule, size: float) -> list[Shape]:
     length, place = _along(obstacle.start, obstacle.end)
     return [(fcl.Capsule(obstacle.radius, length), place)]
 
 
 @_shapes.register
-def _cylinder(obstacle: Cylinder, size: float) -> list[Shape]:
+def _cylinder(obstacle: sn.Cylinder, size: float) -> list[Shape]:
     length, place = _along(obstacle.start, obstacle.end)
     return [(fcl.Cylinder(obstacle.radius, length), place)]
 
 
 @_shapes.register
-def _half_space(obstacle: HalfSpace, size: float) -> list[Shape]:
+def _half_space(obstacle: sn.HalfSpace, size: float) -> list[Shape]:
     return [_wall(obstacle.point, obstacle.normal, size)]
 
 
 @_shapes.register
-def _mesh(obstacle: Mesh, size: float) -> list[Shape]:
+def _mesh(obstacle: sn.Mesh, size: float) -> list[Shape]:
     model = fcl.BVHModel()
     model.beginModel(len(obstacle.vertices), len(obstacle.faces))
     model.addSubModel(obstacle.vertices, obstacle.faces)
@@ -180,9 +176,9 @@ def _mesh(obstacle: Mesh, size: float) -> list[Shape]:
     return [(model, fcl.Transform())]
 
 
-@_shapes.register(PointCloud)
-@_shapes.register(Grid)
-@_shapes.register(Field)
+@_shapes.register(sn.PointCloud)
+@_shapes.register(sn.Grid)
+@_shapes.register(sn.Field)
 def _left_to_others(obstacle: Obstacle, size: float) -> list[Shape]:
     return []
 

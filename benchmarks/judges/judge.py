@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+import sinuous as sn
 from benchmarks.judges import actuators
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import bend_caps, segment_ends
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, Tolerance
 
 Flags = NDArray[np.bool_]
 
@@ -44,7 +43,7 @@ class Judgement:
 
 
 def judge(
-    robot: Robot, targets: Sequence[Target], q: Floats, tolerance: Tolerance, body: Body | None = None
+    robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance, body: Body | None = None
 ) -> Judgement:
     """Judge one configuration a target.
 
@@ -65,7 +64,7 @@ def judge(
     return Judgement(at_target, within_limits(robot, q), ~touching)
 
 
-def target_errors(robot: Robot, targets: Sequence[Target], q: Floats) -> tuple[Floats, Floats]:
+def target_errors(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats) -> tuple[Floats, Floats]:
     """Distances (m,) and angles (m,) of configurations (m, n, 3) to one target each; 0 where nothing is asked."""
     ends = segment_ends(robot, q)[:, 1:].copy()
     ends[:, -1] = ends[:, -1] @ robot.tool
@@ -75,7 +74,7 @@ def target_errors(robot: Robot, targets: Sequence[Target], q: Floats) -> tuple[F
     return np.array(position), np.array(angle)
 
 
-def _angle(rotation: Floats, target: Target) -> float:
+def _angle(rotation: Floats, target: sn.Target) -> float:
     if target.direction is not None:
         tangent = rotation[:, 2]
         apart, together = np.linalg.norm(tangent - target.direction), np.linalg.norm(tangent + target.direction)
@@ -85,7 +84,7 @@ def _angle(rotation: Floats, target: Target) -> float:
     return 0.0
 
 
-def within_limits(robot: Robot, q: Floats) -> Flags:
+def within_limits(robot: sn.Robot, q: Floats) -> Flags:
     """Say for every configuration (m, n, 3) whether lengths, bends, curvatures and actuators keep their limits."""
     lengths, bends = q[..., 2], np.hypot(q[..., 0], q[..., 1])
     low, high = np.array([segment.length for segment in robot.segments]).T

@@ -4,13 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.judges import self_collision
 from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.scene import Scene
 
 A_STEP = 50
 """Configurations that are looked at in every step."""
@@ -30,19 +29,19 @@ def samples(knots: Floats, count: int | None = None) -> Floats:
     return np.concatenate([*steps, knots[-1:]])
 
 
-def wrong_in(robot: Robot, scene: Scene, knots: Floats, count: int | None = None) -> str:
+def wrong_in(robot: sn.Robot, scene: sn.Scene, knots: Floats, count: int | None = None) -> str:
     """Say what is wrong with a motion through knots (T, n, 3); or nothing. See `wrong_at`."""
     return wrong_at(robot, scene, samples(knots, count))
 
 
-def wrong_at(robot: Robot, scene: Scene, q: Floats) -> str:
+def wrong_at(robot: sn.Robot, scene: sn.Scene, q: Floats) -> str:
     """Say what is wrong with configurations (m, n, 3): limits, an obstacle, the body itself; or nothing."""
     if not within_limits(robot, q).all():
         return "limits"
     return overlap(robot, scene, q, GRACE * robot.mean_length)
 
 
-def overlap(body: Robot, scene: Scene, q: Floats, slack: float) -> str:
+def overlap(body: sn.Robot, scene: sn.Scene, q: Floats, slack: float) -> str:
     """Say whether a body in configurations (m, n, 3) overlaps an obstacle or itself by more than `slack`."""
     if len(scene) and Clearances(needed_body(body), scene).least(q, 0.0).min() < -slack:
         return "overlap"

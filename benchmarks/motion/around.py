@@ -6,18 +6,15 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import cKDTree
 
+import sinuous as sn
 from benchmarks.judges.kinematics import body_points
 from benchmarks.judges.motions import samples
+from benchmarks.places.cells import WALL as WALLS
+from benchmarks.places.cells import Cell, cell_around, common_wall, in_frame
 from benchmarks.places.parts.shapes import curve_of
 from benchmarks.places.parts.surfaces import WALL, open_tube, solid
-from benchmarks.places.traps.cells import WALL as WALLS
-from benchmarks.places.traps.cells import Cell, cell_around, in_frame
-from benchmarks.places.traps.doors import common_wall
-from benchmarks.places.traps.pipes import RINGS
+from benchmarks.places.tubes import RINGS
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Sphere
 
 SAMPLES = 10
 """Intervals of a segment where the body is looked at."""
@@ -62,17 +59,17 @@ PATIENCE = 400
 """Balls that are drawn for each that is wanted."""
 
 
-def swept(robot: Robot, knots: Floats) -> Floats:
+def swept(robot: sn.Robot, knots: Floats) -> Floats:
     """Points (m, 3) of the backbone on the whole way, that no place of it is far from."""
     points, _ = body_points(robot, samples(knots), SAMPLES)
     return points.reshape(-1, 3)
 
 
-def balls(robot: Robot, knots: Floats, rng: Generator, count: int) -> list[Sphere] | None:
+def balls(robot: sn.Robot, knots: Floats, rng: Generator, count: int) -> list[sn.Sphere] | None:
     """Put balls beside shapes of a motion (T, n, 3), clear of all of it; `None` where there is no room for so many."""
     unit, tree = max(robot.radii), cKDTree(swept(robot, knots))
     way = samples(knots)
-    found: list[Sphere] = []
+    found: list[sn.Sphere] = []
     for _ in range(PATIENCE * count):
         size = unit * rng.uniform(SMALLEST, LARGEST)
         gap = unit * (LEAST_GAP + (MOST_GAP - LEAST_GAP) * rng.random() ** 3)
@@ -81,13 +78,13 @@ def balls(robot: Robot, knots: Floats, rng: Generator, count: int) -> list[Spher
         aside = rng.normal(size=3)
         center = points[rng.integers(len(points))] + (size + unit + gap) * aside / np.linalg.norm(aside)
         if tree.query(center)[0] >= size + (1.0 + LEAST_GAP) * unit:
-            found.append(Sphere(center, size))
+            found.append(sn.Sphere(center, size))
             if len(found) == count:
                 return found
     return None
 
 
-def plates(robot: Robot, knots: Floats, rng: Generator) -> list[Box]:
+def plates(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Box]:
     """Put plates of bars across the shape where a motion (T, n, 3) ends, with openings that the motion needs."""
     unit, points = max(robot.radii), swept(robot, knots)
     poses = curve_of(robot, knots[-1], 40).poses
@@ -100,7 +97,7 @@ def plates(robot: Robot, knots: Floats, rng: Generator) -> list[Box]:
     ]
 
 
-def _plate(pose: Floats, points: Floats, unit: float, name: str) -> list[Box]:
+def _plate(pose: Floats, points: Floats, unit: float, name: str) -> list[sn.Box]:
     """Cut a plate across a frame (4, 4) into bars, and leave out what is too near to points (m, 3)."""
     room, thick, width = (1.0 + OPEN) * unit, 0.5 * THICKNESS * unit, BAR * unit
     local = (points - pose[:3, 3]) @ pose[:3, :3]
@@ -110,35 +107,37 @@ def _plate(pose: Floats, points: Floats, unit: float, name: str) -> list[Box]:
     middles = width * (np.arange(count) - 0.5 * (count - 1))
     aside = np.maximum(np.abs(local[:, :2, None] - middles) - 0.5 * width, 0.0)
     near = (aside[:, 0, :, None] ** 2 + aside[:, 1, None, :] ** 2 + deep[:, None, None] ** 2 < room**2).any(axis=0)
-    found: list[Box] = []
+    found: list[sn.Box] = []
     for row in range(count):
         edges = np.flatnonzero(np.diff(np.concatenate([[True], near[row], [True]]).astype(int)))
         for first, last in edges.reshape(-1, 2):
             middle = np.array([middles[row], 0.5 * (middles[first] + middles[last - 1]), 0.0])
             size = np.array([width, (last - first) * width, 2.0 * thick])
-            found.append(Box(pose[:3, 3] + pose[:3, :3] @ middle, size, pose[:3, :3], name=f"{name}, {len(found) + 1}"))
+            found.append(
+                sn.Box(pose[:3, 3] + pose[:3, :3] @ middle, size, pose[:3, :3], name=f"{name}, {len(found) + 1}")
+            )
     return found
 
 
-def door_in(robot: Robot, knots: Floats, rng: Generator) -> list[Box] | None:
+def door_in(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Box] | None:
     """Put a cell with one door around where a motion (T, n, 3) ends; `None` where it needs too wide a door."""
     cells = _cells(robot, knots, rng)
     return None if cells is None else cells[1].boxes("cell")
 
 
-def door_out(robot: Robot, knots: Floats, rng: Generator) -> list[Box] | None:
+def door_out(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Box] | None:
     """Put a cell with one door around the base; `None` as before."""
     cells = _cells(robot, knots, rng)
     return None if cells is None else cells[0].boxes("cell")
 
 
-def two_doors(robot: Robot, knots: Floats, rng: Generator) -> list[Box] | None:
+def two_doors(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Box] | None:
     """Put cells around both ends, whose common wall has a slit, too, that is too narrow; `None` as before."""
     cells = _cells(robot, knots, rng)
     return None if cells is None else common_wall(*cells, min(robot.radii), rng)
 
 
-def _cells(robot: Robot, knots: Floats, rng: Generator) -> tuple[Cell, Cell] | None:
+def _cells(robot: sn.Robot, knots: Floats, rng: Generator) -> tuple[Cell, Cell] | None:
     """Cells on both sides of the middle of a wall: around the base, and around where the motion ends."""
     points, unit = swept(robot, knots), max(robot.radii)
     frame = _ahead(robot, knots, rng)[0]
@@ -156,7 +155,7 @@ def _cells(robot: Robot, knots: Floats, rng: Generator) -> tuple[Cell, Cell] | N
     return None if first is None or other is None else (first, other)
 
 
-def _ahead(robot: Robot, knots: Floats, rng: Generator) -> Floats:
+def _ahead(robot: sn.Robot, knots: Floats, rng: Generator) -> Floats:
     """Frames (m, 4, 4) along the hidden shape, `FINE` a ring, from a little beyond where the tip begins."""
     curve = curve_of(robot, knots[-1], FINE * RINGS)
     tip = curve_of(robot, knots[0], RINGS).points[-1]
@@ -165,7 +164,7 @@ def _ahead(robot: Robot, knots: Floats, rng: Generator) -> Floats:
     return curve.poses[min(begin, len(curve.poses) - 1 - FINE) :].copy()
 
 
-def pipe(robot: Robot, knots: Floats, rng: Generator) -> list[Mesh] | None:
+def pipe(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Mesh] | None:
     """Put a pipe, open at both ends, where a motion (T, n, 3) leads in; `None` as before."""
     unit = max(robot.radii)
     ahead = _ahead(robot, knots, rng)

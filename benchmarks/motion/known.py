@@ -15,13 +15,11 @@ from benchmarks.harness.times import Times
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.around import balls, door_in, door_out, pipe, plates, two_doors
 from benchmarks.motion.hidden import KINDS, THREADING, draw_motion, keeps_apart
-from benchmarks.places.meshed import one_mesh
 from benchmarks.places.parts.robots import longest, robot_of
+from benchmarks.places.scans import one_mesh
 from benchmarks.solvers.parallel import in_processes
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.scene.obstacles import Box, Obstacle
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 
 PLANNED = "plans for which a motion is known: planned and proved within 5 s, and found clear by the judges"
 FALSE = "plans for which a motion is known: called proved, and a judge finds a collision"
@@ -37,15 +35,15 @@ SECONDS = 5.0
 PATIENCE = 300
 """Draws of one place before its family counts as having none."""
 
-Around = Callable[[Robot, Floats, Generator], Sequence[Obstacle] | None]
+Around = Callable[[sn.Robot, Floats, Generator], Sequence[Obstacle] | None]
 """From a robot and the knots of a motion (T, n, 3) to what stands around it; `None` where there is no room."""
 
 
 class Hidden(NamedTuple):
     """A robot among obstacles, and a motion (T, n, 3) that the judges find clear."""
 
-    robot: Robot
-    scene: Scene
+    robot: sn.Robot
+    scene: sn.Scene
     knots: Floats
 
 
@@ -72,20 +70,20 @@ class Family(NamedTuple):
 
     kind: str
     around: Around
-    robots: Callable[[int, Generator], Robot] = robot_of
+    robots: Callable[[int, Generator], sn.Robot] = robot_of
 
 
-def _meshed(walls: Callable[[Robot, Floats, Generator], list[Box] | None]) -> Around:
+def _meshed(walls: Callable[[sn.Robot, Floats, Generator], list[sn.Box] | None]) -> Around:
     """The same walls as one mesh."""
 
-    def around(robot: Robot, knots: Floats, rng: Generator) -> list[Obstacle] | None:
+    def around(robot: sn.Robot, knots: Floats, rng: Generator) -> list[Obstacle] | None:
         boxes = walls(robot, knots, rng)
         return None if boxes is None else [one_mesh(boxes, robot)]
 
     return around
 
 
-_DOORS: dict[str, Callable[[Robot, Floats, Generator], list[Box] | None]] = {
+_DOORS: dict[str, Callable[[sn.Robot, Floats, Generator], list[sn.Box] | None]] = {
     "door in": door_in,
     "door out": door_out,
     "two doors": two_doors,
@@ -124,7 +122,7 @@ def make(family: str, seed: int) -> Hidden:
         obstacles = around(robot, knots, rng)
         if obstacles is None or not keeps_apart(robot, knots):
             continue
-        scene = Scene(list(obstacles))
+        scene = sn.Scene(list(obstacles))
         if not wrong_in(robot, scene, knots):
             return Hidden(robot, scene, knots)
     raise RuntimeError(f"{family} has no place for seed {seed}")

@@ -25,7 +25,6 @@ from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import peers
 from benchmarks.solvers.parallel import in_processes
 from sinuous.base.checks import Floats
-from sinuous.motion.plan import Planner
 
 RADIUS = 0.05
 
@@ -131,7 +130,7 @@ def examine(task: Task) -> Trial:
     """Draw a pair, plan the way from one to the other, and judge it."""
     _load(task.segments)
     pair = draw(task.segments, task.density, task.number, task.seed)
-    planner = Planner(pair.robot, pair.scene, time=SECONDS, shortcuts=task.shortcuts)
+    planner = sn.Planner(pair.robot, pair.scene, time=SECONDS, shortcuts=task.shortcuts)
     goal = pair.target if task.to_target else pair.goal
     began = perf_counter()
     motion = planner.plan(pair.start, goal)
@@ -146,7 +145,7 @@ def _load(segments: int) -> None:
     """Load the kernels in this process, so that no measured plan does."""
     pair = draw(segments, 1, 0, 2**30)
     sn.Solver(pair.robot, pair.scene)  # with the search for routes, which a planner leaves until a target needs it
-    planner = Planner(pair.robot, pair.scene)
+    planner = sn.Planner(pair.robot, pair.scene)
     planner.plan(pair.start, pair.goal)
     planner.plan(pair.start, pair.target)
 

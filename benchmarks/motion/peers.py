@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
+import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
-from sinuous.model.robot import Robot
-from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import Prover
 
 PLANNERS = ("RRTConnect", "BITstar")
@@ -23,7 +22,9 @@ def installed() -> bool:
     return find_spec("ompl") is not None
 
 
-def plan_all(robot: Robot, scene: Scene, start: Floats, goal: Floats, seconds: float) -> dict[str, tuple[float, bool]]:
+def plan_all(
+    robot: sn.Robot, scene: sn.Scene, start: Floats, goal: Floats, seconds: float
+) -> dict[str, tuple[float, bool]]:
     """Return the time that each planner took from one configuration (n, 3) to another, and whether it found a way."""
     return {name: _plan(name, _checker(robot, scene), start, goal, seconds) for name in PLANNERS} if installed() else {}
 
@@ -53,7 +54,7 @@ def _plan(name: str, clear: Callable[..., bool], start: Floats, goal: Floats, se
     return perf_counter() - began, bool(setup.haveExactSolutionPath())
 
 
-def _checker(robot: Robot, scene: Scene) -> Callable[..., bool]:
+def _checker(robot: sn.Robot, scene: sn.Scene) -> Callable[..., bool]:
     prover = Prover(robot, scene.snapshot())
 
     def clear(one: Floats, other: Floats | None = None) -> bool:

@@ -16,8 +16,6 @@ from benchmarks.judges.motions import wrong_in
 from benchmarks.paper.scenes import path_through
 from benchmarks.problems import ProblemSet
 from benchmarks.solvers.parallel import in_processes
-from sinuous.answer.solution import Solution
-from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
 
 SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12
@@ -134,27 +132,27 @@ def follow(path: Path) -> Followed:
     )
 
 
-def _track(problems: ProblemSet) -> tuple[Motion, list[float]]:
+def _track(problems: ProblemSet) -> tuple[sn.Motion, list[float]]:
     """Follow a path; return the motion, and the seconds of each waypoint with all that was proved of the way there."""
     stamps = [perf_counter()]
 
-    def stamp(_: Solution) -> None:
+    def stamp(_: sn.Solution) -> None:
         stamps.append(perf_counter())
 
     motion = sn.track(problems.robot, problems.targets, problems.scene, tolerance=problems.tolerance, progress=stamp)
     return motion, np.diff(stamps).tolist()
 
 
-def _unproved(motion: Motion) -> int:
+def _unproved(motion: sn.Motion) -> int:
     """How many waypoints come after a step that is not proved, one each."""
     return len({int(np.searchsorted(_knots(motion), step)) for step in motion.unproved_steps})
 
 
-def _knots(motion: Motion) -> list[int]:
+def _knots(motion: sn.Motion) -> list[int]:
     return [knot for knot in motion.waypoint_knots if knot is not None]
 
 
-def _proved_runs(motion: Motion) -> Iterator[np.ndarray]:
+def _proved_runs(motion: sn.Motion) -> Iterator[np.ndarray]:
     """Knots of the longest stretches that are proved."""
     begin = 0
     for step in (*motion.unproved_steps, len(motion.q)):
@@ -163,7 +161,7 @@ def _proved_runs(motion: Motion) -> Iterator[np.ndarray]:
         begin = step
 
 
-def _missed(problems: ProblemSet, motion: Motion) -> int:
+def _missed(problems: ProblemSet, motion: sn.Motion) -> int:
     """How many waypoints that are called solved the tip misses."""
     count = 0
     for target, solution, knot in zip(problems.targets, motion.solutions, motion.waypoint_knots, strict=True):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.harness.experiment import Experiment, Findings, Piece
 from benchmarks.harness.markdown import figure, span, table
 from benchmarks.harness.plan import Plan
@@ -17,12 +18,8 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.paper.entrants import Entrant, divide, roster
 from benchmarks.problems import ProblemSet
-from sinuous.answer.solution import Solution
 from sinuous.answer.verification import Verification, verify
 from sinuous.base.checks import Floats
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.solver.solver import Solver
 
 BLOCK = 10
 """Problems that a method gets at a time: a minute in which the machine is slow is shared by all."""
@@ -49,7 +46,7 @@ class Judge:
         self._body = Body(problems.robot, problems.scene) if len(problems.scene) else None
         self._seen: dict[tuple[int, bytes], tuple[Verification, bool]] = {}
 
-    def record(self, number: int, solution: Solution, seconds: float) -> Record:
+    def record(self, number: int, solution: sn.Solution, seconds: float) -> Record:
         """Judge the answer to problem `number`.
 
         Of the record, `right` says that `verify()` and the judges of the bench both found the targets met, the limits
@@ -75,7 +72,7 @@ class Judge:
 
     def _look(self, number: int, q: Floats) -> tuple[Verification, bool]:
         p = self.problems
-        found = verify(Problem(p.robot, p.targets[number], p.scene, p.tolerance), q)
+        found = verify(sn.Problem(p.robot, p.targets[number], p.scene, p.tolerance), q)
         return found, bool(judge(p.robot, [p.targets[number]], q[None], p.tolerance, self._body).right[0])
 
 
@@ -94,7 +91,7 @@ def solve_in_turns(
     return records
 
 
-def _undisturbed(solver: Solver, target: Target, start: Solution | None = None) -> tuple[Solution, float]:
+def _undisturbed(solver: sn.Solver, target: sn.Target, start: sn.Solution | None = None) -> tuple[sn.Solution, float]:
     """Solve, and take the time around the call; again where another process had the processor meanwhile."""
     for _ in range(TRIES):
         worked, began = thread_time(), perf_counter()
@@ -113,7 +110,7 @@ def follow_in_turns(
     Of the records, `motion` is how far the point of the backbone that moved most is from where it was at the confirmed
     waypoint before; `prepared`, of the first, the seconds that preparing the method for the scene took, once compiled.
     """
-    prepared, found, tracks = dict[str, float](), dict[str, list[Solution]](), dict[str, Iterator[Solution]]()
+    prepared, found, tracks = dict[str, float](), dict[str, list[sn.Solution]](), dict[str, Iterator[sn.Solution]]()
     for entrant in entrants:
         entrant.solver(problems, seconds, seed)
         began = perf_counter()
@@ -130,9 +127,9 @@ def follow_in_turns(
     return records
 
 
-def _follow(solver: Solver, targets: Sequence[Target]) -> Iterator[Solution]:
+def _follow(solver: sn.Solver, targets: Sequence[sn.Target]) -> Iterator[sn.Solution]:
     """Follow a path as `track` does, with an answer that does not count at the beginning of each block."""
-    start: Solution | None = None
+    start: sn.Solution | None = None
     for i, target in enumerate(targets):
         if i % BLOCK == 0:
             for _ in range(WARM):
@@ -142,7 +139,7 @@ def _follow(solver: Solver, targets: Sequence[Target]) -> Iterator[Solution]:
         yield solution
 
 
-def _judge_track(judge_of: Judge, solutions: Sequence[Solution]) -> list[Record]:
+def _judge_track(judge_of: Judge, solutions: Sequence[sn.Solution]) -> list[Record]:
     records = [judge_of.record(i, one, one.seconds) for i, one in enumerate(solutions)]
     for i, j in pairwise([i for i, record in enumerate(records) if record["right"]]):
         before, after = judge_of.problems.robot.backbone(np.stack([solutions[i].q, solutions[j].q]), 4)

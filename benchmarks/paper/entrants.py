@@ -6,20 +6,16 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
+import sinuous as sn
 from benchmarks.harness.markdown import table
 from benchmarks.problems import ProblemSet
-from sinuous.base.errors import InputError
 from sinuous.files.nouns import read_robot
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.learned.network import Network
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import train
 from sinuous.methods.opti_path.options import OptiPath
+from sinuous.methods.prepared import Capabilities
 from sinuous.methods.registry import METHODS, capabilities, name_of
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Tolerance
-from sinuous.scene.scene import Scene
-from sinuous.solver.solver import Solver
 
 STEP, ALONE = "learned, one step", "learned, alone"
 """Labels of the method that has learned with one step after the answer of its network, and with none."""
@@ -44,7 +40,7 @@ class Entrant:
 
     label: str
     method: Any
-    tolerance: Tolerance | None = None
+    tolerance: sn.Tolerance | None = None
 
     @property
     def capabilities(self) -> Capabilities:
@@ -58,13 +54,13 @@ class Entrant:
             return ("length",)
         return self.capabilities.limits
 
-    def solver(self, problems: ProblemSet, seconds: float, seed: int) -> Solver:
+    def solver(self, problems: ProblemSet, seconds: float, seed: int) -> sn.Solver:
         """Prepare it, to spend at most `seconds` on a solve."""
         method = self.method
         if isinstance(method, Learned):
             place = problems.scene if len(problems.scene) else None
             method = replace(method, network=_trained(json.dumps(problems.robot.to_dict()), place))
-        return Solver(
+        return sn.Solver(
             problems.robot,
             problems.scene,
             tolerance=self.tolerance or problems.tolerance,
@@ -82,17 +78,17 @@ class Entrant:
         learned = isinstance(self.method, Learned)  # from answers among these obstacles
         if len(problems.scene) and not (can.obstacles or learned):
             return "does not avoid obstacles"
-        problem = Problem(problems.robot, problems.targets[0], problems.scene, problems.tolerance)
+        problem = sn.Problem(problems.robot, problems.targets[0], problems.scene, problems.tolerance)
         try:
             can.refuse_robot(name, problems.robot)
             can.refuse_targets(name, problem.rows, len(problems.robot))
-        except InputError as error:
+        except sn.InputError as error:
             return f"{error.key}: takes {error.expected}"
         return ""
 
 
 @lru_cache(32)
-def _trained(robot: str, scene: Scene | None) -> Network:
+def _trained(robot: str, scene: sn.Scene | None) -> Network:
     """What was learned of a robot, given as JSON, in a scene, for all that take part."""
     return train(read_robot(json.loads(robot)), scene)
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.harness.plan import Plan
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.paper.contest import Contest, Record, Records, solve_in_turns
@@ -11,9 +12,6 @@ from benchmarks.paper.entrants import Entrant, entrants
 from benchmarks.paper.pictures import Figure, draw_overview, draw_profiles
 from benchmarks.paper.scenes import FREE_BEND, PAPER_TOLERANCE
 from benchmarks.problems import ProblemSet, among_spheres, arm, direction_targets, random_configurations
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.scene import Scene
 
 BUDGET = 0.05
 """Seconds of one solve, with all its initial configurations."""
@@ -27,36 +25,36 @@ Draw = Callable[[int, Generator], ProblemSet]
 """From how many, and random numbers, to problems."""
 
 
-def _free(robot: Robot, targets: list[Target], tolerance: Tolerance = PAPER_TOLERANCE) -> ProblemSet:
-    return ProblemSet(robot, targets, Scene(), tolerance.for_robot(robot))
+def _free(robot: sn.Robot, targets: list[sn.Target], tolerance: sn.Tolerance = PAPER_TOLERANCE) -> ProblemSet:
+    return ProblemSet(robot, targets, sn.Scene(), tolerance.for_robot(robot))
 
 
-def _directions(robot: Robot, asked: Robot | None = None) -> Draw:
+def _directions(robot: sn.Robot, asked: sn.Robot | None = None) -> Draw:
     """Positions and directions of shapes of one robot, asked of it, or of another."""
     return lambda count, rng: _free(asked or robot, direction_targets(robot, random_configurations(robot, count, rng)))
 
 
 def _exact(count: int, rng: Generator) -> ProblemSet:
-    return _directions(arm(5, BEND))(count, rng).with_tolerance(Tolerance().for_robot(arm(5, BEND)))
+    return _directions(arm(5, BEND))(count, rng).with_tolerance(sn.Tolerance().for_robot(arm(5, BEND)))
 
 
 def _positions(count: int, rng: Generator) -> ProblemSet:
     tips = tip_poses(arm(5, BEND), random_configurations(arm(5, BEND), count, rng))
-    return _free(arm(5, BEND), [Target(tip[:3, 3]) for tip in tips])
+    return _free(arm(5, BEND), [sn.Target(tip[:3, 3]) for tip in tips])
 
 
 def _rotations(count: int, rng: Generator) -> ProblemSet:
     tips = tip_poses(arm(5, BEND), random_configurations(arm(5, BEND), count, rng))
-    return _free(arm(5, BEND), [Target(tip[:3, 3], rotation=tip[:3, :3]) for tip in tips])
+    return _free(arm(5, BEND), [sn.Target(tip[:3, 3], rotation=tip[:3, :3]) for tip in tips])
 
 
-def _spheres(robot: Robot, spheres: int) -> Draw:
+def _spheres(robot: sn.Robot, spheres: int) -> Draw:
     return lambda count, rng: among_spheres(robot, spheres, count, rng).with_tolerance(PAPER_TOLERANCE)
 
 
 def _spheres_positions(count: int, rng: Generator) -> ProblemSet:
     drawn = _spheres(arm(5, BEND, radius=4.0), SPHERES)(count, rng)
-    return ProblemSet(drawn.robot, [Target(t.position) for t in drawn.targets], drawn.scene, drawn.tolerance)
+    return ProblemSet(drawn.robot, [sn.Target(t.position) for t in drawn.targets], drawn.scene, drawn.tolerance)
 
 
 FAMILIES: dict[str, tuple[str, Draw]] = {
@@ -67,7 +65,7 @@ FAMILIES: dict[str, tuple[str, Draw]] = {
     "rotation": ("Position and whole rotation", _rotations),
     "fixed lengths": (
         "Position and direction, lengths fixed at 57.5 mm",
-        _directions(Robot.uniform(5, 57.5, BEND, base=arm(5, BEND).base)),
+        _directions(sn.Robot.uniform(5, 57.5, BEND, base=arm(5, BEND).base)),
     ),
     "20 segments": ("Position and direction, 20 segments, bends to 1.2", _directions(arm(20, 1.2))),
     "spheres, direction": (

@@ -3,17 +3,15 @@
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.problems import PAPER_POSES, ProblemSet, arm
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.obstacles import Obstacle, Sphere
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 
 FREE_BEND = 6.0
 """The paper limits no bends, but its arcs end short of a full turn."""
 
-PAPER_TOLERANCE = Tolerance(1.0, 0.0175)
+PAPER_TOLERANCE = sn.Tolerance(1.0, 0.0175)
 """In mm and rad: the paper's for the orientation; 1 mm for the position, which the published answers are within."""
 
 TOTAL = 480.0
@@ -32,13 +30,15 @@ PATH_GAP, BASE_GAP, BASE_LENGTH = 0.03, 0.03, 0.12
 def paper_pose(name: str, repeats: int) -> ProblemSet:
     """Return one of the paper's poses, so many times over."""
     position, direction = PAPER_POSES[name]
-    return ProblemSet(arm(5, FREE_BEND), [Target(position, direction=direction)] * repeats, Scene(), PAPER_TOLERANCE)
+    return ProblemSet(
+        arm(5, FREE_BEND), [sn.Target(position, direction=direction)] * repeats, sn.Scene(), PAPER_TOLERANCE
+    )
 
 
-def follower(segments: int) -> Robot:
+def follower(segments: int) -> sn.Robot:
     """Return a robot whose lengths may change by a tenth, 1 mm thick, that stands upright."""
     length = TOTAL / segments
-    return Robot.uniform(segments, (0.9 * length, 1.1 * length), FREE_BEND, radius=1.0)
+    return sn.Robot.uniform(segments, (0.9 * length, 1.1 * length), FREE_BEND, radius=1.0)
 
 
 def far_path(points: int = POINTS) -> Floats:
@@ -68,7 +68,7 @@ def path_through(segments: int, spheres: int, rng: Generator, points: int = POIN
             for line, gap in ((path, PATH_GAP), (base, BASE_GAP))
         ]
         if min(gaps) > 0.0:
-            found.append(Sphere(center, radius))
+            found.append(sn.Sphere(center, radius))
     robot = follower(segments)
-    targets = [Target(point) for point in path[:: POINTS // points][:points]]
-    return ProblemSet(robot, targets, Scene(found), Tolerance().for_robot(robot))
+    targets = [sn.Target(point) for point in path[:: POINTS // points][:points]]
+    return ProblemSet(robot, targets, sn.Scene(found), sn.Tolerance().for_robot(robot))

@@ -8,16 +8,13 @@ from zlib import crc32
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.collisions import body_of
 from benchmarks.judges.folds import least_self_clearance
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import segment_ends, tip_poses
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.scene import Scene
 
 PATIENCE = 3000
 """Draws of one place before its family counts as having none."""
@@ -50,14 +47,14 @@ class Place:
 
     family: str
     seed: int
-    robot: Robot
-    scene: Scene
-    targets: tuple[Target, ...]
-    tolerance: Tolerance
+    robot: sn.Robot
+    scene: sn.Scene
+    targets: tuple[sn.Target, ...]
+    tolerance: sn.Tolerance
     hidden_q: Floats
 
     @property
-    def target(self) -> Target:
+    def target(self) -> sn.Target:
         """The target of the tip."""
         return self.targets[-1]
 
@@ -65,14 +62,14 @@ class Place:
 class Sketch(NamedTuple):
     """What a family draws, not yet judged."""
 
-    robot: Robot
+    robot: sn.Robot
     obstacles: Iterable[Obstacle]
     q: Floats
     elbow: int | None = None
     """Segment whose end is asked for too."""
 
 
-def sketch_of(robot: Robot, obstacles: Iterable[Obstacle], q: Floats, rng: Generator) -> Sketch:
+def sketch_of(robot: sn.Robot, obstacles: Iterable[Obstacle], q: Floats, rng: Generator) -> Sketch:
     """Return a sketch; of robots with enough segments, some are asked for an elbow too."""
     asked = len(robot) >= JOINTED and rng.random() < ELBOWS
     return Sketch(robot, obstacles, q, int(rng.integers(len(robot) // 2, len(robot) - 1)) if asked else None)
@@ -82,11 +79,11 @@ Draw = Callable[[int, Generator], Sketch | None]
 """From a seed and its random numbers to a sketch; `None` where the drawing came out impossible."""
 
 
-Trap = Callable[[Robot, Generator], Sketch | None]
+Trap = Callable[[sn.Robot, Generator], Sketch | None]
 """The same for a robot that is given."""
 
 
-def trapped(trap: Trap, robots: Callable[[int, Generator], Robot], seed: int, rng: Generator) -> Sketch | None:
+def trapped(trap: Trap, robots: Callable[[int, Generator], sn.Robot], seed: int, rng: Generator) -> Sketch | None:
     """Draw a trap for the robot of a seed."""
     return trap(robots(seed, rng), rng)
 
@@ -114,17 +111,17 @@ def place_of(family: str, seed: int, sketch: Sketch) -> Place:
     robot, q = sketch.robot, sketch.q
     tip = tip_poses(robot, q[None])[0]
     direction = tip[:3, 2] if (seed + seed // 20) % 2 else None
-    targets = [Target(tip[:3, 3], direction=direction)]
+    targets = [sn.Target(tip[:3, 3], direction=direction)]
     if sketch.elbow is not None:
-        targets.insert(0, Target(segment_ends(robot, q[None])[0, sketch.elbow, :3, 3], segment=sketch.elbow))
-    return Place(family, seed, robot, Scene(sketch.obstacles), tuple(targets), Tolerance().for_robot(robot), q)
+        targets.insert(0, sn.Target(segment_ends(robot, q[None])[0, sketch.elbow, :3, 3], segment=sketch.elbow))
+    return Place(family, seed, robot, sn.Scene(sketch.obstacles), tuple(targets), sn.Tolerance().for_robot(robot), q)
 
 
-def proper(scene: Scene) -> bool:
+def proper(scene: sn.Scene) -> bool:
     """Whether no mesh cuts through itself, as a pipe can that bends back to its own wall."""
     try:
         scene.prepare()
-    except InputError:
+    except sn.InputError:
         return False
     return True
 

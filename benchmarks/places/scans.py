@@ -1,19 +1,18 @@
-"""What a scanner makes of a place: points on all surfaces, so many that nothing can slip between them."""
+"""What a scanner, and what a triangulated model, makes of a place: points on all surfaces, or one mesh."""
 
+import itertools
 import math
 
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
-from benchmarks.places.parts.surfaces import Faces
+from benchmarks.places.parts.surfaces import Faces, Surface, joined, solid
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.base.checks import Floats
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Capsule, Cylinder, Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
-from sinuous.view.display.obstacles import arc, obstacle_surface
+from sinuous.scene.obstacles import Obstacle
+from sinuous.view.display.surfaces import arc, obstacle_surface
 
 THICKNESS = 0.15
 """Radius of a point."""
@@ -39,33 +38,33 @@ def scan(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
         return None
     radius = min(sketch.robot.radii)
     room = (ROOM + THICKNESS + NOISE) * radius
-    if least_clearance(sketch.robot, Scene(sketch.obstacles), sketch.q[None], room)[0] < room:
+    if least_clearance(sketch.robot, sn.Scene(sketch.obstacles), sketch.q[None], room)[0] < room:
         return None
     points = np.concatenate([_on(triangles(obstacle), LATTICE * radius) for obstacle in sketch.obstacles])
     points = _thinned(points, CELL * radius)
     noise = rng.uniform(-1.0, 1.0, points.shape) * NOISE * radius / math.sqrt(3.0)
-    return sketch._replace(obstacles=[PointCloud(points + noise, THICKNESS * radius, name="scan")])
+    return sketch._replace(obstacles=[sn.PointCloud(points + noise, THICKNESS * radius, name="scan")])
 
 
 def triangles(obstacle: Obstacle) -> Floats:
     """Corners (f, 3, 3) of triangles that cover the surface of an obstacle, or nearly so where it is round."""
-    if isinstance(obstacle, Mesh):
+    if isinstance(obstacle, sn.Mesh):
         corners: Floats = obstacle.vertices[obstacle.faces]
         return corners
-    if isinstance(obstacle, Sphere | Capsule | Cylinder):
+    if isinstance(obstacle, sn.Sphere | sn.Capsule | sn.Cylinder):
         facets = _of_revolution(obstacle)
     else:
         facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE).facets
     return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
 
 
-def _of_revolution(obstacle: Sphere | Capsule | Cylinder) -> Floats:
+def _of_revolution(obstacle: sn.Sphere | sn.Capsule | sn.Cylinder) -> Floats:
     """Facets (f, 4, 3) of what is round. The places are what they are to the last bit, also where a circle closes."""
     center, rotation, half, _ = obstacle.frame
     shift, quarter = np.array([0.0, half[2]]), 0.5 * math.pi
-    if isinstance(obstacle, Sphere):
+    if isinstance(obstacle, sn.Sphere):
         profile = arc(obstacle.radius, -quarter, quarter, 13)
-    elif isinstance(obstacle, Cylinder):
+    elif isinstance(obstacle, sn.Cylinder):
         wall = [[obstacle.radius, height] for height in np.linspace(-half[2], half[2], WALL + 1)]
         profile = np.array([-shift, *wall, shift])
     else:
@@ -103,3 +102,36 @@ def _thinned(points: Floats, cell: float) -> Floats:
     sizes = numbers.max(axis=0) + 1
     key = (numbers[:, 0] * sizes[1] + numbers[:, 1]) * sizes[2] + numbers[:, 2]
     return points[np.unique(key, return_index=True)[1]]
+
+
+GAP = 0.01
+"""By how much each box is smaller on every side, in radii of the body: bodies of one mesh may not touch."""
+
+CORNERS = 0.5 * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+FACES = np.array(
+    [
+        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
+        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+    ]
+)
+"""Of the cube of edge 1 about the origin, faces counterclockwise as seen from outside."""
+
+
+def meshed(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
+    """Replace all boxes of another family by one mesh."""
+    sketch = draw(seed, rng)
+    if sketch is None:
+        return None
+    boxes = [o for o in sketch.obstacles if isinstance(o, sn.Box)]
+    others = [o for o in sketch.obstacles if not isinstance(o, sn.Box)]
+    return sketch._replace(obstacles=[one_mesh(boxes, sketch.robot), *others])
+
+
+def one_mesh(boxes: list[sn.Box], robot: sn.Robot) -> sn.Mesh:
+    """Return boxes as one mesh."""
+    gap = GAP * min(robot.radii)
+    return solid(joined([_surface(box, gap) for box in boxes]), "walls")
+
+
+def _surface(box: sn.Box, gap: float) -> Surface:
+    return Surface((CORNERS * (box.size - 2.0 * gap)) @ box.rotation.T + box.center, FACES)

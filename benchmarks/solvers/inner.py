@@ -79,7 +79,7 @@ def inner_times(problems: ProblemSet, times: int) -> InnerTimes:
     solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
     rows = []
     for target in [problems.targets[0], *problems.targets]:  # the first once more: it loads or compiles
-        arguments = solver.build(target).arguments
+        arguments = solver._first_call(target).arguments
         began = perf_counter()
         status, used = repeat(times, *arguments)
         rows.append(((perf_counter() - began) / times, used, status == SOLVED, solver.solve(target).q))
@@ -90,7 +90,7 @@ def inner_times(problems: ProblemSet, times: int) -> InnerTimes:
 def self_proof_times(problems: ProblemSet, q: Floats, times: int) -> Floats:
     """Seconds (m,) that one proof takes that the body does not run through itself at `q` (m, n, 3)."""
     solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
-    robot, _, settings, targets, *_ = solver.build(problems.targets[0]).arguments
+    robot, _, settings, targets, *_ = solver._first_call(problems.targets[0]).arguments
     scene = solver.scene.snapshot().group.copy()
     scratch = np.empty(check_size(len(problems.robot), len(problems.scene)))
     seconds = []

@@ -22,14 +22,13 @@ import casadi
 import numpy as np
 from scipy.optimize import least_squares
 
+import sinuous as sn
 from benchmarks.problems import ProblemSet
 from sinuous.base.checks import Floats
 from sinuous.kernels.chain import batch
 from sinuous.kernels.compile import entry
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve.starts import single_arc
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target
 
 MOST_STEPS = 300
 
@@ -37,12 +36,12 @@ MOST_STEPS = 300
 class Peer(Protocol):
     """Somebody else's solver, prepared for one robot without obstacles."""
 
-    def solve(self, target: Target) -> tuple[Floats, float]:
+    def solve(self, target: sn.Target) -> tuple[Floats, float]:
         """Return the configuration (n, 3) where it ended, and the seconds that it took."""
         ...
 
 
-def start_of(robot: Robot, target: Target) -> Floats:
+def start_of(robot: sn.Robot, target: sn.Target) -> Floats:
     """Return the single arc to the target (3 n,), where every method of a comparison begins."""
     q, frames = np.empty((len(robot), 3)), np.tile(pose_row(robot.base), (len(robot) + 1, 1))
     _arc(robot.limits.copy(), frames, len(robot) - 1, np.array(target.position), q)
@@ -54,7 +53,7 @@ def _arc(limits: Floats, frames: Floats, tip: int, goal: Floats, q: Floats) -> N
     single_arc(limits, frames, tip, (goal[0], goal[1], goal[2]), q)
 
 
-def _bounds(robot: Robot) -> tuple[Floats, Floats]:
+def _bounds(robot: sn.Robot) -> tuple[Floats, Floats]:
     """Lower and upper bounds (3 n,) of a configuration's components."""
     lower = [(-segment.max_bend, -segment.max_bend, segment.length[0]) for segment in robot.segments]
     upper = [(segment.max_bend, segment.max_bend, segment.length[1]) for segment in robot.segments]
@@ -89,7 +88,7 @@ class LeastSquares:
         self._twists = np.zeros((1, 6, 3 * len(robot)))
         self._last = np.empty(3 * len(robot))
 
-    def solve(self, target: Target) -> tuple[Floats, float]:
+    def solve(self, target: sn.Target) -> tuple[Floats, float]:
         """Return the configuration (n, 3) where it ended, and the seconds that it took."""
         lower, upper = _bounds(self._robot)
         start = np.clip(start_of(self._robot, target), lower, upper)
@@ -166,7 +165,7 @@ class Ipopt:
             "ubg": caps + zeros,
         }
 
-    def solve(self, target: Target) -> tuple[Floats, float]:
+    def solve(self, target: sn.Target) -> tuple[Floats, float]:
         """Return the configuration (n, 3) where it ended, and the seconds that it took."""
         start = start_of(self._robot, target)
         goal = np.concatenate([np.array(target.position), np.array(target.direction)])
@@ -176,7 +175,7 @@ class Ipopt:
         return np.array(answer["x"]).reshape(-1, 3), seconds
 
 
-def symbolic_frames(robot: Robot, x: Any, places: int) -> list[list[tuple[Any, Any]]]:
+def symbolic_frames(robot: sn.Robot, x: Any, places: int) -> list[list[tuple[Any, Any]]]:
     """Rotations and positions at `places` equal steps of each segment, as expressions in the configuration."""
     rotation, position = casadi.SX(robot.base[:3, :3]), casadi.SX(robot.base[:3, 3])
     found = []

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
@@ -15,11 +16,6 @@ from benchmarks.places import Place, make
 from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
 from sinuous.base.checks import Floats
 from sinuous.methods.registry import METHODS, capabilities
-from sinuous.model.robot import Robot
-from sinuous.problem.problem import Preferences
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import HalfSpace
-from sinuous.solver.solver import Solver
 
 SECTION = "budgets of 1 to 100 ms: how much longer a solve takes that uses its budget up"
 SHORTEST, LONGEST = 1e-3, 0.1
@@ -36,7 +32,7 @@ PLACES = ("pipe 1.6", "plates", "drum", "shelf", "duct", "spheres 100", "pipe 1.
 class Asked(NamedTuple):
     """A solver, and what it is asked."""
 
-    solver: Solver
+    solver: sn.Solver
     target: Any
     initial: Floats | None = None
 
@@ -103,14 +99,14 @@ def _run(asked: Asked, rng: Generator, name: str) -> Kept:
     return Kept(over, not disturbed, told)
 
 
-def _perhaps_torn(robot: Robot, target: Target, rng: Generator) -> Target | list[Target]:
+def _perhaps_torn(robot: sn.Robot, target: sn.Target, rng: Generator) -> sn.Target | list[sn.Target]:
     """Ask in half of the cases for a place of the last segment but one too, too far away: nobody proves that."""
     if rng.random() < 0.5:
         return target
     assert target.position is not None
     away = rng.normal(size=3)
     away *= rng.uniform(1.1, 1.5) * robot.segments[-1].length[1] / np.linalg.norm(away)
-    return [target, Target(target.position + away, segment=len(robot) - 1)]
+    return [target, sn.Target(target.position + away, segment=len(robot) - 1)]
 
 
 def _free(plan: Plan, rng: Generator) -> Iterator[Asked]:
@@ -119,7 +115,7 @@ def _free(plan: Plan, rng: Generator) -> Iterator[Asked]:
     solvers = []
     for n in sizes:
         robot = arm(n, 12.0 / n)
-        solvers.append(Solver(robot, tolerance=relative_tolerance(robot, 1e-6)))
+        solvers.append(sn.Solver(robot, tolerance=relative_tolerance(robot, 1e-6)))
     while True:
         solver = solvers[rng.integers(len(solvers))]
         (target,) = reachable(solver.robot, 1, rng).targets
@@ -130,7 +126,7 @@ def _spheres(plan: Plan, rng: Generator) -> Iterator[Asked]:
     """Arms of 5 to 20 segments among 40 to 600 balls; most targets are drawn without looking at these."""
     sizes = (5, 40), (20, 40), (8, 200), (12, 600)
     sets = [among_spheres(arm(n, 12.0 / n, radius=2.0), m, 20, rng) for n, m in sizes]
-    solvers = [Solver(each.robot, each.scene) for each in sets]
+    solvers = [sn.Solver(each.robot, each.scene) for each in sets]
     while True:
         i = rng.integers(len(sets))
         drawn = sets[i].targets[rng.integers(20)] if rng.random() < 0.3 else reachable(sets[i].robot, 1, rng).targets[0]
@@ -138,10 +134,10 @@ def _spheres(plan: Plan, rng: Generator) -> Iterator[Asked]:
 
 
 @cache
-def _made(count: int, families: int) -> list[tuple[Place, Solver]]:
+def _made(count: int, families: int) -> list[tuple[Place, sn.Solver]]:
     """Make so many places of so many families."""
     places = [make(family, seed) for family in PLACES[:families] for seed in range(count)]
-    return [(place, Solver(place.robot, place.scene, tolerance=place.tolerance)) for place in places]
+    return [(place, sn.Solver(place.robot, place.scene, tolerance=place.tolerance)) for place in places]
 
 
 def _places(plan: Plan, rng: Generator) -> Iterator[Asked]:
@@ -152,14 +148,14 @@ def _places(plan: Plan, rng: Generator) -> Iterator[Asked]:
         target = place.target
         assert target.position is not None
         aside = rng.choice([0.0, 0.02, 0.2]) * place.robot.mean_length * rng.normal(size=3)
-        moved = Target(target.position + aside, direction=target.direction)
+        moved = sn.Target(target.position + aside, direction=target.direction)
         yield Asked(solver, _perhaps_torn(place.robot, moved, rng))
 
 
 def _clutter(plan: Plan, rng: Generator) -> Iterator[Asked]:
     """Random robots among all kinds of obstacles, targets possible and not."""
     sets = [clutter(int(rng.integers(10**6)), 40) for _ in range(plan.count(25, 2))]
-    solvers = [Solver(each.robot, each.scene) for each in sets]
+    solvers = [sn.Solver(each.robot, each.scene) for each in sets]
     while True:
         i = rng.integers(len(sets))
         yield Asked(solvers[i], _perhaps_torn(sets[i].robot, sets[i].targets[rng.integers(40)], rng))
@@ -169,25 +165,25 @@ def _grazing(plan: Plan, rng: Generator) -> Iterator[Asked]:
     """A straight body that is along all of a wall nearer to it than anybody can see: a proof takes many looks."""
     solvers = []
     for gap in (1e-3, 1e-5, 1e-7, 1e-9):
-        robot = Robot.uniform(5, (45, 70), 2.4, radius=4.0)
-        solvers.append(Solver(robot, [HalfSpace((4.0 + gap, 0, 0), (-1, 0, 0)) for _ in range(3)]))
+        robot = sn.Robot.uniform(5, (45, 70), 2.4, radius=4.0)
+        solvers.append(sn.Solver(robot, [sn.HalfSpace((4.0 + gap, 0, 0), (-1, 0, 0)) for _ in range(3)]))
     while True:
         length = rng.uniform(50, 65)
-        target = Target((0, 0, 5 * length), direction=(0, 0, 1))
+        target = sn.Target((0, 0, 5 * length), direction=(0, 0, 1))
         yield Asked(solvers[rng.integers(len(solvers))], target, np.tile([0.0, 0.0, length], (5, 1)))
 
 
 def _preferences(plan: Plan, rng: Generator) -> Iterator[Asked]:
     """The same as among spheres, in places and along a wall, and what is solved is then improved."""
-    wishes = [Preferences(bends=1.0), Preferences(clearance=5.0), Preferences(start=1.0, clearance=5.0)]
-    solvers: dict[tuple[int, int], Solver] = {}
+    wishes = [sn.Preferences(bends=1.0), sn.Preferences(clearance=5.0), sn.Preferences(start=1.0, clearance=5.0)]
+    solvers: dict[tuple[int, int], sn.Solver] = {}
     sources = [_spheres(plan, rng), _places(plan, rng)]
     while True:
         asked, wish = next(sources[rng.integers(len(sources))]), int(rng.integers(len(wishes)))
         key = id(asked.solver), wish
         if key not in solvers:
             plain = asked.solver
-            solvers[key] = Solver(plain.robot, plain.scene, tolerance=plain.tolerance, prefer=wishes[wish])
+            solvers[key] = sn.Solver(plain.robot, plain.scene, tolerance=plain.tolerance, prefer=wishes[wish])
         yield asked._replace(solver=solvers[key])
 
 
@@ -200,7 +196,7 @@ def _methods(plan: Plan, rng: Generator) -> Iterator[Asked]:
         for each in sets:
             refused = len(each.scene) and not capabilities(name).obstacles
             if name != "newton" and not refused:
-                solvers.append((Solver(each.robot, each.scene, method=name), each))
+                solvers.append((sn.Solver(each.robot, each.scene, method=name), each))
     while True:
         solver, each = solvers[rng.integers(len(solvers))]
         yield Asked(solver, each.targets[rng.integers(20)])

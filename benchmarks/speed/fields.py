@@ -9,15 +9,13 @@ from unittest.mock import patch
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places.parts.surfaces import Surface, ball, solid
 from benchmarks.problems import arm, reachable
 from benchmarks.solvers.answers import solve_all
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
 
 SECTION = "large meshes and live clouds"
 SIDES = 224
@@ -32,19 +30,19 @@ def measure(plan: Plan) -> Iterator[Line]:
     """Prepare a mesh with and without the samples on disk, solve beside it, and replace a cloud again and again."""
     surface = ball(np.zeros(3), 1.0, plan.count(SIDES, 32))
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, {"XDG_CACHE_HOME": folder}):
-        Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
-        scene = Scene([solid(surface, "ball")])
+        sn.Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
+        scene = sn.Scene([solid(surface, "ball")])
         what = f"a mesh of {len(surface.faces)} triangles"
         seconds = _seconds(scene)
         note = f"{scene.memory / 1e6:.0f} MB"
         yield Line(SECTION, f"{what}, sampled", seconds, "s", Goal(10.0), note=note, noise=0.5)
-        seconds = _seconds(Scene([solid(surface, "ball")]))
+        seconds = _seconds(sn.Scene([solid(surface, "ball")]))
         yield Line(SECTION, f"{what}, samples from disk", seconds, "s", Goal(1.0), noise=0.5)
         yield from _beside(plan, surface)
     yield _updates(plan)
 
 
-def _seconds(scene: Scene) -> float:
+def _seconds(scene: sn.Scene) -> float:
     began = perf_counter()
     scene.prepare()
     return perf_counter() - began
@@ -55,7 +53,9 @@ def _beside(plan: Plan, surface: Surface) -> Iterator[Line]:
     free = reachable(arm(5, 2.4, radius=4.0), plan.count(500, 20), plan.rng(11))
     unit = free.robot.mean_length
     alone = solve_all(plan, free, "nothing")
-    far = replace(free, scene=Scene([Mesh(0.4 * unit * surface.vertices + [1.8 * unit, 0.0, 0.0], surface.faces)]))
+    far = replace(
+        free, scene=sn.Scene([sn.Mesh(0.4 * unit * surface.vertices + [1.8 * unit, 0.0, 0.0], surface.faces)])
+    )
     beside = solve_all(plan, far, "a mesh out of reach")
     added = beside.times.median - alone.times.median
     what = f"{len(surface.faces)} triangles out of reach add to a solve of 5 segments"
@@ -67,7 +67,7 @@ def _updates(plan: Plan) -> Line:
     """Replace a cloud in a cube of edge 1, as a camera does, and count how often a second that goes."""
     rng = plan.rng(12)
     clouds = [np.round(rng.random((POINTS, 3)) / RESOLUTION) * RESOLUTION for _ in range(plan.count(20, 2))]
-    scene = Scene([PointCloud(clouds[0], 0.5 * RESOLUTION)])
+    scene = sn.Scene([sn.PointCloud(clouds[0], 0.5 * RESOLUTION)])
     scene.update(clouds[0])
     seconds = []
     for cloud in clouds:

@@ -5,6 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
@@ -13,8 +14,6 @@ from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
 from benchmarks.solvers.answers import right
 from benchmarks.solvers.peers import Ipopt, LeastSquares, Peer
 from sinuous.base.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.solver.solver import Solver
 
 SECTION = (
     "against others: 5 segments, position and direction, to 1e-6 of the length and 1e-6 rad, medians over solved ones"
@@ -35,9 +34,9 @@ class Ours:
     """`Solver.solve`, called like the others."""
 
     def __init__(self, problems: ProblemSet) -> None:
-        self._solver = Solver(problems.robot, tolerance=problems.tolerance)
+        self._solver = sn.Solver(problems.robot, tolerance=problems.tolerance)
 
-    def solve(self, target: Target) -> tuple[Floats, float]:
+    def solve(self, target: sn.Target) -> tuple[Floats, float]:
         """Return the configuration, and the seconds around the call."""
         began = perf_counter()
         q = self._solver.solve(target).q

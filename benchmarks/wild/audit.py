@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import body_points
@@ -22,17 +23,7 @@ from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
 from benchmarks.wild.robots import TIGHTEST, robot_with_shapes, shapes_of
 from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked, standing
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.model.actuators import Tendons
-from sinuous.model.loads import Payload
-from sinuous.model.poses import pose
-from sinuous.model.robot import Robot, Uncertainty
-from sinuous.model.segment import Segment, Stiffness
-from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.grids import Field, Grid
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 from sinuous.statics.rest import bodies_at
 
 UNITS = (-9.0, 9.0)
@@ -64,15 +55,15 @@ def mounts(seed: int, number: int) -> World:
         unit = 10.0 ** rng.uniform(-2.0, 2.0)
         segments = [_uneven(unit, rng) for _ in range(int(rng.integers(2, 7)))]
         longest = sum(segment.length[1] for segment in segments)
-        base = pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
-        robot = Robot(segments, mount=rng.uniform(0.05, 1.0) * longest, base=base)
+        base = sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
+        robot = sn.Robot(segments, mount=rng.uniform(0.05, 1.0) * longest, base=base)
         q = shapes_of(robot, SHAPES, rng)
         for _ in range(DRAWS if len(q) else 0):
             points = body_points(robot, q, 12)[0].reshape(-1, 3)
             balls: list[Obstacle] = []
             for _ in range(int(rng.integers(1, BALLS))):
                 center = points[rng.integers(len(points))] + 0.2 * unit * rng.normal(size=3)
-                balls.append(Sphere(center, unit * rng.uniform(0.02, 0.5)))
+                balls.append(sn.Sphere(center, unit * rng.uniform(0.02, 0.5)))
             world = _world(robot, balls, q, rng)
             if world is not None:
                 return world
@@ -97,7 +88,9 @@ def huge(seed: int, number: int) -> World:
     rng = np.random.default_rng([seed, 13, number])
     while True:
         unit = 10.0 ** rng.uniform(-1.0, 1.0)
-        robot = Robot([_plain(unit, rng) for _ in range(int(rng.integers(1, 4)))], base=pose(unit * rng.normal(size=3)))
+        robot = sn.Robot(
+            [_plain(unit, rng) for _ in range(int(rng.integers(1, 4)))], base=sn.pose(unit * rng.normal(size=3))
+        )
         q = shapes_of(robot, 1, rng)
         for _ in range(DRAWS if len(q) else 0):
             points, along = body_points(robot, q, 200)
@@ -105,11 +98,13 @@ def huge(seed: int, number: int) -> World:
             i, side = int(rng.integers(along.size)), rng.choice([-1.0, 1.0])
             gap = side * unit * 10.0 ** rng.uniform(*GAPS)
             obstacle = _huge(points.reshape(-1, 3)[i], float(radii[i]) + gap, unit, rng)
-            found = float(Clearances(robot, Scene([obstacle])).least(q)[0])
+            found = float(Clearances(robot, sn.Scene([obstacle])).least(q)[0])
             if abs(found) < unit * 10.0 ** GAPS[1]:
                 targets = asked(robot, q, rng, "rotation")
                 possible = found > CLEAR * unit
-                return World(robot, Scene([obstacle]), Tolerance(1e-9 * unit, 1e-9), targets, q, possible, time=SHORT)
+                return World(
+                    robot, sn.Scene([obstacle]), sn.Tolerance(1e-9 * unit, 1e-9), targets, q, possible, time=SHORT
+                )
 
 
 def bodies(seed: int, number: int) -> World:
@@ -142,10 +137,10 @@ def radii(seed: int, number: int) -> World:
     rng = np.random.default_rng([seed, 15, number])
     while True:
         unit = 10.0 ** rng.uniform(-2.0, 2.0)
-        robot = Robot([_thick_or_thin(unit, rng) for _ in range(int(rng.integers(3, 9)))])
+        robot = sn.Robot([_thick_or_thin(unit, rng) for _ in range(int(rng.integers(3, 9)))])
         q = shapes_of(robot, SHAPES, rng)
         if len(q):
-            return World(robot, Scene(), _tolerance(robot, rng), asked(robot, q, rng), q)
+            return World(robot, sn.Scene(), _tolerance(robot, rng), asked(robot, q, rng), q)
 
 
 def bounds(seed: int, number: int) -> World:
@@ -158,10 +153,10 @@ def bounds(seed: int, number: int) -> World:
             balls: list[Obstacle] = []
             for _ in range(int(rng.integers(1, BALLS))):
                 center = points[rng.integers(len(points))] + 0.3 * unit * rng.normal(size=3)
-                balls.append(Sphere(center, unit * rng.uniform(0.05, 0.4)))
+                balls.append(sn.Sphere(center, unit * rng.uniform(0.05, 0.4)))
             world = _world(robot, balls, q, rng)
             if world is not None:
-                scene = Scene([_bounding(balls, points, unit, rng)])
+                scene = sn.Scene([_bounding(balls, points, unit, rng)])
                 return replace(world, scene=scene, truth=world.scene, time=SHORT)
 
 
@@ -170,7 +165,7 @@ def demands(seed: int, number: int) -> World:
     rng = np.random.default_rng([seed, 19, number])
     while True:
         robot, q = robot_with_shapes(SHAPES, rng, UNITS)
-        scene = scene_about(robot, q, rng) if len(q) else Scene()
+        scene = scene_about(robot, q, rng) if len(q) else sn.Scene()
         robot = demanding(robot, rng)
         if len(q):
             q = q[surely_clear(self_body(robot), q) & _gently_bent(robot, q)]
@@ -195,10 +190,14 @@ def loaded(seed: int, number: int) -> World:
         if len(scene):
             clear &= Clearances(needed_body(body), scene).least(arcs, 0.0) > CLEAR * robot.mean_length
         if clear.any():
-            q, tolerance = q[clear], Tolerance().for_robot(robot)
+            q, tolerance = q[clear], sn.Tolerance().for_robot(robot)
             kind, tips = int(rng.integers(3)), [robot.shape(each).tip for each in q]
             targets = [
-                [Target(t[:3, 3], direction=t[:3, 2] if kind == 1 else None, rotation=t[:3, :3] if kind == 2 else None)]
+                [
+                    sn.Target(
+                        t[:3, 3], direction=t[:3, 2] if kind == 1 else None, rotation=t[:3, :3] if kind == 2 else None
+                    )
+                ]
                 for t in tips
             ]
             return World(robot, scene, tolerance, targets, q, time=BUDGET, loaded=True)
@@ -216,15 +215,15 @@ KINDS: dict[str, Callable[[int, int], World]] = {
 }
 
 
-def _world(robot: Robot, obstacles: list[Obstacle], q: Floats, rng: Generator) -> World | None:
+def _world(robot: sn.Robot, obstacles: list[Obstacle], q: Floats, rng: Generator) -> World | None:
     """The world of those shapes that are clear; `None` where none is."""
-    scene = Scene(obstacles)
+    scene = sn.Scene(obstacles)
     if obstacles:
         q = q[Clearances(robot, scene).least(q, 0.0) > CLEAR * robot.mean_length]
     return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q) if len(q) else None
 
 
-def demanding(robot: Robot, rng: Generator) -> Robot:
+def demanding(robot: sn.Robot, rng: Generator) -> sn.Robot:
     """The robot with at least one of the three demands."""
     size, which = robot.mean_length, int(rng.integers(1, 8))
 
@@ -236,46 +235,46 @@ def demanding(robot: Robot, rng: Generator) -> Robot:
     return robot.changed(
         clearance=some(0.1) if which & 1 else 0.0,
         self_clearance=some(0.05) if which & 2 else 0.0,
-        uncertainty=Uncertainty(some(0.05)) if which & 4 else None,
+        uncertainty=sn.Uncertainty(some(0.05)) if which & 4 else None,
     )
 
 
-def _gently_bent(robot: Robot, q: Floats) -> Flags:
+def _gently_bent(robot: sn.Robot, q: Floats) -> Flags:
     """Whether shapes (m, n, 3) bend no tighter than a body as thick as is demanded."""
     norms, radii = np.hypot(q[..., 0], q[..., 1]), np.array(self_body(robot).radii)
     return np.asarray((norms * radii <= TIGHTEST * q[..., 2]).all(axis=1))
 
 
-def _tolerance(robot: Robot, rng: Generator) -> Tolerance:
+def _tolerance(robot: sn.Robot, rng: Generator) -> sn.Tolerance:
     position, angle = 10.0 ** rng.uniform(*TOLERANCES, 2)
-    return Tolerance(position * robot.mean_length, angle)
+    return sn.Tolerance(position * robot.mean_length, angle)
 
 
-def _uneven(unit: float, rng: Generator) -> Segment:
+def _uneven(unit: float, rng: Generator) -> sn.Segment:
     """A segment that turns at once, a rigid link, or an ordinary segment."""
     radius = unit * rng.uniform(0.002, 0.02)
     kind = rng.integers(3)
     if kind == 0:
-        return Segment(unit * rng.uniform(0.03, 0.2), rng.uniform(0.5, 2.5), radius=radius)
+        return sn.Segment(unit * rng.uniform(0.03, 0.2), rng.uniform(0.5, 2.5), radius=radius)
     if kind == 1:
-        return Segment(unit * rng.uniform(0.2, 1.0), 0.0, radius=radius)
+        return sn.Segment(unit * rng.uniform(0.2, 1.0), 0.0, radius=radius)
     low, high = np.sort(unit * rng.uniform(0.2, 1.2, 2))
-    return Segment((float(low), float(high)), rng.uniform(0.5, 3.0), radius=radius)
+    return sn.Segment((float(low), float(high)), rng.uniform(0.5, 3.0), radius=radius)
 
 
-def _plain(unit: float, rng: Generator) -> Segment:
+def _plain(unit: float, rng: Generator) -> sn.Segment:
     low, high = unit * rng.uniform(0.5, 1.0), unit * rng.uniform(1.0, 1.5)
-    return Segment((low, high), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.01, 0.1))
+    return sn.Segment((low, high), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.01, 0.1))
 
 
-def _thick_or_thin(unit: float, rng: Generator) -> Segment:
+def _thick_or_thin(unit: float, rng: Generator) -> sn.Segment:
     """A thick segment, a thin one, or a hinge."""
     kind = rng.integers(3)
     if kind == 0:
-        return Segment(unit * rng.uniform(0.5, 1.5), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.05, 0.15))
+        return sn.Segment(unit * rng.uniform(0.5, 1.5), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.05, 0.15))
     if kind == 1:
-        return Segment(unit * rng.uniform(0.3, 1.5), rng.uniform(1.0, 6.0), radius=unit * rng.uniform(0.003, 0.03))
-    return Segment(unit * rng.uniform(1e-3, 0.05), rng.uniform(1.0, 3.1), radius=0.0)
+        return sn.Segment(unit * rng.uniform(0.3, 1.5), rng.uniform(1.0, 6.0), radius=unit * rng.uniform(0.003, 0.03))
+    return sn.Segment(unit * rng.uniform(1e-3, 0.05), rng.uniform(1.0, 3.1), radius=0.0)
 
 
 def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
@@ -286,21 +285,21 @@ def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
     away = rng.normal(size=3)
     away /= np.linalg.norm(away)
     if kind == "sphere":
-        return Sphere(at + (off + size) * away, size)
+        return sn.Sphere(at + (off + size) * away, size)
     if kind == "room":
-        return Sphere(at + (size - off) * away, size, inside=True)
+        return sn.Sphere(at + (size - off) * away, size, inside=True)
     if kind == "half-space":
-        return HalfSpace(at + side * off * axis + size * (rng.normal(size=3) * (1.0 - axis)), -side * axis)
+        return sn.HalfSpace(at + side * off * axis + size * (rng.normal(size=3) * (1.0 - axis)), -side * axis)
     if kind == "box":
         sides = size * rng.uniform(0.5, 2.0, 3)
         across = 0.4 * sides * rng.uniform(-1.0, 1.0, 3) * (1.0 - axis)
-        return Box(at + side * (off + 0.5 * sides @ axis) * axis + across, sides)
+        return sn.Box(at + side * (off + 0.5 * sides @ axis) * axis + across, sides)
     other = np.roll(axis, 1)
     middle = at + side * (off + size) * axis + 0.4 * size * rng.uniform(-1.0, 1.0) * other
-    return (Capsule if kind == "capsule" else Cylinder)(middle - size * other, middle + size * other, size)
+    return (sn.Capsule if kind == "capsule" else sn.Cylinder)(middle - size * other, middle + size * other, size)
 
 
-def _loaded_robot(unit: float, rng: Generator) -> Robot:
+def _loaded_robot(unit: float, rng: Generator) -> sn.Robot:
     """A robot of 1 to 5 segments of 1 to 4 arcs, whose weight bends it a little or much."""
     count, arcs = int(rng.integers(1, 6)), int(rng.integers(1, 5))
     longest = count * 1.2 * unit
@@ -310,18 +309,18 @@ def _loaded_robot(unit: float, rng: Generator) -> Robot:
     bend = weight * longest**2 / 10.0 ** rng.uniform(*LOADED)
     twist = bend * rng.uniform(0.6, 1.0) if rng.random() < 0.5 else None
     stretch = bend / unit**2 * 10.0 ** rng.uniform(2.0, 4.0) if rng.random() < 0.3 else None
-    rod, driven, radius = Stiffness(bend, twist, stretch), rng.random() < 0.3, unit * 10.0 ** rng.uniform(-2.5, -1.0)
-    segments: list[Segment] = []
+    rod, driven, radius = sn.Stiffness(bend, twist, stretch), rng.random() < 0.3, unit * 10.0 ** rng.uniform(-2.5, -1.0)
+    segments: list[sn.Segment] = []
     for _ in range(count):
         low, gives = unit * rng.choice([1.2, rng.uniform(0.6, 1.1)]), rng.random() < 0.85 or not segments
-        segment = Segment((low, 1.2 * unit), rng.uniform(0.5, 3.0), radius=radius, mass=mass)
+        segment = sn.Segment((low, 1.2 * unit), rng.uniform(0.5, 3.0), radius=radius, mass=mass)
         if gives:
-            tendons = Tendons(3, 0.08 * unit) if driven else None
+            tendons = sn.Tendons(3, 0.08 * unit) if driven else None
             segment = segment.changed(tendons=tendons, stiffness=rod, arcs=arcs)
         segments.append(segment)
-    base = pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
-    payload = Payload(carried) if carried > 0.0 else None
-    robot = Robot(segments, base=base, gravity=gravity, payload=payload)
+    base = sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
+    payload = sn.Payload(carried) if carried > 0.0 else None
+    robot = sn.Robot(segments, base=base, gravity=gravity, payload=payload)
     return demanding(robot, rng) if rng.random() < 0.3 else robot
 
 
@@ -342,11 +341,11 @@ def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator
         return np.asarray(np.minimum(share * gaps.min(axis=1), most))
 
     if rng.random() < 0.5:
-        return Field(bound, low, high, spacing, **known)
+        return sn.Field(bound, low, high, spacing, **known)
     axes = [np.arange(a, b + spacing, spacing) for a, b in zip(low, high, strict=True)]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     values = bound(places.reshape(-1, 3)).reshape(places.shape[:3])
-    return Grid(values, low, spacing, **known if cut else {"exact": False})
+    return sn.Grid(values, low, spacing, **known if cut else {"exact": False})
 
 
 def _within_wall(rng: Generator) -> World:
@@ -354,18 +353,18 @@ def _within_wall(rng: Generator) -> World:
     half, wall, turn = rng.uniform(0.2, 0.5, 3), 10.0 ** rng.uniform(-3.0, -1.0), pose_rotation(rng.normal(size=4))
     both = joined([block_surface(np.zeros(3), half + grown, turn) for grown in (0.0, wall)])
     length, place = 0.2 * float(half.min()), np.append(half[:2] * rng.uniform(-0.5, 0.5, 2), half[2] + 0.5 * wall)
-    base = pose(turn @ place, direction=turn[:, 0])
-    robot = Robot.uniform(2, (0.8 * length, length), 0.5, radius=0.1 * wall, base=base)
+    base = sn.pose(turn @ place, direction=turn[:, 0])
+    robot = sn.Robot.uniform(2, (0.8 * length, length), 0.5, radius=0.1 * wall, base=base)
     q = np.array([[[0.0, 0.0, length], [0.0, 0.0, 0.9 * length]]])
-    scene = Scene(_solids(both))
-    return World(robot, scene, Tolerance(1e-3 * length, 1e-3), asked(robot, q, rng, "position"), q, possible=False)
+    scene = sn.Scene(_solids(both))
+    return World(robot, scene, sn.Tolerance(1e-3 * length, 1e-3), asked(robot, q, rng, "position"), q, possible=False)
 
 
 def _solids(surface: Surface) -> list[Any]:
     """A mesh as it is; where it is refused because its bodies overlap, each of its bodies."""
-    mesh = Mesh(surface.vertices, surface.faces)
+    mesh = sn.Mesh(surface.vertices, surface.faces)
     try:
-        Scene([mesh]).prepare()
-    except InputError:
+        sn.Scene([mesh]).prepare()
+    except sn.InputError:
         return list(mesh.bodies())
     return [mesh]

@@ -15,10 +15,6 @@ import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.wild import odd
 from benchmarks.wild.trials import named
-from sinuous.answer.solution import Solution
-from sinuous.base.errors import InputError, SuspiciousInput
-from sinuous.model.robot import Robot
-from sinuous.scene.scene import Scene
 
 SECTION = "public calls of odd robots in odd scenes: whether each ends in an answer"
 
@@ -58,7 +54,7 @@ def called(seed: int, number: int) -> Called:
     """Make one call, with a robot, a scene and arguments that can be meant."""
     rng = np.random.default_rng([seed, 21, number])
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SuspiciousInput)
+        warnings.simplefilter("ignore", sn.SuspiciousInput)
         robot = odd.robot(rng)
         scene = odd.scene(robot, rng)
     what = str(rng.choice(list(CALLS)))
@@ -66,9 +62,9 @@ def called(seed: int, number: int) -> Called:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # a warning that is not for the user is a defect
-            warnings.simplefilter("ignore", SuspiciousInput)  # much of it is
+            warnings.simplefilter("ignore", sn.SuspiciousInput)  # much of it is
             make(robot, scene, rng)
-    except InputError as error:
+    except sn.InputError as error:
         if error.key.partition("[")[0].partition(".")[0] in (*refusals, *OF_THE_DRAWN):
             return Called(what, False, "")
         return Called(what, False, f"InputError {error}")
@@ -88,7 +84,7 @@ def lines_of(kind: str, shares: Sequence[Sequence[Sequence[Any]]]) -> list[Line]
     ]
 
 
-def _options(robot: Robot, rng: Generator) -> dict[str, Any]:
+def _options(robot: sn.Robot, rng: Generator) -> dict[str, Any]:
     """Options of a solve, most of them left out."""
     options: dict[str, Any] = {"time": float(rng.choice(BUDGETS)), "tolerance": odd.tolerance(robot, rng)}
     if rng.random() < 0.3:
@@ -101,7 +97,7 @@ def _options(robot: Robot, rng: Generator) -> dict[str, Any]:
     return options
 
 
-def _ask(answer: Solution) -> None:
+def _ask(answer: sn.Solution) -> None:
     """Ask everything of a solution."""
     assert np.isfinite(answer.q).all(), "q is not finite"
     assert not answer.solved or answer.verify().ok, "verify refutes what is solved"
@@ -131,32 +127,32 @@ def _ask_motion(motion: sn.Motion) -> None:
             motion.to_csv(file, rate=3.0 / (motion.times[-1] - motion.times[0]))
 
 
-def _solve(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _solve(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     initial = odd.shape(robot, rng) if rng.random() < 0.4 else None
     _ask(sn.solve(robot, odd.target(robot, rng), scene, initial=initial, **_options(robot, rng)))
 
 
-def _solve_by_method(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _solve_by_method(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     method = METHODS[rng.integers(len(METHODS))]
     initial = odd.shape(robot, rng) if rng.random() < 0.4 else None
     options = {**_options(robot, rng), "prefer": None, "max_starts": 3}
     _ask(sn.solve(robot, odd.target(robot, rng), scene, initial=initial, method=method, **options))
 
 
-def _explain(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _explain(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     initial = odd.shape(robot, rng) if rng.random() < 0.3 else None
     found = sn.solve(robot, odd.target(robot, rng), scene, initial=initial, **{**_options(robot, rng), "time": 0.01})
     str(found.explain(WHY))
 
 
-def _solve_all(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _solve_all(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     kind = [None, "route", "shape"][int(rng.integers(3))]
     options = _options(robot, rng)
     for answer in sn.solve_all(robot, odd.target(robot, rng), scene, count=3, by=kind, **options):  # type: ignore[arg-type]
         _ask(answer)
 
 
-def _solve_many(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _solve_many(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     solver = sn.Solver(robot, scene, **_options(robot, rng))
     targets = [odd.target(robot, rng) for _ in range(4)]
     initial = odd.shape(robot, rng) if rng.random() < 0.4 else None
@@ -164,7 +160,7 @@ def _solve_many(robot: Robot, scene: Scene, rng: Generator) -> None:
         _ask(answer)
 
 
-def _step(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _step(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     solver = sn.Solver(robot, scene, **_options(robot, rng))
     q: Any = odd.shape(robot, rng)
     unit = odd.size(robot)
@@ -182,14 +178,14 @@ def _step(robot: Robot, scene: Scene, rng: Generator) -> None:
     _ask(solver.solve(odd.target(robot, rng), np.array(q.q), within=within))
 
 
-def _track(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _track(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     start = odd.shape(robot, rng) if rng.random() < 0.6 else None
     path = [odd.target(robot, rng) for _ in range(int(rng.integers(1, 5)))]
     shortest = None if rng.random() < 0.8 else "configuration"
     _ask_motion(sn.track(robot, path, scene, start=start, shortest=shortest, **_options(robot, rng)))  # type: ignore[arg-type]
 
 
-def _plan(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _plan(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     goal: Any = odd.shape(robot, rng) if rng.random() < 0.5 else odd.target(robot, rng)
     options = _options(robot, rng)
     if scene.snapshot().moves:
@@ -197,7 +193,7 @@ def _plan(robot: Robot, scene: Scene, rng: Generator) -> None:
     _ask_motion(sn.plan(robot, odd.shape(robot, rng), goal, scene, **options))
 
 
-def _timed(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _timed(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     motion = sn.Motion(robot, [odd.shape(robot, rng) for _ in range(int(rng.integers(2, 8)))], scene)
     _ask_motion(motion)
     unit = odd.size(robot)
@@ -214,7 +210,7 @@ def _timed(robot: Robot, scene: Scene, rng: Generator) -> None:
         trajectory.to_ros(Path(folder) / "file")
 
 
-def _follow(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _follow(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     unit = odd.size(robot)
     staged = sn.on_stage(robot, unit) if robot.linear is None and rng.random() < 0.7 else robot
     base = staged.base
@@ -229,7 +225,7 @@ def _follow(robot: Robot, scene: Scene, rng: Generator) -> None:
         str(motion.deviation(points))
 
 
-def _reach(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _reach(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     unit = odd.size(robot)
     found = sn.studies.reach(
         robot, scene, spacing=0.9 * unit, directions=int(rng.choice([1, 6])), time=0.002, workers=1
@@ -237,7 +233,7 @@ def _reach(robot: Robot, scene: Scene, rng: Generator) -> None:
     str(found), repr(found)
 
 
-def _check(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _check(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     shapes = np.stack([odd.shape(robot, rng) for _ in range(2)])
     sn.check(robot, shapes * rng.choice([1.0, 1.3]), scene, odd.target(robot, rng))
     robot.from_actuators(robot.to_actuators(shapes), shapes)
@@ -247,7 +243,7 @@ def _check(robot: Robot, scene: Scene, rng: Generator) -> None:
         robot.to_mjcf(Path(folder) / "arm.xml", joints_per_segment=2)
 
 
-def _job(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _job(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     """Write a problem, and read it again."""
     job = sn.Job(robot, odd.target(robot, rng), scene, tolerance=odd.tolerance(robot, rng))
     with tempfile.TemporaryDirectory() as folder:
@@ -256,7 +252,7 @@ def _job(robot: Robot, scene: Scene, rng: Generator) -> None:
     assert again.robot.equals(robot), "another robot was read"
 
 
-def _derivative(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _derivative(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     found = sn.solve(robot, odd.target(robot, rng), scene, **_options(robot, rng))
     if not found.solved:
         return
@@ -267,7 +263,7 @@ def _derivative(robot: Robot, scene: Scene, rng: Generator) -> None:
         own.vjp(np.ones_like(found.q))
 
 
-def _shape_under_load(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _shape_under_load(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     unit = odd.size(robot)
     load = sn.Force(rng.normal(size=3) * 10.0 ** rng.uniform(-6.0, 2.0), unit * rng.normal(size=3))
     found = robot.shape(odd.shape(robot, rng), load)
@@ -277,13 +273,13 @@ def _shape_under_load(robot: Robot, scene: Scene, rng: Generator) -> None:
     del scene
 
 
-def _assess(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _assess(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     tasks = {"one": odd.target(robot, rng), "path": sn.studies.Follow([odd.target(robot, rng) for _ in range(2)])}
     found = sn.studies.assess([robot, robot], tasks, scene, time=0.01)
     str(found), repr(found)
 
 
-def _calibrate(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _calibrate(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     shapes = np.stack([odd.shape(robot, rng) for _ in range(int(rng.choice([1, 5, 30])))])
     measured = robot.tip(shapes)[:, :3, 3] + 1e-3 * odd.size(robot) * rng.normal(size=(len(shapes), 3))
     found = sn.studies.calibrate(robot, robot.to_actuators(shapes), measured)
@@ -291,7 +287,7 @@ def _calibrate(robot: Robot, scene: Scene, rng: Generator) -> None:
     del scene
 
 
-def _design(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _design(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     size = odd.size(robot)
     vary = {"base.position[2]": (-0.1 * size, 0.1 * size)}
     if rng.random() < 0.5:
@@ -302,7 +298,7 @@ def _design(robot: Robot, scene: Scene, rng: Generator) -> None:
     str(found), repr(found)
 
 
-def _remember(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _remember(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     """Explore for a moment, keep it in a file, and solve and plan with it."""
     options = {**_options(robot, rng), "time": 0.02}
     found = sn.studies.explore(robot, scene, rounds=1, workers=1, **options)
@@ -314,7 +310,7 @@ def _remember(robot: Robot, scene: Scene, rng: Generator) -> None:
     _ask_motion(sn.plan(robot, odd.shape(robot, rng), odd.target(robot, rng), scene, memory=memory, **options))
 
 
-def _batch(robot: Robot, scene: Scene, rng: Generator) -> None:
+def _batch(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
     places = robot.base[:3, 3] + odd.size(robot) * rng.normal(size=(5, 3))
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / f"out.{rng.choice(['npz', 'csv'])}"
@@ -323,7 +319,7 @@ def _batch(robot: Robot, scene: Scene, rng: Generator) -> None:
         assert out.exists(), "nothing was written"
 
 
-Make = Callable[[Robot, Scene, Generator], None]
+Make = Callable[[sn.Robot, sn.Scene, Generator], None]
 
 CALLS: dict[str, tuple[Make, tuple[str, ...]]] = {
     "solve": (_solve, ()),

@@ -8,23 +8,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import body_points
 from benchmarks.wild.trials import named
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.obstacles import Box
-from sinuous.scene.scene import Scene
-from sinuous.solver.solver import Solver
 
 MOST_DOORS = 4
 
 RADIUS = 4.0
 
-ROBOT = Robot.uniform(6, (40.0, 60.0), 2.4, radius=RADIUS)
+ROBOT = sn.Robot.uniform(6, (40.0, 60.0), 2.4, radius=RADIUS)
 
 HALF = 1000.0
 """Half the edge of a wall: more than the robot can go round."""
@@ -41,7 +37,7 @@ DRAWN = 64
 SAMPLES = 400
 """Places a segment at which it is looked where a body crosses a wall."""
 
-TOLERANCE = Tolerance()
+TOLERANCE = sn.Tolerance()
 
 BUDGET = 1.0
 """Seconds of one `solve_all`."""
@@ -68,8 +64,8 @@ class Wall(NamedTuple):
         Low and high corner of each, x and y.
     """
 
-    scene: Scene
-    target: Target
+    scene: sn.Scene
+    target: sn.Target
     middle: float
     doors: Floats
 
@@ -112,7 +108,7 @@ def make(seed: int, number: int) -> Wall:
 def _draw(rng: Generator, wanted: int) -> Wall | None:
     middle, half = float(rng.uniform(80.0, 180.0)), 0.5 * float(rng.uniform(1.0, 3.0)) * RADIUS
     around = rng.uniform(-80.0, 80.0, 2)
-    target = Target((*around, middle + rng.uniform(50.0, 120.0)))
+    target = sn.Target((*around, middle + rng.uniform(50.0, 120.0)))
     shapes = _shapes(rng, target)
     doors: list[Floats] = []
     for q in shapes:
@@ -120,16 +116,16 @@ def _draw(rng: Generator, wanted: int) -> Wall | None:
         if door is not None and all(_apart(door, other) for other in doors):
             doors.append(door)
         if len(doors) == wanted:
-            scene = Scene(_boxes(np.array(doors), middle, half))
+            scene = sn.Scene(_boxes(np.array(doors), middle, half))
             kept = [q for q in shapes if not Body(ROBOT, scene).overlaps(q[None])[0]]
             through = {tuple(gates_of(q, middle, np.array(doors))) for q in kept}
             return Wall(scene, target, middle, np.array(doors)) if through >= {(i,) for i in range(wanted)} else None
     return None
 
 
-def _shapes(rng: Generator, target: Target) -> Floats:
+def _shapes(rng: Generator, target: sn.Target) -> Floats:
     """Shapes (m, n, 3) that meet a target in the open, from random starts."""
-    solver = Solver(ROBOT, tolerance=TOLERANCE, max_starts=1)
+    solver = sn.Solver(ROBOT, tolerance=TOLERANCE, max_starts=1)
     bends = rng.uniform(-1.2, 1.2, (DRAWN, len(ROBOT), 2))
     starts = np.concatenate([bends, np.full((DRAWN, len(ROBOT), 1), 50.0)], axis=2)
     found = [solver.solve(target, start) for start in starts]
@@ -161,7 +157,7 @@ def _apart(one: Floats, other: Floats) -> bool:
     return bool(gaps.max() > POST * RADIUS)
 
 
-def _boxes(doors: Floats, middle: float, half: float) -> list[Box]:
+def _boxes(doors: Floats, middle: float, half: float) -> list[sn.Box]:
     """The wall, as boxes that lie side by side: the cells that all edges of doors divide it into, joined along x."""
     xs, ys = (np.unique([-HALF, *doors[:, :, axis].ravel(), HALF]) for axis in (0, 1))
     boxes = []
@@ -173,7 +169,7 @@ def _boxes(doors: Floats, middle: float, half: float) -> list[Box]:
             first = x0 if first is None and not is_open else first
             if first is not None and (is_open or x1 == xs[-1]):
                 end = x0 if is_open else x1
-                boxes.append(Box((0.5 * (first + end), y, middle), (end - first, y1 - y0, 2.0 * half)))
+                boxes.append(sn.Box((0.5 * (first + end), y, middle), (end - first, y1 - y0, 2.0 * half)))
                 first = None
     return boxes
 
@@ -191,7 +187,7 @@ def gates_of(q: Floats, middle: float, doors: Floats) -> list[int]:
 
 def compare(wall: Wall) -> Passed:
     """Hold `solve_all` against what is known of a wall."""
-    solver = Solver(ROBOT, wall.scene, tolerance=TOLERANCE, time=BUDGET)
+    solver = sn.Solver(ROBOT, wall.scene, tolerance=TOLERANCE, time=BUDGET)
     began = perf_counter()
     found = solver.solve_all(wall.target, count=ASKED)
     seconds = perf_counter() - began

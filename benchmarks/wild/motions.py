@@ -9,19 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges.judge import within_limits
 from benchmarks.judges.motions import GRACE, overlap, samples, too_fast, wrong_at
 from benchmarks.wild import audit
 from benchmarks.wild.trials import named
 from benchmarks.wild.worlds import World, standing
-from sinuous import Motion, Solver, plan, track
-from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.model.rates import Rates
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Sphere
-from sinuous.scene.scene import Scene
 from sinuous.statics.rest import bodies_at
 
 SECTION = "motions of wild worlds: what is called proved, looked at by the judges"
@@ -58,12 +53,12 @@ def timed(seed: int, number: int) -> Judged:
     knots = np.concatenate([_way(one, other, int(rng.integers(*KNOTS)), rng) for one, other in pairwise(shapes)])
     if not within_limits(world.robot, knots).all():
         return Judged(False, "")
-    motion = Motion(world.robot, knots, world.scene)
+    motion = sn.Motion(world.robot, knots, world.scene)
     unit, (bend, length) = world.robot.mean_length, rng.uniform(0.1, 3.0, 2)
-    rates = Rates(bend, unit * length)
+    rates = sn.Rates(bend, unit * length)
     blend = float(rng.choice([0.0, 0.5])) * unit
     if blend > 0.0 or rng.random() < 0.5:
-        rates = Rates(bend, unit * length, acceleration=Rates(*rng.uniform(0.1, 3.0, 2) * (1.0, unit)))
+        rates = sn.Rates(bend, unit * length, acceleration=sn.Rates(*rng.uniform(0.1, 3.0, 2) * (1.0, unit)))
     trajectory = motion.timed(rates, blend)
     times = np.linspace(0.0, trajectory.duration, SAMPLES)
     q = trajectory.at(times)
@@ -80,18 +75,18 @@ def live(seed: int, number: int) -> Judged:
         return Judged(False, "")
     robot = world.robot
     ends = robot.tip(world.hidden[0])[:3, 3], robot.tip(world.hidden[1])[:3, 3]
-    path = [Target((1.0 - t) * ends[0] + t * ends[1]) for t in np.linspace(0.0, 1.0, WAYPOINTS)]
+    path = [sn.Target((1.0 - t) * ends[0] + t * ends[1]) for t in np.linspace(0.0, 1.0, WAYPOINTS)]
     scene, far = _with_ball(world, 0.1)
-    seen: list[Solution] = []
+    seen: list[sn.Solution] = []
     when, body = int(rng.integers(1, WAYPOINTS)), robot.backbone(world.hidden[0])
     near = body[rng.integers(len(body))] + 0.15 * robot.mean_length * rng.normal(size=3)
 
-    def move(solution: Solution) -> None:
+    def move(solution: sn.Solution) -> None:
         seen.append(solution)
         if len(seen) == when:
             scene.move("ball", position=near - far)
 
-    return _judged(world, track(robot, path, scene, start=world.hidden[0], progress=move, time=BUDGET))
+    return _judged(world, sn.track(robot, path, scene, start=world.hidden[0], progress=move, time=BUDGET))
 
 
 def ticks(draw: Callable[[int, int], World], seed: int, number: int) -> Judged:
@@ -100,8 +95,8 @@ def ticks(draw: Callable[[int, int], World], seed: int, number: int) -> Judged:
     robot, unit = world.robot, world.robot.mean_length
     scene, far = _with_ball(world, 0.1)
     most = [rng.uniform(0.5, 5.0), unit * rng.uniform(0.1, 3.0)] if rng.random() < 0.5 else [np.inf, np.inf]
-    rates = Rates(most[0], most[1]) if np.isfinite(most).all() else None
-    solver = Solver(robot, scene, time=float(rng.choice([1e-4, 1e-3, 1e-2])))
+    rates = sn.Rates(most[0], most[1]) if np.isfinite(most).all() else None
+    solver = sn.Solver(robot, scene, time=float(rng.choice([1e-4, 1e-3, 1e-2])))
     goal, twist = world.targets[-1], rng.normal(size=6) * ([1.0] * 3 + [unit] * 3)
     q, proved = world.hidden[0], False
     for _ in range(LOADED_TICKS if world.loaded else TICKS):
@@ -115,7 +110,7 @@ def ticks(draw: Callable[[int, int], World], seed: int, number: int) -> Judged:
         if step.proved:
             proved = True
             way = samples(np.stack([step.initial, step.q]), TICK_SAMPLES)
-            if false := _refuted(world, Scene.of(step.scene), way):
+            if false := _refuted(world, sn.Scene.of(step.scene), way):
                 return Judged(True, false)
         if too_fast((step.q - step.initial)[None], TICK, *most):
             return Judged(True, "rates")
@@ -128,7 +123,7 @@ def planned(draw: Callable[[int, int], World], seed: int, number: int) -> Judged
     world = draw(seed, number)
     if len(world.hidden) < 2:
         return Judged(False, "")
-    return _judged(world, plan(world.robot, world.hidden[0], world.hidden[-1], world.scene, time=BUDGET))
+    return _judged(world, sn.plan(world.robot, world.hidden[0], world.hidden[-1], world.scene, time=BUDGET))
 
 
 def raced(seed: int, number: int) -> Judged:
@@ -147,13 +142,13 @@ def raced(seed: int, number: int) -> Judged:
     mover = threading.Thread(target=move)
     mover.start()
     try:
-        solver = Solver(world.robot, scene, tolerance=world.tolerance, time=SHORT)
+        solver = sn.Solver(world.robot, scene, tolerance=world.tolerance, time=SHORT)
         found = [solver.solve(targets) for targets in world.targets[:RACES]]
     finally:
         done.set()
         mover.join()
     solved = [each for each in found if each.solved]
-    wrong = [_refuted(world, Scene.of(each.problem.scene), each.q[None]) for each in solved]
+    wrong = [_refuted(world, sn.Scene.of(each.problem.scene), each.q[None]) for each in solved]
     return Judged(bool(solved), next(filter(None, wrong), ""))
 
 
@@ -191,21 +186,21 @@ def _way(one: Floats, other: Floats, count: int, rng: Generator) -> Floats:
     return (1.0 - share) * one + share * other + aside * [1.0, 1.0, 0.0]
 
 
-def _with_ball(world: World, size: float) -> tuple[Scene, Floats]:
+def _with_ball(world: World, size: float) -> tuple[sn.Scene, Floats]:
     """The scene of a world with a ball that is far away, and where that is."""
     far: Floats = world.robot.base[:3, 3] + 5.0 * world.robot.mean_length
-    return Scene([Sphere(far, size * world.robot.mean_length, name="ball"), *world.scene.obstacles]), far
+    return sn.Scene([sn.Sphere(far, size * world.robot.mean_length, name="ball"), *world.scene.obstacles]), far
 
 
-def _judged(world: World, motion: Motion) -> Judged:
+def _judged(world: World, motion: sn.Motion) -> Judged:
     """Look at a whole motion, in the scene that it names, where it is called proved."""
     if len(motion.q) < 2 or motion.between != "proved":
         return Judged(False, "")
     count = max(1, (LOADED_SAMPLES if world.loaded else SAMPLES) // (len(motion.q) - 1))
-    return Judged(True, _refuted(world, Scene.of(motion.scene), samples(motion.q, count)))
+    return Judged(True, _refuted(world, sn.Scene.of(motion.scene), samples(motion.q, count)))
 
 
-def _refuted(world: World, scene: Scene, q: Floats) -> str:
+def _refuted(world: World, scene: sn.Scene, q: Floats) -> str:
     """Say what is wrong with configurations (m, n, 3) of a robot, of one under load with its body at rest."""
     robot = world.robot
     if not world.loaded:

@@ -5,17 +5,14 @@ import math
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.kinematics import body_points
 from benchmarks.places.parts.surfaces import Surface, loft
-from benchmarks.problems.sets import in_ball
+from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.model.poses import least_rotation
-from sinuous.model.robot import Robot
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 
 COUNTS = ((0, 1), (1, 8), (8, 61))
 """Ranges of the number of obstacles, each without its end."""
@@ -31,7 +28,7 @@ SAMPLES = 12
 """Intervals of a segment at whose ends obstacles are kept off the bodies while a scene is drawn."""
 
 
-def scene_about(robot: Robot, q: Floats, rng: Generator) -> Scene:
+def scene_about(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Scene:
     """Draw a scene in which the bodies of configurations (m, n, 3) are clear, as far as samples of them say."""
     points, radii = _bodies(robot, q)
     unit = robot.mean_length
@@ -46,11 +43,11 @@ def scene_about(robot: Robot, q: Floats, rng: Generator) -> Scene:
         drawn.append(_mesh(_place(points, radii, unit, rng), unit, rng))
     if count and rng.random() < RICH:
         cloud = points.mean(axis=0) + unit * np.array([in_ball(rng) for _ in range(100)])
-        drawn.append(PointCloud(_clear_of(points, radii, cloud, 0.02 * unit), 0.01 * unit))
-    return Scene([obstacle for obstacle in drawn if (measure(obstacle, points) > radii).all()])
+        drawn.append(sn.PointCloud(_clear_of(points, radii, cloud, 0.02 * unit), 0.01 * unit))
+    return sn.Scene([obstacle for obstacle in drawn if (measure(obstacle, points) > radii).all()])
 
 
-def _bodies(robot: Robot, q: Floats) -> tuple[Floats, Floats]:
+def _bodies(robot: sn.Robot, q: Floats) -> tuple[Floats, Floats]:
     """Points (k, 3) of all backbones beyond the mount, and the radius (k,) of the body at each."""
     points, along = body_points(robot, q, SAMPLES)
     radii = np.broadcast_to(np.array(robot.radii)[:, None], along.shape)
@@ -80,17 +77,17 @@ def _solid(kind: str, at: Floats, away: Floats, off: float, unit: float, rng: Ge
     """Draw an obstacle that begins `off` from a place: its extent towards it is that of its support."""
     radius = unit * rng.uniform(0.01, 0.15)
     if kind == "sphere":
-        return Sphere(at + (off + radius) * away, radius)
+        return sn.Sphere(at + (off + radius) * away, radius)
     if kind == "half_space":
-        return HalfSpace(at + off * away, -away)
+        return sn.HalfSpace(at + off * away, -away)
     rotation = least_rotation(away) @ _turn(rng)
     if kind == "box":
         size = unit * rng.uniform(0.02, 0.5, 3)
-        return Box(at + (off + 0.5 * float(np.abs(away @ rotation) @ size)) * away, size, rotation)
+        return sn.Box(at + (off + 0.5 * float(np.abs(away @ rotation) @ size)) * away, size, rotation)
     half = 0.5 * unit * rng.uniform(0.05, 1.0) * rotation[:, 0]
     radius *= 0.5
     middle = at + (off + abs(float(half @ away)) + radius) * away
-    return (Capsule if kind == "capsule" else Cylinder)(middle - half, middle + half, radius)
+    return (sn.Capsule if kind == "capsule" else sn.Cylinder)(middle - half, middle + half, radius)
 
 
 def _turn(rng: Generator) -> Floats:
@@ -120,26 +117,26 @@ def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacl
     middle, half = rotation @ (0.5 * (low + high)), 0.5 * (high - low) + room
     kind = rng.choice(["box", "ball", "cylinder", "mesh"], p=[0.5, 0.23, 0.23, 0.04])
     if kind == "box":
-        return Box(middle, 2.0 * half, rotation, inside=True)
+        return sn.Box(middle, 2.0 * half, rotation, inside=True)
     if kind == "ball":
-        return Sphere(middle, float((np.linalg.norm(points - middle, axis=1) + radii).max() + room[0]), inside=True)
+        return sn.Sphere(middle, float((np.linalg.norm(points - middle, axis=1) + radii).max() + room[0]), inside=True)
     if kind == "cylinder":
         across = local[:, :2] - (rotation.T @ middle)[:2]
         radius = float((np.linalg.norm(across, axis=1) + radii).max() + room[0])
-        return Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
+        return sn.Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
     return _block(middle, half, rotation, inside=True)
 
 
-def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> Mesh:
+def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> sn.Mesh:
     at, away, off = place
     half = unit * rng.uniform(0.02, 0.2, 3)
     rotation = pose_rotation(rng.normal(size=4))
     return _block(at + (off + float(np.abs(away @ rotation) @ half)) * away, half, rotation)
 
 
-def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> Mesh:
+def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> sn.Mesh:
     """Return a box of triangles."""
-    return Mesh(*block_surface(middle, half, rotation), inside=inside)
+    return sn.Mesh(*block_surface(middle, half, rotation), inside=inside)
 
 
 def block_surface(middle: Floats, half: Floats, rotation: Floats) -> Surface:

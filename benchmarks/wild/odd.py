@@ -14,9 +14,6 @@ from benchmarks.wild.obstacles import block_surface, pose_rotation
 from benchmarks.wild.robots import robot_with_shapes
 from benchmarks.wild.worlds import asked
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.model.robot import Robot
-from sinuous.scene.scene import Scene
 
 UNITS = (-9.0, 9.0)
 """Powers of ten between which a segment is long."""
@@ -27,13 +24,13 @@ LOADS = (-6.0, 3.0)
 """Powers of ten of weight times the square of the length, of the stiffness EI."""
 
 
-def robot(rng: Generator) -> Robot:
+def robot(rng: Generator) -> sn.Robot:
     """A robot of the wild worlds, or one of which much is at the edge of what can be said; some have demands."""
     own = robot_with_shapes(1, rng, UNITS)[0] if rng.random() < 0.3 else _edged(rng)
     return demanding(own, rng) if own.self_collision == "avoid" and rng.random() < 0.3 else own
 
 
-def _edged(rng: Generator) -> Robot:
+def _edged(rng: Generator) -> sn.Robot:
     unit = 10.0 ** rng.uniform(*UNITS)
     count = int(rng.choice([1, 1, 2, 3, 5, 8, 15]))
     radius = float(rng.choice([0.0, 1e-6, 0.01, 0.1, 0.6])) * unit
@@ -45,7 +42,7 @@ def _edged(rng: Generator) -> Robot:
         bend = float(np.linalg.norm(gravity)) * carried * (count * unit) ** 2 / 10.0 ** rng.uniform(*LOADS)
         segments = [_loaded(each, bend, carried / unit, rng) for each in segments]
     longest = sum(segment.length[1] for segment in segments)
-    return Robot(
+    return sn.Robot(
         segments,
         base=None if rng.random() < 0.5 else sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)),
         tool=_tool(unit, rng),
@@ -87,24 +84,24 @@ def _tool(unit: float, rng: Generator) -> Floats | None:
     return sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
 
 
-def size(robot: Robot) -> float:
+def size(robot: sn.Robot) -> float:
     """Return the longest length of a robot, or what is greater than 0."""
     return max(sum(segment.length[1] for segment in robot.segments), 1e-300)
 
 
-def scene(robot: Robot, rng: Generator) -> Scene:
+def scene(robot: sn.Robot, rng: Generator) -> sn.Scene:
     """Obstacles of every kind, anywhere: about the base, around everything, without any thickness."""
     unit = size(robot)
     obstacles = [_obstacle(robot, unit, rng) for _ in range(int(rng.choice(OBSTACLES)))]
-    scene = Scene(obstacles)
+    scene = sn.Scene(obstacles)
     try:
         scene.prepare()
-    except InputError:  # a mesh that is refused as it is
-        return Scene()
+    except sn.InputError:  # a mesh that is refused as it is
+        return sn.Scene()
     return scene
 
 
-def _obstacle(robot: Robot, unit: float, rng: Generator) -> Any:
+def _obstacle(robot: sn.Robot, unit: float, rng: Generator) -> Any:
     base = robot.base[:3, 3]
     place = base + unit * float(rng.choice([0.0, 0.3, 1.0])) * rng.normal(size=3)
     size = unit * 10.0 ** rng.uniform(-3.0, 0.5)
@@ -130,7 +127,7 @@ def _ball(center: Floats, radius: float, places: Floats) -> Floats:
     return np.asarray(np.linalg.norm(places - center, axis=1) - radius)
 
 
-def shape(robot: Robot, rng: Generator) -> Floats:
+def shape(robot: sn.Robot, rng: Generator) -> Floats:
     """A configuration within all limits; where actuators forbid what was drawn, a straight one of middle length."""
     low, high = np.array([segment.length for segment in robot.segments]).T
     for share in (1.0, 0.1, 0.0):
@@ -146,7 +143,7 @@ def shape(robot: Robot, rng: Generator) -> Floats:
     return np.asarray(q)
 
 
-def target(robot: Robot, rng: Generator) -> list[sn.Target]:
+def target(robot: sn.Robot, rng: Generator) -> list[sn.Target]:
     """What a shape of the robot meets, or anything else, or several of these."""
     if rng.random() < 0.6:
         return asked(robot, shape(robot, rng)[None], rng)[0]
@@ -168,7 +165,7 @@ def target(robot: Robot, rng: Generator) -> list[sn.Target]:
     ]
 
 
-def tolerance(robot: Robot, rng: Generator) -> sn.Tolerance | None:
+def tolerance(robot: sn.Robot, rng: Generator) -> sn.Tolerance | None:
     """Draw any tolerance, or none."""
     return (
         None

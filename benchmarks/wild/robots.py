@@ -1,20 +1,16 @@
 """Robots of all sorts: fixed and extensible segments, insertion stages, rigid links, tendons, chambers, any scale."""
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.kinematics import bend_caps
 from benchmarks.judges.self_collision import surely_clear
-from benchmarks.problems.sets import in_ball
+from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
-from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.poses import pose
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 
 SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
 """Ranges of the number of segments, each without its end."""
@@ -31,49 +27,27 @@ DRAWS = 16
 """Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""
 
 
-@dataclass(frozen=True)
-class Sketch:
-    """A segment, before it is known what its actuators have to allow.
-
-    Attributes
-    ----------
-    length : (float, float)
-    max_bend : float
-    max_curvature : float or None
-    radius : float
-    """
-
-    length: tuple[float, float]
-    max_bend: float
-    max_curvature: float | None
-    radius: float
-
-    def segment(self, tendons: Tendons | None = None, chambers: Chambers | None = None) -> Segment:
-        """Make it."""
-        return Segment(self.length, self.max_bend, self.max_curvature, self.radius, tendons, chambers)
-
-
-def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[Robot, Floats]:
+def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[sn.Robot, Floats]:
     """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves.
 
     `scales` are the powers of ten between which a segment is long.
     """
     size = int(rng.integers(*SIZES[rng.choice(len(SIZES), p=SIZE_SHARES)]))
     unit = 10.0 ** rng.uniform(*scales)
-    sketches = _sketches(size, unit, rng)
+    segments = _segments(size, unit, rng)
     place: dict[str, Any] = {
         "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
-        "base": pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
-        "tool": pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
+        "base": sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
+        "tool": sn.pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
     }
-    robot = Robot([sketch.segment() for sketch in sketches], **place)
+    robot = sn.Robot(segments, **place)
     q = shapes_of(robot, count, rng)
     if len(q) and rng.random() < 0.15:
-        robot = Robot(_driven(sketches, q, unit, rng), **place)
+        robot = sn.Robot(_driven(segments, q, unit, rng), **place)
     return robot, q
 
 
-def _sketches(size: int, unit: float, rng: Generator) -> list[Sketch]:
+def _segments(size: int, unit: float, rng: Generator) -> list[sn.Segment]:
     """Segments all alike, or each of its own sort; at least one can bend."""
     thin = rng.random() < 0.1
     radius = 0.0 if thin else unit * 10.0 ** rng.uniform(-3.0, -0.6)
@@ -83,30 +57,30 @@ def _sketches(size: int, unit: float, rng: Generator) -> list[Sketch]:
     first = _bending(unit, widest, radius, rng)
     drawn = [first if alike else _any(unit, widest, radius, rng) for _ in range(size - 1)] + [first]
     if size > 1 and rng.random() < 0.15:
-        drawn[0] = Sketch((0.0, unit * rng.uniform(0.5, 3.0)), 0.0, None, radius)  # an insertion stage
+        drawn[0] = sn.Segment((0.0, unit * rng.uniform(0.5, 3.0)), 0.0, None, radius)  # an insertion stage
     if not tapered:
         return drawn
-    return [Sketch(s.length, s.max_bend, s.max_curvature, s.radius * rng.uniform(0.5, 1.0)) for s in drawn]
+    return [each.changed(radius=each.radius * rng.uniform(0.5, 1.0)) for each in drawn]
 
 
-def _any(unit: float, widest: float, radius: float, rng: Generator) -> Sketch:
+def _any(unit: float, widest: float, radius: float, rng: Generator) -> sn.Segment:
     """Draw a segment that bends, a rigid link, or a straight one that stretches."""
     own = unit * rng.uniform(0.5, 1.5)
     kind = rng.choice(["bending", "rigid", "straight"], p=[0.82, 0.12, 0.06])
     if kind == "rigid":
-        return Sketch((own, own), 0.0, None, radius)
+        return sn.Segment((own, own), 0.0, None, radius)
     if kind == "straight":
-        return Sketch((0.3 * own, own), 0.0, None, radius)
+        return sn.Segment((0.3 * own, own), 0.0, None, radius)
     return _bending(own, widest * rng.uniform(0.5, 1.0), radius, rng)
 
 
-def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> Sketch:
+def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> sn.Segment:
     low = own * rng.choice([1.0, rng.uniform(0.5, 0.95), 0.0], p=[0.5, 0.42, 0.08])
     curvature = rng.uniform(1.0, 6.0) / own if rng.random() < 0.25 else None
-    return Sketch((low, own), max_bend, curvature, radius)
+    return sn.Segment((low, own), max_bend, curvature, radius)
 
 
-def shapes_of(robot: Robot, count: int, rng: Generator) -> Floats:
+def shapes_of(robot: sn.Robot, count: int, rng: Generator) -> Floats:
     """Return shapes that are surely clear of themselves; those that fail are drawn anew, each time more gently bent."""
     found = np.empty((0, len(robot), 3))
     most = 1.0
@@ -119,7 +93,7 @@ def shapes_of(robot: Robot, count: int, rng: Generator) -> Floats:
     return found
 
 
-def _draw(robot: Robot, count: int, most: float, rng: Generator) -> Floats:
+def _draw(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
     """Draw shapes that use `most` of the bends they may have; a few segments are at the limit of their length."""
     low, high = np.array([segment.length for segment in robot.segments]).T
     size = count, len(robot)
@@ -134,13 +108,13 @@ def _draw(robot: Robot, count: int, most: float, rng: Generator) -> Floats:
     return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
 
 
-def _driven(sketches: list[Sketch], q: Floats, unit: float, rng: Generator) -> list[Segment]:
+def _driven(segments: list[sn.Segment], q: Floats, unit: float, rng: Generator) -> list[sn.Segment]:
     """Give some segments tendons, or some chambers, with limits that the shapes (m, n, 3) just keep."""
     by_tendons = rng.random() < 0.6
-    segments = []
-    for k, sketch in enumerate(sketches):
-        if sketch.max_bend == 0.0 or rng.random() < 0.4:
-            segments.append(sketch.segment())
+    driven = []
+    for k, segment in enumerate(segments):
+        driven.append(segment)
+        if segment.max_bend == 0.0 or rng.random() < 0.4:
             continue
         arm, first, slack = unit * rng.uniform(0.02, 0.2), rng.uniform(0.0, math.pi), rng.uniform(1.0001, 1.5)
         angles = first + 2.0 * math.pi * np.arange(3) / 3.0
@@ -148,14 +122,11 @@ def _driven(sketches: list[Sketch], q: Floats, unit: float, rng: Generator) -> l
         if by_tendons:
             pulled = q[:, : k + 1, :2].sum(axis=1) @ arms
             limits = min(0.0, slack * pulled.min()), max(0.0, slack * pulled.max())
-            segments.append(sketch.segment(Tendons(3, arm, first, displacement=limits)))
-        else:
-            lengths = q[:, k, 2:] - q[:, k, :2] @ arms
-            middle = 0.5 * (lengths.min() + lengths.max())
-            extent = slack * 0.5 * (lengths.max() - lengths.min())
-            segments.append(
-                sketch.segment(None, Chambers(3, arm, first, length=(max(0.0, middle - extent), middle + extent)))
-                if lengths.min() >= 0.0
-                else sketch.segment()
-            )
-    return segments
+            driven[k] = segment.changed(tendons=sn.Tendons(3, arm, first, displacement=limits))
+            continue
+        lengths = q[:, k, 2:] - q[:, k, :2] @ arms
+        middle, extent = 0.5 * (lengths.min() + lengths.max()), slack * 0.5 * (lengths.max() - lengths.min())
+        if lengths.min() >= 0.0:
+            limits = max(0.0, middle - extent), middle + extent
+            driven[k] = segment.changed(chambers=sn.Chambers(3, arm, first, length=limits))
+    return driven

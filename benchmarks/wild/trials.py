@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.times import Times
 from benchmarks.judges.bodies import measured_body, needed_body, self_body
@@ -16,15 +17,11 @@ from benchmarks.judges.motions import GRACE
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import worlds
 from benchmarks.wild.worlds import LIMIT, World, standing
-from sinuous.answer.solution import Solution
-from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.solver.solver import Solver
 from sinuous.statics.rest import bodies_at
 
-IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)
+IMPOSSIBLE = (sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED, sn.Status.NO_ROUTE)
 """What no problem may be called: it has a hidden solution."""
 
 TARGET, LIMITS, OVERLAP, SELF_OVERLAP = "target missed", "limits", "overlap", "overlap with itself"
@@ -63,13 +60,13 @@ class Trial:
     @property
     def solved(self) -> bool:
         """Whether it says so, and nothing of it is false."""
-        return self.status == Status.SOLVED and not self.false
+        return self.status == sn.Status.SOLVED and not self.false
 
 
-def solutions_of(world: World) -> tuple[list[Solution | Exception], list[float]]:
+def solutions_of(world: World) -> tuple[list[sn.Solution | Exception], list[float]]:
     """Solve all problems, one by one, with the defaults of a user; how long each took, in seconds."""
-    solver = Solver(world.robot, world.scene, tolerance=world.tolerance, time=world.time)
-    solutions: list[Solution | Exception] = []
+    solver = sn.Solver(world.robot, world.scene, tolerance=world.tolerance, time=world.time)
+    solutions: list[sn.Solution | Exception] = []
     seconds = []
     for targets in world.targets:
         began = perf_counter()
@@ -84,16 +81,16 @@ def solutions_of(world: World) -> tuple[list[Solution | Exception], list[float]]
 def examine(world: World) -> list[Trial]:
     """Solve all problems of a world, and judge all claims."""
     found, seconds = solutions_of(world)
-    false = refuted(world, {i: each for i, each in enumerate(found) if isinstance(each, Solution)})
+    false = refuted(world, {i: each for i, each in enumerate(found) if isinstance(each, sn.Solution)})
     return [
         Trial(str(each.status), seconds[i], false[i])
-        if isinstance(each, Solution)
+        if isinstance(each, sn.Solution)
         else Trial(EXCEPTION, seconds[i], (EXCEPTION,))
         for i, each in enumerate(found)
     ]
 
 
-def refuted(world: World, solutions: Mapping[int, Solution]) -> dict[int, tuple[str, ...]]:
+def refuted(world: World, solutions: Mapping[int, sn.Solution]) -> dict[int, tuple[str, ...]]:
     """What is false of solutions of some problems, by their numbers."""
     false: dict[int, tuple[str, ...]] = {
         i: (str(each.status),) if world.possible and each.status in IMPOSSIBLE else () for i, each in solutions.items()
@@ -105,7 +102,7 @@ def refuted(world: World, solutions: Mapping[int, Solution]) -> dict[int, tuple[
     return false
 
 
-def _wrong(world: World, claims: Mapping[int, Solution]) -> dict[str, Flags]:
+def _wrong(world: World, claims: Mapping[int, sn.Solution]) -> dict[str, Flags]:
     """Where solutions that are called solved are wrong, kind by kind; of a robot under load its body at rest counts."""
     robot, q = world.robot, np.array([solution.q for solution in claims.values()])
     slack, demanded = GRACE * robot.mean_length, np.zeros(len(q), bool)
@@ -133,7 +130,7 @@ def _wrong(world: World, claims: Mapping[int, Solution]) -> dict[str, Flags]:
     return found | {SELF_CLEARANCE: _said(claims, "self_clearance") > most}
 
 
-def _said(claims: Mapping[int, Solution], name: str) -> Floats:
+def _said(claims: Mapping[int, sn.Solution], name: str) -> Floats:
     """A bound that every solution claims; NaN where it claims none."""
     values = [getattr(solution, name, None) for solution in claims.values()]
     return np.array([np.nan if value is None else value for value in values], np.float64)
@@ -195,10 +192,10 @@ def replay(seed: int, names: Sequence[str]) -> Iterator[str]:
     for name in names:
         number, _, which = name.partition(".")
         if not number.isdecimal() or not (which.isdecimal() or which == ""):
-            raise InputError("--only", "", name, "WORLD.PROBLEM, or WORLD for all its problems")
+            raise sn.InputError("--only", "", name, "WORLD.PROBLEM, or WORLD for all its problems")
         world = worlds.make(seed, checks.integer("--only", int(number), 0, 2**31 - 1))
         if which and int(which) >= len(world.targets):
-            raise InputError("--only", "", name, f"{number}.0 to {number}.{len(world.targets) - 1}")
+            raise sn.InputError("--only", "", name, f"{number}.0 to {number}.{len(world.targets) - 1}")
         solutions, seconds = solutions_of(world)
         yield f"world {number}: {world.robot!r}, {len(world.scene)} obstacles, {world.tolerance!r}"
         for i in [int(which)] if which else range(len(world.targets)):

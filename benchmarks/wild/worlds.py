@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import segment_ends, tip_poses
 from benchmarks.judges.self_collision import Flags, surely_clear
@@ -12,10 +13,6 @@ from benchmarks.problems import direction_targets, random_configurations
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import robot_with_shapes
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.scene import Scene
 
 LIMIT = 1.0
 """Budget of one solve, in seconds, where a kind has none of its own."""
@@ -62,13 +59,13 @@ class World:
         Whether gravity bends the robot: its body is then the one at rest.
     """
 
-    robot: Robot
-    scene: Scene
-    tolerance: Tolerance
-    targets: list[list[Target]]
+    robot: sn.Robot
+    scene: sn.Scene
+    tolerance: sn.Tolerance
+    targets: list[list[sn.Target]]
     hidden: Floats
     possible: bool = True
-    truth: Scene | None = None
+    truth: sn.Scene | None = None
     time: float = LIMIT
     loaded: bool = False
 
@@ -86,10 +83,10 @@ def make(seed: int, number: int) -> World:
         if len(q):
             break
     position, angle = 10.0 ** rng.uniform(*TOLERANCES, 2)
-    return World(robot, scene, Tolerance(position * robot.mean_length, angle), asked(robot, q, rng), q)
+    return World(robot, scene, sn.Tolerance(position * robot.mean_length, angle), asked(robot, q, rng), q)
 
 
-def asked(robot: Robot, q: Floats, rng: Generator, kind: str | None = None) -> list[list[Target]]:
+def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -> list[list[sn.Target]]:
     """Return targets for every shape, all of one of the `KINDS`: by default any."""
     kind = str(rng.choice(list(KINDS), p=list(KINDS.values()))) if kind is None else kind
     elbow = int(rng.integers(1, len(robot))) if len(robot) > 1 and rng.random() < ELBOWS else 0
@@ -98,21 +95,21 @@ def asked(robot: Robot, q: Floats, rng: Generator, kind: str | None = None) -> l
         tip = ends[-1] @ robot.tool
         place = None if kind.endswith("alone") else tip[:3, 3]
         targets = [
-            Target(
+            sn.Target(
                 place,
                 direction=tip[:3, 2] if kind.startswith("direction") else None,
                 rotation=tip[:3, :3] if kind.startswith("rotation") else None,
             )
         ]
         if elbow:
-            targets.append(Target(ends[elbow][:3, 3], segment=elbow))
+            targets.append(sn.Target(ends[elbow][:3, 3], segment=elbow))
         questions.append(targets)
     return questions
 
 
 def thick_arm(n: int, seed: int, number: int) -> World:
     """Make problems for an arm as thick as a tenth of its segments, near its base: of shapes that are clear of it."""
-    robot, rng = Robot.uniform(n, (100, 120), max_bend=3.1, radius=10), np.random.default_rng([seed, 10, n, number])
+    robot, rng = sn.Robot.uniform(n, (100, 120), max_bend=3.1, radius=10), np.random.default_rng([seed, 10, n, number])
     found = np.empty((0, n, 3))
     while len(found) < TOGETHER:
         drawn = random_configurations(robot, 4 * TOGETHER, rng)
@@ -121,16 +118,16 @@ def thick_arm(n: int, seed: int, number: int) -> World:
         found = np.concatenate([found, drawn[surely_clear(robot, drawn) & ~tight]])
     q = found[:TOGETHER]
     targets = [[target] for target in direction_targets(robot, q)]
-    return World(robot, Scene(), Tolerance().for_robot(robot), targets, q)
+    return World(robot, sn.Scene(), sn.Tolerance().for_robot(robot), targets, q)
 
 
-def standing(robot: Robot, drives: Floats) -> Flags:
+def standing(robot: sn.Robot, drives: Floats) -> Flags:
     """Whether the body of a robot under load is at rest at drives (m, n, 3), and stays there."""
 
     def stands(q: Floats) -> bool:
         try:
             return robot.shape(q).stable
-        except InputError:
+        except sn.InputError:
             return False
 
     return np.array([stands(q) for q in drives], bool)

@@ -10,9 +10,9 @@ from scipy.optimize import minimize
 import sinuous as sn
 from sinuous.answer.binding import Binding, find_binding
 from sinuous.answer.constraints import limits_of
+from sinuous.answer.remedies import Widening, plain
+from sinuous.answer.remedies import limits_of as limits_to_widen
 from sinuous.answer.residual import residual_of
-from sinuous.answer.widening import Widening, plain
-from sinuous.answer.widening import limits_of as limits_to_widen
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 

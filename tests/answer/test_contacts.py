@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Box, Problem, Robot, Sphere, Target, pose
-from sinuous.answer.contacts import contacts_of
+from sinuous.answer.worst import contacts_of
 from sinuous.measures.body import least_clearance, segment_ends
 from tests.cases import with_each
 from tests.helpers import Floats

@@ -14,28 +14,8 @@ from sinuous.base.errors import InputError
 from sinuous.files.documents import parse, parse_yaml
 
 numbers = st.integers(-(10**18), 10**18) | st.floats(allow_nan=False, allow_infinity=False)
-texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=12) | st.sampled_from(
-    [
-        "no",
-        "1e-3",
-        "null",
-        "~",
-        "010",
-        "a: b",
-        "- a",
-        "#",
-        "*x",
-        "&x",
-        "!t",
-        "'",
-        '"',
-        "\\",
-        "\x85",
-        "\u2028",
-        "a.b",
-        "nan",
-    ]
-)
+odd = [*"~#\\'\"\x85\u2028", "no", "1e-3", "null", "010", "a: b", "- a", "*x", "&x", "!t", "a.b", "nan"]
+texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=12) | st.sampled_from(odd)
 values = st.recursive(
     st.none() | st.booleans() | numbers | texts,
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(texts, inner, max_size=5),

@@ -6,13 +6,6 @@ from sinuous.base import words
 from tests.cases import with_each
 
 
-def test_numbers() -> None:
-    assert words.number(1.23456) == "1.235"
-    assert words.number(-0.0) == "0"
-    assert words.number(np.array([1.0, 2.5])) == "[1, 2.5]"
-    assert words.number("in the scene") == "in the scene"
-
-
 @with_each(
     ("numbers", "count", "text"),
     [
@@ -42,9 +35,3 @@ def test_rounding_up_loses_at_most_a_hundredth() -> None:
         up = words.rounded_up(float(value))
         assert value * (1.0 - 1e-11) <= up <= 1.0101 * value
     assert words.rounded_up(0.2) == 0.2
-
-
-def test_spans_and_groups() -> None:
-    assert words.span((1.0, 1.0)) == "1"
-    assert words.span((1.0, 2.5)) == "1 to 2.5"
-    assert words.grouped({1: "a", 2: "b", 3: "a"}) == [([1, 3], "a"), ([2], "b")]

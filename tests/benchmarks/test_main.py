@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from benchmarks import __main__ as command
 from benchmarks.__main__ import KNOWN, OF_LINES, OF_METHODS, TOOLS, Asked, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
@@ -64,11 +63,6 @@ def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str
     assert some[0] == first
     assert some == [piece for piece in everything if piece in some]
     assert len(some) < len(everything)
-
-
-def test_more_rounds_of_wild_are_fresh_problems() -> None:
-    once, twice = ([name for name, _ in Asked("wild", rounds=rounds).experiment().pieces()] for rounds in (1, 2))
-    assert set(once) < set(twice)
 
 
 def test_help_says_what_each_name_measures(capsys: pytest.CaptureFixture[str]) -> None:
@@ -137,17 +131,6 @@ def test_other_commands_say_it_as_well(arguments: list[str], named: str, capsys:
 def test_problems_of_wild_are_looked_at_again(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["wild", "--only", "3.1"]) == 0
     assert "  3.1: " in capsys.readouterr().out
-
-
-def test_an_interrupt_before_anything_was_measured_is_said(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def interrupted(_: Asked) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Asked, "experiment", interrupted)
-    assert main(["speed"]) == command.INTERRUPTED
-    assert "interrupted before anything was measured" in capsys.readouterr().err
 
 
 def test_threads_are_set_before_numpy_looks() -> None:

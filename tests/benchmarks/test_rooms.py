@@ -1,8 +1,6 @@
 """Lines by room: code is counted without comments, docstrings and blanks; circles are found, also those of types."""
 
-import pytest
-
-from benchmarks.rooms import between_rooms, circles, code_lines, imports, main, sizes
+from benchmarks.rooms import between_rooms, circles, code_lines, imports, sizes
 
 SOURCE = '''"""A module.
 
@@ -48,11 +46,3 @@ def test_circles_are_found_wherever_imports_stand() -> None:
     assert circles(edges) == [["sinuous.model.arm", "sinuous.scene.ball"]]
     assert circles(between_rooms(edges)) == [["sinuous.model", "sinuous.scene"]]
     assert circles({"a": ["b"], "b": ["c"], "c": []}) == []
-
-
-def test_a_commit_that_is_not_there_is_refused(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("benchmarks.rooms.here", dict)
-    assert main(["--against", "no-such-commit"]) == 2
-    assert capsys.readouterr().err.startswith("--against")

@@ -14,7 +14,7 @@ from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import audit, calls, doors, experiment, motions, odd, trials, worlds
+from benchmarks.wild import audit, calls, doors, motions, odd, trials, worlds
 from benchmarks.wild.calls import Called
 from benchmarks.wild.motions import Judged
 from benchmarks.wild.trials import (
@@ -122,12 +122,6 @@ def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) ->
     assert (false.reached, false.held, false.note) == (1, False, "problems: 7.3 overlap")
 
 
-@cache
-def made() -> list[World]:
-    """Forty worlds; not while tests are collected, which every process does."""
-    return [worlds.make(3, number) for number in range(40)]
-
-
 MAKERS = [
     *(partial(worlds.make, 3, number) for number in range(10)),
     *(partial(worlds.thick_arm, n, 0, 0) for n in (3, 8)),
@@ -149,18 +143,6 @@ def test_what_is_hidden_is_a_solution(make: Callable[[], World]) -> None:
     if made.possible:
         assert (look(body, shapes, 0.0).least > 0.0).all()
         assert (Clearances(body, made.truth or made.scene).least(shapes, 0.0) > 0.0).all()
-
-
-def test_a_world_is_made_again_by_its_number_and_worlds_are_of_all_sorts() -> None:
-    first, again = worlds.make(3, 7), made()[7]
-    np.testing.assert_array_equal(first.hidden, again.hidden)
-    assert [o.kind for o in first.scene.obstacles] == [o.kind for o in again.scene.obstacles]
-    segments = [segment for each in made() for segment in each.robot.segments]
-    assert any(segment.length[0] == 0.0 and segment.max_bend == 0.0 for segment in segments)
-    assert any(np.isfinite(segment.max_curvature) for segment in segments)
-    assert any(segment.tendons for segment in segments)
-    kinds = {type(o).__name__ for each in made() for o in each.scene.obstacles}
-    assert kinds >= {"Sphere", "Box", "Capsule", "Cylinder", "HalfSpace"}
 
 
 def test_the_judge_knows_distances_to_huge_obstacles_to_the_last_digits_of_the_robot() -> None:
@@ -195,11 +177,6 @@ def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.Mo
     at = sn.Trajectory.at
     monkeypatch.setattr(sn.Trajectory, "at", lambda self, t: at(self, t) * [1.0, 1.0, 1.0 + 1e-6])
     assert motions.timed(0, number).false in ("limits", "rates")
-
-
-@pytest.mark.parametrize("number", [68, 424])
-def test_ways_are_timed_where_the_pass_of_toppra_gives_up(number: int) -> None:
-    assert motions.timed(7, number).false == ""
 
 
 def test_the_loaded_body_is_judged() -> None:
@@ -280,7 +257,3 @@ def test_calls_can_be_made(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
         rng = np.random.default_rng(number)
         robot = odd.robot(rng)
         assert not robot.violations(odd.shape(robot, rng))
-
-
-def test_a_piece_gives_plain_values() -> None:
-    assert experiment.made(lambda seed, number: Judged(True, str(number)), 0, range(2)) == [[True, "0"], [True, "1"]]

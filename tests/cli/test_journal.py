@@ -78,7 +78,7 @@ import sys, time
 from sinuous.cli import journal
 from sinuous.cli.app import main
 from {module} import {kind}
-journal.EVERY = 0.05
+journal.WRITE_SECONDS = 0.05
 step = {kind}.{name}
 def slow(self, *arguments, **options):
     time.sleep({seconds})
@@ -149,7 +149,7 @@ def test_wherever_it_ends(run: Run, command: str, code: int, monkeypatch: pytest
     own = typed(command)
     with Steps(command) as whole:
         run(f"{own} --out whole.jsonl", code)
-    monkeypatch.setattr(journal, "EVERY", 0.0 if command == "plan" else 1.0)  # also with chunks of one entry
+    monkeypatch.setattr(journal, "WRITE_SECONDS", 0.0 if command == "plan" else 1.0)  # also with chunks of one entry
     for ended in sorted({0, 1, whole.count // 2, whole.count - 1}):
         taken = 0
         for most in (ended, 2, 10**9):
@@ -202,7 +202,7 @@ def test_what_is_kept_of_a_solution_is_all_of_it() -> None:
 
 
 def test_after_a_loss_of_power_what_is_broken_is_done_again(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(journal, "EVERY", 0.0)
+    monkeypatch.setattr(journal, "WRITE_SECONDS", 0.0)
     interrupted(run, "track", 5)
     chunk = PARTS / "chunk-0000002.npz"
     chunk.write_bytes(chunk.read_bytes()[:-20])

@@ -68,11 +68,18 @@ SOLVE = {
     "easy.yaml --all 3 --why": "--all: cannot be combined with --why; expected one of --all, --why, got 3\n",
 }
 
+
+def each(begin: str, ends: dict[str, str]) -> dict[str, str]:
+    """Return whole calls that begin alike, and what is said of each."""
+    return {f"{begin} {end}": said for end, said in ends.items()}
+
+
 CALLS = {
     "solve": "sinuous: Missing argument",
     "slove a.yaml": "sinuous: No such command 'slove'.",
-    **{f"{command} easy.yaml {typed}": said for command in ("solve", "track") for typed, said in ANY.items()},
-    **{f"solve {typed}": said for typed, said in SOLVE.items()},
+    **each("solve easy.yaml", ANY),
+    **each("track easy.yaml", ANY),
+    **each("solve", SOLVE),
     "track plan.yaml": "plan.yaml: goal: is for plan; expected target or targets, got [[-0.5, ",
     "track path.yaml --rate 10": "--rate: is for --csv; expected --csv FILE, too, got 10.0",
     "track path.yaml --csv q.csv --rate 0": "--rate: expected a number greater than 0, got 0.0",
@@ -88,9 +95,9 @@ CALLS = {
     "plan rates.yaml --begin nan": "--begin: expected a finite number",
     "plan moving.yaml": "moving.yaml: rates: ",
     "plan accelerated.yaml": "accelerated.yaml: rates.acceleration.bend: ",
-    **{
-        f"batch easy.yaml --targets targets.csv --out out.csv {typed}": said
-        for typed, said in {
+    **each(
+        "batch easy.yaml --targets targets.csv --out out.csv",
+        {
             "--engine gpu": "--engine: expected one of threads, processes",
             "--dask here": "--dask: expected tcp://HOST:PORT",
             "--dask local --engine processes": "--dask: cannot be combined with --engine",
@@ -101,11 +108,11 @@ CALLS = {
             "--targets no.csv": "--targets: ",
             "--targets easy.yaml": "--targets: expected a name that ends in .csv",
             "--out no/where/out.csv": "--out: ",
-        }.items()
-    },
-    **{
-        f"explore easy.yaml --memory arm.npz {typed}": said
-        for typed, said in {
+        },
+    ),
+    **each(
+        "explore easy.yaml --memory arm.npz",
+        {
             "--rounds -1": "--rounds: ",
             "--spacing 0": "--spacing: ",
             "--workers 0": "--workers: ",
@@ -113,11 +120,11 @@ CALLS = {
             "--time -1": "--time: ",
             "--memory easy.yaml": "--memory: ",
             "--memory no/arm.npz": "--memory: ",
-        }.items()
-    },
-    **{
-        f"reach easy.yaml {typed}": said
-        for typed, said in {
+        },
+    ),
+    **each(
+        "reach easy.yaml",
+        {
             "--spacing 0": "--spacing: ",
             "--directions 0": "--directions: ",
             "--workers 0": "--workers: ",
@@ -125,8 +132,8 @@ CALLS = {
             "--out map.csv": "--out: expected a name that ends in .npz",
             "--out no/map.npz": "--out: ",
             "--plot map.doc": "--plot: ",
-        }.items()
-    },
+        },
+    ),
     "calibrate none.yaml rows.csv": "none.yaml: file: cannot be read: ",
     "calibrate driven.yaml none.csv": "none.csv: file: cannot be read: ",
     "calibrate itself.yaml rows.csv": "itself.yaml: robot: unknown key; expected one of segments",

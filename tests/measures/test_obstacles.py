@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.measures import obstacles
-from sinuous.measures.obstacles import Indices, least_distances, measure, to_boxes, to_triangles
+from sinuous.measures.obstacles import Indices, least_distances, measure, to_triangles
 from sinuous.scene.meshes.mesh import Mesh
 from tests.cases import with_each
 from tests.helpers import Floats, random_rotation
@@ -30,11 +30,6 @@ OBSTACLES = [
 def test_distances_agree_with_the_kernels(obstacle: sn.Sphere) -> None:
     points = np.random.default_rng(0).uniform(-3, 3, (2000, 3))
     np.testing.assert_allclose(measure(obstacle, points), sn.Scene([obstacle]).distance(points), atol=1e-12)
-
-
-def test_boxes() -> None:
-    points = np.array([[2.0, 0, 0], [2, 3, 0], [0.9, 0, 0], [0, 0, 0]])
-    np.testing.assert_allclose(to_boxes(points, np.ones(3)), [1, np.sqrt(5), -0.1, -1], atol=1e-15)
 
 
 @pytest.mark.parametrize("seed", range(4))

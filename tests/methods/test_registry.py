@@ -10,8 +10,8 @@ import pytest
 import sinuous as sn
 from sinuous.base.arguments import MethodName
 from sinuous.methods import registry as methods
-from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.options import Options
+from sinuous.methods.prepared import LIMITS
 from sinuous.methods.registry import METHODS
 from sinuous.solver.solver import Solver
 from tests.cases import with_each

@@ -181,12 +181,6 @@ def test_limits_that_straight_robots_violate_are_refused() -> None:
     refused("actuators.limits[0]", lambda: Robot(PARTS, actuators=Actuators(bent, limits=(0.1, 0.9))), "[0, 0]")
 
 
-def test_rows_are_in_the_order_of_their_last_segment() -> None:
-    own = [ROWS["a sum"], ROWS["one segment"], ROWS["the last one"]]
-    robot = Robot(PARTS, actuators=Actuators(own, limits=(-3, 3)))
-    assert robot.actuation[:, t.LAST_SEGMENT].tolist() == [1, 3, 3]
-
-
 @pytest.mark.parametrize("name", ["one segment", "a sum", "tendon lengths"])
 def test_solvers_keep_them(name: str) -> None:
     free = Robot(PARTS)

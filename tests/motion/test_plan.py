@@ -158,7 +158,7 @@ def test_a_target_that_no_motion_comes_to_is_not_counted() -> None:
     [
         ({"shortcuts": -1}, r"^shortcuts: expected"),
         ({"time": -1.0}, r"^time: expected"),
-        ({"pace": 1}, r"^pace: unknown option; expected one of tolerance"),
+        ({"pace": 1}, r"^pace: unknown option; expected one of robot, start, goal, scene, tolerance"),
     ],
 )
 def test_wrong_options_are_refused(options: dict[str, float], message: str) -> None:
@@ -167,9 +167,9 @@ def test_wrong_options_are_refused(options: dict[str, float], message: str) -> N
 
 
 def test_wrong_ends_are_refused() -> None:
-    with pytest.raises(InputError, match=r"^start: expected .*3"):
+    with pytest.raises(InputError, match=r"^start: shape \(1, 3\); expected .*3"):
         sn.plan(ROBOT, [[0, 0, 1]], STRAIGHT)
-    with pytest.raises(InputError, match=r"^goal: expected .*3"):
+    with pytest.raises(InputError, match=r"^goal: shape \(1, 3\); expected .*3"):
         sn.plan(ROBOT, STRAIGHT, [[0, 0, 1]])
     with pytest.raises(InputError, match=r"^goal\[1\]: expected a Target"):
         sn.plan(ROBOT, STRAIGHT, [sn.Target((0, 0, 3)), 4])  # type: ignore[arg-type]

@@ -47,12 +47,12 @@ def test_the_function_sees_few_large_batches() -> None:
     ("function", "words"),
     [
         (lambda p: 2.0 * ball(p), "times as fast as a distance can"),
-        (lambda p: ball(p)[:-1], "(shape"),
-        (lambda p: ball(p)[:, None], "(shape"),
-        (lambda p: 1.0, "(shape ()"),
-        (lambda p: None, "(shape ()"),
-        (lambda p: ball(p) < 0.0, "(shape"),
-        (lambda p: np.where(p[:, 0] > 0.6, np.nan, ball(p)), "(at ["),
+        (lambda p: ball(p)[:-1], "shape ("),
+        (lambda p: ball(p)[:, None], "shape ("),
+        (lambda p: 1.0, "shape (); "),
+        (lambda p: None, "shape (); "),
+        (lambda p: ball(p) < 0.0, "shape ("),
+        (lambda p: np.where(p[:, 0] > 0.6, np.nan, ball(p)), "at ["),
     ],
 )
 def test_what_is_no_distance_is_refused(function: Any, words: str) -> None:

@@ -71,10 +71,10 @@ def test_a_wrong_unit_is_refused_with_the_number() -> None:
 
 def test_wrong_values_are_refused() -> None:
     good = distances()
-    refused("values", lambda: Grid(good[0], ORIGIN, 1), "(shape (7, 8))")
-    refused("values", lambda: Grid(good[None], ORIGIN, 1), "(shape (1, 6, 7, 8))")
+    refused("values", lambda: Grid(good[0], ORIGIN, 1), "shape (7, 8); ")
+    refused("values", lambda: Grid(good[None], ORIGIN, 1), "shape (1, 6, 7, 8); ")
     refused("values", lambda: Grid(good[:1], ORIGIN, 1), "at least two points along every axis")
-    refused("values", lambda: Grid(np.zeros((0, 3, 3)), ORIGIN, 1), "(shape (0, 3, 3))")
+    refused("values", lambda: Grid(np.zeros((0, 3, 3)), ORIGIN, 1), "shape (0, 3, 3); ")
     refused("values", lambda: Grid(3 * np.ones((3, 3, 3), int), ORIGIN, 1), "only 0 and 1", "got 3")
     refused("values", lambda: Grid(-np.ones((3, 3, 3), int), ORIGIN, 1), "got -1")
     refused("values", lambda: Grid("values", ORIGIN, 1))  # type: ignore[arg-type]

@@ -20,7 +20,7 @@ from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
 from sinuous.base.checks import Floats
 from sinuous.base.errors import NotSolvedError
-from sinuous.solver.many import TOGETHER
+from sinuous.solver.many import LARGEST_CALL
 from tests.helpers import refused, refused_each
 from tests.methods.laws import shapes
 from tests.solver.routing.test_routes import HIDDEN, ROBOT, box_room, pipe
@@ -256,10 +256,10 @@ def test_initial_configurations_for_all_and_for_each() -> None:
 def test_more_than_one_call_can_take() -> None:
     """Chunks of every size; an answer depends on its target alone."""
     solver = sn.Solver(FIXED, max_starts=2)
-    places = np.tile(tips(FIXED, 97)[:, :3, 3], (3 * TOGETHER // 97, 1))
+    places = np.tile(tips(FIXED, 97)[:, :3, 3], (3 * LARGEST_CALL // 97, 1))
     many = solver.solve_many(positions=places, workers=2)
-    assert len(many) > 2 * TOGETHER
-    np.testing.assert_array_equal(many.q, np.tile(many.q[:97], (3 * TOGETHER // 97, 1, 1)))
+    assert len(many) > 2 * LARGEST_CALL
+    np.testing.assert_array_equal(many.q, np.tile(many.q[:97], (3 * LARGEST_CALL // 97, 1, 1)))
 
 
 def test_memory_is_that_of_the_arrays() -> None:
@@ -318,7 +318,7 @@ def test_what_is_asked_wrongly_is_refused_by_name() -> None:
     refused("len(targets[0])", lambda: ask([[]]))
     refused("targets[1].segment", lambda: ask([target, sn.Target((0, 0, 1), segment=9)]), "1 to 4")
     refused("positions", lambda: ask([target], positions=places), "cannot be combined with targets")
-    refused("position", lambda: ask(position=places), "positions, directions, rotations, xyzw")
+    refused("position", lambda: ask(position=places), "did you mean 'positions'?")
     refused("positions[2]", lambda: ask(positions=[*places[:2], (0, 0, np.nan)]), "3 finite numbers")
     refused("directions", lambda: ask(positions=places, directions=places[:2]), "positions: 4")
     refused("directions", lambda: ask(positions=places, directions=places, xyzw=np.ones((4, 4))), "xyzw")

@@ -38,7 +38,7 @@ def loads(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 @pytest.mark.parametrize(("target", "count"), [(NEAR, 0), (FAR, 0), (TORN, 1)], ids=["solved", "proved", "open"])
 def test_it_is_loaded_where_the_first_starts_decide_nothing(loads: list[float], target: Any, count: int) -> None:
-    solution = Solver.once(ROBOT, SCENE, time=60.0, max_starts=20).solve(target)
+    solution = Solver._for_one_query(ROBOT, SCENE, time=60.0, max_starts=20).solve(target)
     assert solution.solved is (target is NEAR)
     assert bool(loads) is bool(count)
     assert solution.seconds < LOADING  # it is no part of the budget
@@ -71,7 +71,7 @@ def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
         assert own._resolver == solution._resolver
         assert (own._resolver.solve(own.problem).q == solution.q).all()
     assert len(loads) == 1
-    assert type(pickle.loads(pickle.dumps(Solver.once(ROBOT, SCENE)))) is Solver
+    assert type(pickle.loads(pickle.dumps(Solver._for_one_query(ROBOT, SCENE)))) is Solver
 
 
 def test_what_is_loaded_is_not_loaded_again(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,10 +25,10 @@ from sinuous.kernels.tables import (
     UNPROVED,
     Outcome,
 )
+from sinuous.solver.attempts import StartBatch
 from sinuous.solver.distinct_solutions import PATIENCE, DistinctSearch
 from sinuous.solver.options import UNBOUNDED
 from sinuous.solver.search import ENOUGH, FirstSolved
-from sinuous.solver.starts import StartBatch
 
 NONE = np.empty((0, 2, 3))
 IMPOSSIBLE = (OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE)

@@ -10,7 +10,7 @@ from sinuous.kernels.tables import RANDOM, SOURCES
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
+from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from tests.helpers import Floats
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))

@@ -17,12 +17,20 @@ from sinuous.kernels.tables import GIVEN, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver import strategy as own
-from sinuous.solver.attempts import ATTEMPTS, EFFORT_OF_A_CHAIN, Attempt, AttemptQueue, read_without
+from sinuous.solver.attempts import (
+    ATTEMPTS,
+    EFFORT_OF_A_CHAIN,
+    Attempt,
+    AttemptQueue,
+    IKQuery,
+    RandomRestarts,
+    StartBatch,
+    read_without,
+)
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.growth import FIRST_WIDTH
 from sinuous.solver.routing.searches import Searches, SearchPlan
-from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import Strategy, attempts_of, plans_of
 from tests.cases import with_each
 from tests.helpers import Floats

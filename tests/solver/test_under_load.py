@@ -124,7 +124,7 @@ def test_what_cannot_be_reached_is_not_solved() -> None:
 def test_what_knows_no_loads_says_so() -> None:
     solver = sn.Solver(arm())
     target = sn.Target((0.1, 0.0, 0.2))
-    refused("gravity", lambda: solver.build(target), "without load")
+    refused("gravity", lambda: solver._first_call(target), "without load")
 
 
 def test_without_loads_nothing_changes() -> None:

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+import sinuous as sn
 from benchmarks.judges.kinematics import arc_poses
 from sinuous.base.checks import Floats
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 
 TURNING = 0.9
 """Standard deviation of the change of the bending plane from one segment to the next, rad."""
@@ -60,7 +59,7 @@ def arc(start: Floats, coordinates: Floats, samples: int) -> Floats:
     return poses
 
 
-def curve_of(robot: Robot, q: Floats, samples: int) -> Curve:
+def curve_of(robot: sn.Robot, q: Floats, samples: int) -> Curve:
     """Return the backbone of a configuration (n, 3), with `samples` intervals a segment."""
     pieces, parts = [robot.base[None]], q[:, None] * np.linspace(0.0, 1.0, samples + 1)[1:, None]
     for steps in arc_poses(parts[..., 0], parts[..., 1], parts[..., 2]):
@@ -75,7 +74,7 @@ def lengthened(poses: Floats, by: float) -> Floats:
 
 
 def draw_shape(
-    robot: Robot, apart: float, rng: Generator, least_ahead: float = -1.0, straight: Container[int] = ()
+    robot: sn.Robot, apart: float, rng: Generator, least_ahead: float = -1.0, straight: Container[int] = ()
 ) -> Floats:
     """Draw a configuration (n, 3) whose backbone keeps `apart` from itself.
 
@@ -94,7 +93,7 @@ def keeps_from_itself(curve: Curve, apart: float) -> bool:
     return _keeps_apart(curve.points, curve.along, curve.points, curve.along, apart)
 
 
-def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float, straight: Container[int]) -> Floats | None:
+def _grow(robot: sn.Robot, apart: float, rng: Generator, least_ahead: float, straight: Container[int]) -> Floats | None:
     """Add one segment after the other, each free of those before; `None` where there is no way on."""
     found: list[Floats] = []
     pose = robot.base
@@ -119,7 +118,7 @@ def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float, straig
     return np.array(found)
 
 
-def _draw_segment(segment: Segment, plane: float, rng: Generator) -> Floats:
+def _draw_segment(segment: sn.Segment, plane: float, rng: Generator) -> Floats:
     low, high = segment.length
     stage = low == 0.0
     length = rng.uniform(LEAST_INSERTION * high if stage else low, high)

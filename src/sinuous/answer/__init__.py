@@ -10,6 +10,6 @@ __getattr__, __dir__, __all__ = entrance(
         "sinuous.answer.explanation": "Explanation",
         "sinuous.answer.observer": "Observed",
         "sinuous.answer.step": "Active Step",
-        "sinuous.answer.verification": "Verification Verifications",
+        "sinuous.answer.verification": "MotionVerification Verification Verifications",
     },
 )

@@ -6,6 +6,7 @@ from sinuous.answer.explanation import Explanation as Explanation
 from sinuous.answer.observer import Observed as Observed
 from sinuous.answer.step import Active as Active
 from sinuous.answer.step import Step as Step
+from sinuous.answer.verification import MotionVerification as MotionVerification
 from sinuous.answer.verification import Verification as Verification
 from sinuous.answer.verification import Verifications as Verifications
 

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.answer.constraints import Limit, limits_of, normal, rates_of
-from sinuous.answer.contacts import Contact, all_contacts
 from sinuous.answer.descent_within_limits import descend_within_limits
 from sinuous.answer.least_distance import nonnegative_least_squares
 from sinuous.answer.residual import residual_of
+from sinuous.answer.worst import Contact, all_contacts
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
 from sinuous.base.reprs import ShortRepr

@@ -81,7 +81,7 @@ def update_observer(
         assert before is not None
         return before._replace(past=past)
     then = past[max(0, len(past) - 1 - ago)]
-    if robot.hangs:  # the model is the loaded body
+    if robot.has_external_load:  # the model is the loaded body
         asked = ask_body(robot, then, ())
         robot, then = asked.body, asked.arcs
     reading = _read(robot, then, measured, places)

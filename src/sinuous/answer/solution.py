@@ -227,14 +227,14 @@ class Solution(NotebookMixin):
         """Proved lower bound of the distance between body and obstacles."""
         if not (self.solved and len(self.problem.scene)):
             return None
-        return self._outcome.clearance + self.problem.robot.least_demanded[0]
+        return self._outcome.clearance + self.problem.robot._least_clearances[0]
 
     @property
     def self_clearance(self) -> float | None:
         """Proved lower bound of the distance of the body from itself."""
         if not (self.solved and self.problem.robot.avoids_itself):
             return None
-        return self._outcome.self_clearance + self.problem.robot.least_demanded[1]
+        return self._outcome.self_clearance + self.problem.robot._least_clearances[1]
 
     @property
     def demanded_clearance(self) -> float | tuple[float, ...] | None:
@@ -301,12 +301,12 @@ class Solution(NotebookMixin):
     @property
     def _falls(self) -> bool:
         """Whether loads bend the robot, and no stable equilibrium was found."""
-        return self.problem.robot.hangs and math.isinf(self._outcome.position_error)
+        return self.problem.robot.has_external_load and math.isinf(self._outcome.position_error)
 
     def _find_worst(self) -> Worst:
         """Of a robot under load what its body misses, by segments of the robot."""
         problem = self.problem
-        if not problem.robot.hangs or self.shape is None:
+        if not problem.robot.has_external_load or self.shape is None:
             return find_worst(problem, self.q, self.status in _OVERLAPS)
         asked = ask_body(problem.robot, self.q, problem.targets)
         body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
@@ -333,7 +333,7 @@ class Solution(NotebookMixin):
         """What the status means here; of `limit_bound` with the names of the limits."""
         if self._falls:
             return f"{self.status.sentence}: no stable equilibrium under its loads was found"
-        if self.status in _OF_CLEARANCE and self.problem.robot.demands:
+        if self.status in _OF_CLEARANCE and self.problem.robot._demands_clearance:
             return f"{self.status.sentence}, {_OF_CLEARANCE[self.status]}"
         held = self.binding if self.status is Status.LIMIT_BOUND else ()
         limits = [each for each in held if each.key is not None]
@@ -370,7 +370,7 @@ class Solution(NotebookMixin):
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
-        if self.problem.robot.hangs:
+        if self.problem.robot.has_external_load:
             return ()
         if self._within is not None:
             return rate_binding(self.problem, self.q, self._given[0], self._within)
@@ -428,9 +428,9 @@ class Solution(NotebookMixin):
         from sinuous.answer.derivatives.preferred import Wish  # noqa: PLC0415
 
         robot, preferences = self._problem.robot, self._resolver.preferences
-        if robot.hangs or not preferences:  # targets are met by the loaded body, of which derivatives know nothing
+        if robot.has_external_load or not preferences:  # derivatives know nothing of the loaded body
             return None
-        own = preferences.beyond(robot.least_demanded[0])
+        own = preferences.beyond(robot._least_clearances[0])
         given = self._given.reshape(-1, *self.q.shape)
         return Wish(own, given[0] if len(given) else None, self._outcome.clearance - own.clearance)
 

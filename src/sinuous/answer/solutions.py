@@ -150,13 +150,13 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     @property
     def clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance between body and obstacles; NaN without obstacles, or a proof."""
-        return self._proved(t.CLEARANCE, len(self._problems.scene) > 0, self._problems.robot.least_demanded[0])
+        return self._proved(t.CLEARANCE, len(self._problems.scene) > 0, self._problems.robot._least_clearances[0])
 
     @property
     def self_clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance of the body from itself; NaN where it may cross, or unproved."""
         robot = self._problems.robot
-        return self._proved(t.SELF_CLEARANCE, robot.avoids_itself, robot.least_demanded[1])
+        return self._proved(t.SELF_CLEARANCE, robot.avoids_itself, robot._least_clearances[1])
 
     def _proved(self, column: int, matters: bool, demanded: float) -> Floats:
         return np.where(self.solved & matters, self._answers[:, column] + demanded, np.nan)

@@ -160,7 +160,7 @@ class Step:
     @property
     def twist(self) -> Floats:
         """Twist (6,) of the tip that this reaches, at the start of the step: (omega, v) in world axes, as asked for."""
-        if self._wanted.robot.hangs:
+        if self._wanted.robot.has_external_load:
             return np.asarray(self._answer[t.REACHED : t.REACHED + 6] / self.dt)
         return np.asarray(self.velocity.reshape(-1) @ self._wanted.robot.jacobian(self.initial).T)
 
@@ -265,7 +265,7 @@ class Step:
             value = (
                 max(0.0, float(self._answer[t.CLEARANCES + row * CLEARANCES_WIDTH + PROVED_BOUND])) if whole else 0.0
             )
-        return value + self._wanted.robot.least_demanded[row]
+        return value + self._wanted.robot._least_clearances[row]
 
     def _find_active(self) -> tuple[Active, ...]:
         first = t.CONFIGURATION + self.q.size

@@ -79,6 +79,15 @@ class Verification(ShortRepr):
             yield f"{name}={getattr(self, name):.3g}"
 
 
+class MotionVerification(list[Verification]):
+    """What the slow path found of a motion: of each waypoint, then of each step."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether all of them are."""
+        return all(each.ok for each in self)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Verifications:
     """What the slow path found of many shapes; every attribute is an array (...), see `Verification`.
@@ -119,7 +128,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
     clearance, segment, obstacle = least_clearance(body, scene, arcs, ends)
     itself = nearest_meeting(body, arcs, ends)
-    spare = clearance - robot.least_demanded[0]
+    spare = clearance - robot._least_clearances[0]
     if isinstance(robot.clearance, tuple):
         spare = least_clearance(body, scene, arcs, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
@@ -133,7 +142,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
         and spare >= -slack
         and itself.gap >= -slack
     )
-    gap = itself.gap + robot.least_demanded[1]
+    gap = itself.gap + robot._least_clearances[1]
     where, pair = asked.segment(segment), itself.segments
     both = None if pair is None else (asked.owners[pair[0] - 1], asked.owners[pair[1] - 1])
     return Verification(ok, off, turn, robot.excess(q), clearance, where, obstacle, gap, both)
@@ -146,7 +155,7 @@ def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> lis
 
 def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
     """Look at one step: limits at both ends, for they are convex; clearances at shares of it."""
-    if robot.hangs:
+    if robot.has_external_load:
         return _loaded_step(robot, ends, scene, times)
     shares = shares_between(robot, *ends)
     q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
@@ -179,7 +188,7 @@ def _seen(
         clearances, spares, segments, obstacles = least_clearances(body, scene, q)
     at = int(clearances.argmin())
     itself = least_meeting(body, q)
-    gap, slack = itself.gap + robot.least_demanded[1], ROUNDING * robot.mean_length
+    gap, slack = itself.gap + robot._least_clearances[1], ROUNDING * robot.mean_length
     ok = all(_within_limits(robot, one) for one in ends) and spares.min() >= -slack and itself.gap >= -slack
     nothing = obstacles[at] < 0
     segment, obstacle = (None, None) if nothing else (owners[int(segments[at])], scene.name(int(obstacles[at])))

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from importlib.machinery import ModuleSpec
+from types import MethodType
 from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
@@ -55,8 +56,26 @@ def entrance(
 
 
 def warn_moved(old: str, new: str, level: int) -> None:
-    """Say by a `DeprecationWarning` what something is called now; `level` as in `warnings.warn`."""
+    """Say by a `DeprecationWarning` where something is now; `level` as in `warnings.warn`."""
     warnings.warn(f"{old} is {new} now", DeprecationWarning, stacklevel=level + 1)
+
+
+class Renamed:
+    """An attribute that goes on working under its old name, with a warning."""
+
+    def __init__(self, new: str) -> None:
+        self._new = new
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._old = f"{owner.__name__}.{name}"
+
+    def __get__(self, instance: Any, owner: type) -> Any:
+        found = getattr(owner if instance is None else instance, self._new)
+        if instance is None and not isinstance(found, MethodType):  # somebody looks at the class
+            return self
+        place = "private" if self._new.startswith("_") else f"{owner.__name__}.{self._new}"
+        warn_moved(self._old, place, 2)
+        return found
 
 
 class MovedModules:

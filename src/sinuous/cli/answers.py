@@ -168,7 +168,7 @@ def _draw(file: Path, answer: Answer) -> None:
 
         show(*(answer.solutions or [answer.best] if isinstance(answer, Alternatives) else [answer]), path=file)
     else:
-        from sinuous.view.pictures.report import write_picture  # noqa: PLC0415
+        from sinuous.view.pictures.reports import write_picture  # noqa: PLC0415
 
         drawn = (answer.solutions[:MOST_DRAWN] or answer.best) if isinstance(answer, Alternatives) else answer
         write_picture(file, drawn)
@@ -192,4 +192,4 @@ def read_solution(solver: Solver, targets: Targets, start: Floats | None, values
     outcome = read_outcome(values["outcome"], len(solver.robot))
     own = values["route_class"]
     route_class = None if own is None else RouteClass.from_dict(own)
-    return solver.loaded(targets, outcome, values["seconds"], start, route_class)
+    return solver._restore_solution(targets, outcome, values["seconds"], start, route_class)

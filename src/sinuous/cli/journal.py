@@ -22,7 +22,7 @@ from sinuous.problem.target import target_table
 from sinuous.solver.options import SolveOptions
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
 
-EVERY = 1.0
+WRITE_SECONDS = 1.0
 """Seconds of work that may be lost when a process is killed."""
 
 MakeEntry = Callable[[], dict[str, Any]]
@@ -68,7 +68,7 @@ class Journal:
     def add(self, make: MakeEntry) -> None:
         """Keep what was found of this problem; from time to time, all is written."""
         self._new[1].append((self._problem, make))
-        if clock.perf_counter() - self._written > EVERY:
+        if clock.perf_counter() - self._written > WRITE_SECONDS:
             self.write()
 
     def write(self) -> None:

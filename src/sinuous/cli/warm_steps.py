@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous.base.arguments import MethodName
 from sinuous.methods.learned.search import Learned
-from sinuous.methods.learned.training import FEWEST, train
+from sinuous.methods.learned.training import FEWEST_TARGETS, train
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
@@ -62,13 +62,15 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
     """
     chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
-        WarmStep("single solves", partial(Solver.once, ROBOT)),
+        WarmStep("single solves", partial(Solver._for_one_query, ROBOT)),
         WarmStep("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
-        WarmStep("single solves among obstacles", partial(Solver.once, ROBOT, FAR)),
-        WarmStep("batches of solves", lambda: Solver.once(ROBOT).solve_many([TARGET])),
-        WarmStep("batches of solves among obstacles", lambda: Solver.once(ROBOT, FAR).solve_many([TARGET])),
-        WarmStep("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
-        WarmStep("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
+        WarmStep("single solves among obstacles", partial(Solver._for_one_query, ROBOT, FAR)),
+        WarmStep("batches of solves", lambda: Solver._for_one_query(ROBOT).solve_many([TARGET])),
+        WarmStep("batches of solves among obstacles", lambda: Solver._for_one_query(ROBOT, FAR).solve_many([TARGET])),
+        WarmStep("preferences", lambda: Solver._for_one_query(ROBOT, prefer=Preferences(bends=1.0))),
+        WarmStep(
+            "preferences among obstacles", lambda: Solver._for_one_query(ROBOT, FAR, prefer=Preferences(bends=1.0))
+        ),
     ]
     others = [WarmStep(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
@@ -89,7 +91,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
 def _method(name: MethodName) -> None:
     """Use a method; `learned` with a network that learns as little as can be: training takes seconds."""
     learned = name == "learned"
-    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST, width=1, rounds=1)) if learned else name
+    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST_TARGETS, width=1, rounds=1)) if learned else name
     Solver(ROBOT, FAR, method=method)
 
 
@@ -104,11 +106,11 @@ def _plans() -> None:
 
 
 def _loops() -> None:
-    Solver.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
+    Solver._of_checked(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
 
 
 def _derivatives(scene: Scene | None) -> None:
-    solver = Solver.once(ROBOT, scene)
+    solver = Solver._for_one_query(ROBOT, scene)
     _ = solver.solve(TARGET).derivative().clearance
     solver.solve_many([TARGET]).derivative()
 
@@ -116,7 +118,7 @@ def _derivatives(scene: Scene | None) -> None:
 def _shapes_under_load() -> None:
     straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
     HEAVY.shape(straight)
-    Solver.once(HEAVY, None).solve(TARGET)
+    Solver._for_one_query(HEAVY, None).solve(TARGET)
     rest = Rest(HEAVY, straight)
     _ = rest.slopes, rest.answers([rest.tables], np.ones(1))
     Motion(HEAVY, [straight, straight + 0.01])

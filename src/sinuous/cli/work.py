@@ -62,7 +62,7 @@ def solve_files(asked: Solve) -> int:
     for one in read:
         one.problem._refuse("path", "goal")
         _refuse_moving(one.problem)
-    made = Solver.once if len(read) == 1 and count is None else Solver
+    made = Solver._for_one_query if len(read) == 1 and count is None else Solver
 
     def prepare(problem: ProblemFile, **options: Any) -> Solver:
         return made(problem.robot, problem.scene, **options)

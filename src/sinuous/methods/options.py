@@ -13,8 +13,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import suggested
-from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.prepared import Compiled, Prepared
+from sinuous.methods.prepared import Capabilities, Compiled, Prepared
 from sinuous.methods.search import check_size
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences

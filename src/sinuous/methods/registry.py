@@ -12,9 +12,8 @@ from typing import cast
 from sinuous.base.arguments import MethodName
 from sinuous.base.errors import InputError, shown
 from sinuous.base.words import suggested
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
-from sinuous.methods.prepared import Prepared
+from sinuous.methods.prepared import Capabilities, Prepared
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance

@@ -10,10 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Which, Whole
+from sinuous.base.arguments import (
+    ActuatorValues,
+    Batch,
+    Limits,
+    Number,
+    OneEach,
+    Rows,
+    SelfCollision,
+    Vector,
+    Which,
+    Whole,
+)
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_document
 from sinuous.base.doors import door
+from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.base.guesses import answers_attributes
@@ -23,7 +35,7 @@ from sinuous.base.reprs import call, text
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
-from sinuous.model.inverse import Inverse, answer_contradictions, fitting, some_of
+from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
@@ -311,30 +323,33 @@ class Robot(NotebookMixin, Frozen):
         return self.self_collision == "avoid" and max(self.self_radii) > 0.0
 
     @cached_property
-    def least_demanded(self) -> tuple[float, float]:
+    def _least_clearances(self) -> tuple[float, float]:
         """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
         return float(np.min(self.clearance)), float(np.min(self.self_clearance))
 
     @cached_property
-    def demands(self) -> bool:
+    def _demands_clearance(self) -> bool:
         """Whether any clearance is demanded."""
         return bool(np.any(self.clearance) or np.any(self.self_clearance))
 
     @property
-    def hangs(self) -> bool:
+    def has_external_load(self) -> bool:
         """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
         return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
 
-    def refuse_load(self) -> None:
+    def _refuse_load(self) -> None:
         """Refuse a robot that gravity bends, where shapes without load would be wrong.
 
         Raises
         ------
         InputError
         """
-        if self.hangs:
+        if self.has_external_load:
             wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
             raise InputError("gravity", "here loads are not known", self.gravity, wanted)
+
+    hangs, least_demanded = Renamed("has_external_load"), Renamed("_least_clearances")
+    demands, refuse_load = Renamed("_demands_clearance"), Renamed("_refuse_load")
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -476,10 +491,10 @@ class Robot(NotebookMixin, Frozen):
 
     def equilibrium(
         self,
-        actuators: Vector | Mapping[str, Number] | None = None,
+        actuators: ActuatorValues | None = None,
         forces: Loads = (),
         *,
-        tensions: Vector | None = None,
+        tensions: ActuatorValues | None = None,
         initial: Batch | None = None,
     ) -> "sn.Equilibrium":
         """Shape of the body under load at these values of the actuators (m,), or at these tensions (m,).
@@ -490,7 +505,7 @@ class Robot(NotebookMixin, Frozen):
             As for `from_actuators`; what they hold, they keep.
         forces : Force, Payload, or list of these
             Beside gravity and payload of the robot.
-        tensions : array_like (m,), optional
+        tensions : array_like (m,) or mapping, optional
             Of tendons and chambers in the order of `actuators`, instead of values; positive pulls.
         initial : array_like (n, 3), optional
             Of what no actuator determines, its configuration without load.
@@ -509,7 +524,9 @@ class Robot(NotebookMixin, Frozen):
             raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
         if tensions is not None:
             q = None if initial is None else checks.array("initial", initial, (len(self), 3))
-            pulled = checks.array("tensions", tensions, (len(self.drive),))
+            names = [each.name for each in self.actuators]
+            ordered = in_order("tensions", tensions, names) if isinstance(tensions, Mapping) else tensions
+            pulled = checks.array("tensions", ordered, (len(self.drive),))
             return self._rest(loads, "tensions", pulled, q)
         self.from_actuators(actuators, initial)  # values that contradict each other are told
         given: Any = actuators
@@ -566,7 +583,7 @@ class Robot(NotebookMixin, Frozen):
 
     def from_actuators(
         self,
-        actuators: Stack | Mapping[str, Number | Stack] | None,
+        actuators: ActuatorValues | None,
         initial: Batch | None = None,
         tolerance: Number | Vector | None = None,
     ) -> Floats:
@@ -608,7 +625,7 @@ class Robot(NotebookMixin, Frozen):
         found = self._inverse.configuration(displacements, reference)
         return found if self.drive.elastic is None else self.drive.elastic.shape(displacements, found)
 
-    def tensions(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> Floats:
+    def tensions(self, actuators: ActuatorValues, initial: Batch | None = None) -> Floats:
         """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
 
         Parameters as for `from_actuators`. Positive pulls; a chamber that pushes has a negative tension. In the unit
@@ -618,7 +635,7 @@ class Robot(NotebookMixin, Frozen):
         values, _ = fitting(actuators, initial, [actuator.name for actuator in self.actuators], len(self))
         return self.drive.tensions(q, self.drive.motors.displacements(values))
 
-    def slack(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> tuple[str, ...]:
+    def slack(self, actuators: ActuatorValues, initial: Batch | None = None) -> tuple[str, ...]:
         """Names of the elastic tendons that are slack at these values (m,)."""
         tensions = self.tensions(actuators, initial)
         if tensions.ndim != 1:
@@ -653,7 +670,7 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
-    robot.refuse_load()
+    robot._refuse_load()
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

@@ -89,7 +89,7 @@ def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     moving = sizes > 0.0
     free = steps_margins(robot, q, steps)
     # Where nothing is proved, no clearance has to be kept.
-    most = ROUNDED if robot.hangs else STRAIGHT
+    most = ROUNDED if robot.has_external_load else STRAIGHT
     allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], most * levers[0])
     first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
     margins = np.minimum.reduceat(np.where(moving, free, np.inf), first) if len(first) else first
@@ -138,11 +138,12 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     far a loaded body turns between knots is not looked at.
     """
     if len(set(robot.self_radii)) == 1:
-        stretching = robot.hangs or any(segment.length[0] < segment.length[1] for segment in robot.segments)
+        stretching = robot.has_external_load or any(segment.length[0] < segment.length[1] for segment in robot.segments)
         own = steps.room[1] / (3.0 if stretching else 2.0)
     else:
         turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)
-        never = not robot.avoids_itself or (np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi) & (not robot.hangs)
+        slight = np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi
+        never = not robot.avoids_itself or slight & (not robot.has_external_load)
         own = np.where(never, np.inf, 0.0)
     return KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
 
@@ -169,7 +170,7 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
     shorter = np.minimum(legs.sizes[1:], legs.sizes[:-1])
     back = np.einsum("lnk,lnk->l", slopes[1:], slopes[:-1]) <= 0.0
     arms = np.where(back, 0.0, np.minimum(arms, 0.5 * shorter))
-    if robot.hangs:
+    if robot.has_external_load:
         corners = zip(legs.corners[1:-1], slopes[:-1], slopes[1:], strict=True)
         allowed = np.where(bounded_aside(robot), allowed, 0.0)
         own = zip(corners, arms.tolist(), allowed.tolist(), (SHORT * shorter).tolist(), strict=True)

@@ -50,7 +50,7 @@ def fit_chains_along(robot: Robot, curve: Curve, depths: Floats, near: Floats | 
     those alone that bring places nearer. Where no body is at rest under its load, the drive is laid as if it had none.
     """
     q = _first(robot, curve, depths) if near is None else within_limits(robot, near)
-    if robot.hangs:
+    if robot.has_external_load:
         q = fit_chains_along(robot.changed(gravity=None, payload=None), curve, depths) if near is None else q
         rests = np.array([Rest(robot, each).states is not None for each in q], bool)
         q[rests] = _laid(_LoadedChains(robot), curve, depths[rests], q[rests], near is not None)
@@ -117,7 +117,7 @@ class _Chains:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self._body = longest_body(robot) if robot.hangs else robot
+        self._body = longest_body(robot) if robot.has_external_load else robot
         self._places = math.ceil(PLACES * len(robot) / len(self._body))  # of every arc
 
     def residual(self, curve: Curve, depths: Floats, q: Floats) -> tuple[Floats, Floats]:

@@ -40,7 +40,8 @@ class Job(ProblemFile):
             When it speaks of a path, or an option is not what it should be.
         """
         self._refuse("path", "goal")
-        return Solver.once(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
+        solver = Solver._for_one_query(self.robot, self.scene, **self._options(options))
+        return solver.solve(self.waypoints[0], self.start)
 
     def track(self, **options: Unpack[TimedArguments]) -> Motion:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`.

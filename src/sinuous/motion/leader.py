@@ -207,7 +207,7 @@ class _Leader:
         bending = [s.length[1] for s in robot.segments if s.max_bend > 0.0 and s.length[1] > 0.0]
         count = np.clip(int(LAID * (end - self.low) / min(bending, default=end)), LEAST_LAID, MOST_LAID)
         self.depths = np.linspace(self.low, end, int(count) + 1)
-        self.unbounded = robot.hangs and not bounded(robot)  # shorter steps are no more than sampled then
+        self.unbounded = robot.has_external_load and not bounded(robot)  # shorter steps are no more than sampled then
         self.ended: Solution | None = None
         self.answers: dict[tuple[float, float], Floats] = {}
         self.off: dict[tuple[float, float], float] = {}
@@ -239,7 +239,7 @@ class _Leader:
         clearances (t, 2) as `Prover` takes them, and all solutions.
         """
         found = self.solver.solve_many(positions=self.path.at(depths), initial=near, workers=1)
-        clear = np.stack([found.clearance, found.self_clearance], axis=1) - self.robot.least_demanded
+        clear = np.stack([found.clearance, found.self_clearance], axis=1) - self.robot._least_clearances
         clear[np.isnan(clear)] = math.inf  # nothing to be clear of: all that are kept are solved
         failed = np.flatnonzero(~found.solved)
         kept = len(depths)
@@ -290,7 +290,7 @@ class _Leader:
                 pair = slice(i, i + 2)
                 self.answers[step] = prover.prove(self.q[pair], SLACK, SECONDS, known=self.clear[pair])[0]
         answers = np.array([self.answers[step] for step in ends]) if ends else unproved(0)
-        return Steps(answers, self.robot.least_demanded)
+        return Steps(answers, self.robot._least_clearances)
 
     def _put_together(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
         last = first[-1] if self.ended is None else self.ended

@@ -57,7 +57,7 @@ class LeaderQuestion(NamedTuple):
         InputError
             When their tips are not on the curve.
         """
-        robot.refuse_load()  # differences of equilibria are not as exact as those of shapes
+        robot._refuse_load()  # differences of equilibria are not as exact as those of shapes
         body = robot.changed(tool=None)  # the tip is led, not the tool
         off = np.linalg.norm(body.tip(q)[:, :3, 3] - path.at(depths), axis=1)
         if off.max(initial=0.0) > OFF * len(robot) * robot.mean_length:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     import sinuous as sn
-    from sinuous.answer.verification import Verification
+    from sinuous.answer.verification import MotionVerification
     from sinuous.base.arguments import LeaderParameter
     from sinuous.measures.following import Deviation
     from sinuous.model.rates import Rates
@@ -223,7 +223,7 @@ class Motion(NotebookMixin, Frozen):
     @property
     def tips(self) -> Floats:
         """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
-        if self.robot.hangs:
+        if self.robot.has_external_load:
             return np.array([self.robot.shape(q).tip for q in self.q]).reshape(-1, 4, 4)
         return self.robot.tip(self.q)
 
@@ -462,20 +462,21 @@ class Motion(NotebookMixin, Frozen):
         often = checks.number("rate", rate, above=0.0)
         return self if len(self.q) < 2 else self.resampled(often)
 
-    def verify(self) -> "list[Verification]":
+    def verify(self) -> "MotionVerification":
         """Recompute every waypoint, and look at every step between knots densely, by an independent, slow path.
 
         Returns
         -------
-        list of Verification
-            One of each waypoint that was tried, then one of each step, also of those that are not proved: its least
+        MotionVerification
+            A list, which is `ok` when all are: one `Verification` of each waypoint that was tried, then one of each
+            step, also of those that are not proved: its least
             clearances over so many configurations that no place of the body moves by more than a hundredth of the
             length of the body from one to the next. Of a step no target is asked.
         """
-        from sinuous.answer.verification import verify_steps  # noqa: PLC0415
+        from sinuous.answer.verification import MotionVerification, verify_steps  # noqa: PLC0415
 
         waypoints = [solution.verify() for solution in self.solutions]
-        return waypoints + verify_steps(self.robot, self.q, self.scene, self.times)
+        return MotionVerification(waypoints + verify_steps(self.robot, self.q, self.scene, self.times))
 
     def raise_for_status(self) -> Self:
         """Return this motion when it is solved.

@@ -183,7 +183,7 @@ class Planner:
         load_motions(robot, self._scene.snapshot())
         self._workspaces = Workspaces(robot)
         with self._workspaces.lent(standing(self._scene.snapshot())) as work:
-            if not robot.hangs:
+            if not robot.has_external_load:
                 work.trees.load()
         # What is kept of a robot is looked up now: the first plan takes no longer than others.
         violated_by(robot, np.zeros((len(robot), 3)))
@@ -238,7 +238,7 @@ class Planner:
         there = standing(scene) if duration is None else scene.at(self._pace.begin + duration)
         solver = None
         if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
-            solver = Solver.prepared(self._robot, Scene.of(there), self._options)
+            solver = Solver._of_checked(self._robot, Scene.of(there), self._options)
         deadline, prover = Deadline(self._options.time), Prover(self._robot, scene)
         made = partial(self._made, scene, deadline, begin)
         report = self._blocked(begin, end, prover, Prover(self._robot, there))
@@ -283,7 +283,7 @@ class Planner:
 
     def _again(self, solution: Solution, scene: Snapshot) -> Solution:
         """Return the same solution, solved again among all that is there when the motion ends."""
-        solver = Solver.prepared(self._robot, Scene.of(scene), self._options)
+        solver = Solver._of_checked(self._robot, Scene.of(scene), self._options)
         again = solver.solve(list(solution.problem.targets), solution.q)
         return again if np.array_equal(again.q, solution.q) else solution
 
@@ -301,7 +301,7 @@ class Planner:
     @cached_property
     def _solver(self) -> Solver:
         """Solves targets; without any, nothing is compiled for it."""
-        return Solver.prepared(self._robot, self._scene, self._options)
+        return Solver._of_checked(self._robot, self._scene, self._options)
 
     def _configuration(self, key: str, given: Initial) -> Floats:
         return checks.array(key, given.q if isinstance(given, Solution) else given, (len(self._robot), 3))
@@ -317,7 +317,7 @@ class Planner:
             fixed = np.unique([0, len(found.q) - 1])
             times = self._pace.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
         told = replace(report, seconds=deadline.spent, method=name_of(self._options.method), seed=self._options.seed)
-        motion = Motion.made(robot, scene, found.q, times, Steps(found.answers, robot.least_demanded), told)
+        motion = Motion.made(robot, scene, found.q, times, Steps(found.answers, robot._least_clearances), told)
         return motion if scene.moves else self._pace.kept(motion)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:

@@ -84,7 +84,7 @@ def read(
     clearance, own = (entries.optional(key) for key in ("clearance", "self_clearance"))
     wrong = _read_numbers(values, "unproved_steps", len(q) - 1)
     steps = _read_steps(values, len(q) - 1, robot)
-    steps = steps or Steps.told(max(0, len(q) - 1), wrong, clearance, own, robot.least_demanded)
+    steps = steps or Steps.told(max(0, len(q) - 1), wrong, clearance, own, robot._least_clearances)
     report = Report(
         solutions=tuple(solutions),
         waypoint_knots=_read_knots(values, len(solutions), len(q)),
@@ -107,7 +107,7 @@ def _read_steps(values: dict[str, Any], count: int, robot: Robot) -> Steps | Non
     if len(known) != max(0, count):
         raise InputError("steps", "", len(known), f"one for each step: {max(0, count)}")
     known[np.array([[value is None for value in row] for row in given], np.bool_).reshape(known.shape)] = math.inf
-    return Steps(known, robot.least_demanded)
+    return Steps(known, robot._least_clearances)
 
 
 def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene: Snapshot) -> tuple[Problem, ...]:

@@ -40,7 +40,7 @@ def lines_between(robot: Robot, scene: Snapshot, knot_times: Floats, steps: Step
         run = slice(begin, end + 1)
         answers[begin:end] = prove_steps(robot, scene, q[run], times=times[run]).answers
     answers[:, UNTIL] = np.where(answers[:, VERDICT] == CLEAR, 1.0, 0.0)
-    return Steps(answers, robot.least_demanded)
+    return Steps(answers, robot._least_clearances)
 
 
 def splines_between(robot: Robot, times: Floats, q: Floats, velocities: Floats, lines: Steps) -> Steps:
@@ -60,12 +60,17 @@ def splines_between(robot: Robot, times: Floats, q: Floats, velocities: Floats, 
         forward &= (share >= -LIMIT_SLACK) & (share <= STEEPEST)
         aside += reach_of(BULGE * dt * (ends - share[:, None, None] * slopes), levers)
     # Under load a body leaves the way by more than its drive does.
-    kept = forward & (not robot.hangs) & (aside <= steps_margins(robot, q, lines)) & _within_limits(robot, control)
+    kept = (
+        forward
+        & (not robot.has_external_load)
+        & (aside <= steps_margins(robot, q, lines))
+        & _within_limits(robot, control)
+    )
     answers = lines.answers.copy()
     answers[:, CLEARANCES] -= aside
     answers[:, CLEARANCES + CLEARANCES_WIDTH] -= STRETCHED * aside
     answers[~kept, VERDICT], answers[~kept, UNTIL] = UNDECIDED, 0.0
-    return Steps(answers, robot.least_demanded)
+    return Steps(answers, robot._least_clearances)
 
 
 def _within_limits(robot: Robot, control: Floats) -> NDArray[np.bool_]:

@@ -172,7 +172,7 @@ def default_preferences(robot: Robot, method: Choice) -> Preferences:
     checks.instance("robot", robot, Robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
-    return ClearanceWish(clearance=robot.least_demanded[0] + WISHED_CLEARANCE * robot.mean_length / len(robot))
+    return ClearanceWish(clearance=robot._least_clearances[0] + WISHED_CLEARANCE * robot.mean_length / len(robot))
 
 
 def read_deviation(solver: Solver, deviation: Number | None) -> float:

@@ -163,7 +163,7 @@ class Tracker:
         """Take the next waypoint as it was found before, by a tracker that was interrupted."""
         self._look_ahead()
         initial = self._knots[-1].q if self._knots else None
-        solution = self._solver.loaded(targets, entry.outcome, entry.solve_seconds, initial)
+        solution = self._solver._restore_solution(targets, entry.outcome, entry.solve_seconds, initial)
         self._knots += entry.knots
         if entry.knots and solution.solved:  # the last one is the waypoint
             self._knots[-1] = self._knots[-1]._replace(solution=solution)
@@ -326,7 +326,7 @@ class Tracker:
         """The solver for what lies between waypoints: it goes on from where the robot is, or not at all."""
         if self._follows is None:
             options = replace(self._solver.options, max_starts=1, routes=False)
-            self._follows = Solver.prepared(self._solver.robot, self._solver.scene, options)
+            self._follows = Solver._of_checked(self._solver.robot, self._solver.scene, options)
         return self._follows
 
     def shorten(self, shortest: Shortest) -> None:
@@ -355,7 +355,7 @@ class Tracker:
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
         answers = [knot.proof for knot in self._knots if knot.proof is not None]
         proofs = np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH))
-        steps = Steps(proofs, robot.least_demanded)
+        steps = Steps(proofs, robot._least_clearances)
         found = Report(
             solutions=tuple(solution for solution, _ in self._tried),
             waypoint_knots=tuple(knot for _, knot in self._tried),

@@ -42,7 +42,7 @@ class BodyQuestion(NamedTuple):
 
 def ask_body(robot: Robot, q: Floats, targets: Sequence[Target]) -> BodyQuestion:
     """Return the question of targets in a configuration (n, 3) of the drive."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         return BodyQuestion(robot, q, tuple(targets), list(range(1, len(robot) + 1)))
     own, found = body_of(robot), robot.shape(q)
     rolls = np.cumsum(found.states[:, t.TWIST])

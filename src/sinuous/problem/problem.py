@@ -167,7 +167,7 @@ def settings_group(
     robot: Robot, tolerance: Tolerance, prefer: Preferences | None = None, options: Sequence[float] | Floats = ()
 ) -> Floats:
     """Return the settings of a solve as kernels read them, a new array; see `kernels.packing.settings_group`."""
-    wishes = Preferences() if prefer is None else prefer.beyond(robot.least_demanded[0])
+    wishes = Preferences() if prefer is None else prefer.beyond(robot._least_clearances[0])
     return packing.settings_group(
         mount=robot.mount,
         unit=robot.mean_length,

@@ -81,9 +81,9 @@ class ControlLoop:
 
     def __init__(self, robot: Robot, scene: Scene, options: SolveOptions, tolerance: Tolerance) -> None:
         self._robot, self._scene, self._tolerance = robot, scene, tolerance
-        self._demanded = robot.least_demanded[0]
+        self._demanded = robot._least_clearances[0]
         self._wish, self._time = options.prefer.clearance, options.time
-        self._group = None if robot.hangs else robot_group(robot)
+        self._group = None if robot.has_external_load else robot_group(robot)
         self._settings = settings_group(robot, tolerance)
         self._free = self._limits = RateLimits(robot, Changes())
         self._local = threading.local()
@@ -180,7 +180,7 @@ class ControlLoop:
     def _holds(self, q: Floats) -> bool:
         """Whether all limits are kept, under load also those of tensions."""
         robot = self._robot
-        return not robot.violations(q) and (not robot.hangs or tensions_kept(robot, Rest(robot, q).pulls))
+        return not robot.violations(q) and (not robot.has_external_load or tensions_kept(robot, Rest(robot, q).pulls))
 
     def _answer(
         self,

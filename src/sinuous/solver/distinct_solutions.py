@@ -14,12 +14,11 @@ from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
+from sinuous.solver.attempts import Deadline, IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.certificates.steps import LoadedShapes
-from sinuous.solver.route_classes.curves import RouteCurves
-from sinuous.solver.route_classes.naming import group_alike, name_classes
+from sinuous.solver.route_classes.curves import RouteCurves, group_alike, name_classes
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.search import Clock, Search
-from sinuous.solver.starts import Deadline, IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import Strategy
 from sinuous.statics.equilibrium import longest_body
 
@@ -228,7 +227,7 @@ class DistinctSolutions:
         self._wanted, self._dislike, self._end = wanted, dislike, math.inf
         compares = len(problem.scene) > 0 or wanted.by == BY_ROUTE
         robot = problem.robot
-        ways = LoadedShapes(robot) if robot.hangs else None
+        ways = LoadedShapes(robot) if robot.has_external_load else None
         body = robot if ways is None else longest_body(robot)
         self._body: Body = (lambda q: q) if ways is None else lambda q: ways.at(q).arcs
         self._curves = RouteCurves(body, problem.scene, self._seconds_left) if compares else None

@@ -21,16 +21,16 @@ from sinuous.solver.search import UNDECIDED
 from sinuous.solver.strategy import Strategy
 from sinuous.solver.thread_pool import share_jobs
 
-TOGETHER = 1024
+LARGEST_CALL = 1024
 """Most problems that are handed over in one call."""
 
-FREE = 64
+SMALLEST_FREE_CALL = 64
 """Fewest problems of one call without obstacles, if there are so many: a call costs as much as three such solves."""
 
-AMONG_OBSTACLES = 4
+SMALLEST_CALL_AMONG_OBSTACLES = 4
 """Fewest problems of one call among obstacles, if there are so many."""
 
-PARTS = 4
+CHUNKS_PER_WORKER = 4
 """Chunks a worker, where there are enough problems: some take a thousand times as long as others."""
 
 MOST_WORKERS = 1024
@@ -85,8 +85,8 @@ class Many:
                 self._repeats[first:last] = self._strategy.recalled(starts, answers)
             self._advance(last - first - len(self._open(answers)))
 
-        least = AMONG_OBSTACLES if len(self._questions.scene) else FREE
-        most = min(TOGETHER, len(self._answers) // (PARTS * self._workers))
+        least = SMALLEST_CALL_AMONG_OBSTACLES if len(self._questions.scene) else SMALLEST_FREE_CALL
+        most = min(LARGEST_CALL, len(self._answers) // (CHUNKS_PER_WORKER * self._workers))
         share_jobs(begin, _chunks(self._questions.target_sets.runs(), least, most), self._workers)
 
     def decide(self, code: int) -> None:

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 
 from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.solver.attempts import StartBatch
 from sinuous.solver.options import UNBOUNDED
-from sinuous.solver.starts import StartBatch
 
 ENOUGH = 1000
 """Starts of a search that the user does not bound, after which its end says what the best found lacks: before that it

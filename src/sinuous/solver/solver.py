@@ -18,6 +18,7 @@ from sinuous.answer.step import Step
 from sinuous.base import checks
 from sinuous.base.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
 from sinuous.base.checks import Floats
+from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError, warn_of
 from sinuous.base.progress import ProgressBar
 from sinuous.base.reprs import call, text
@@ -37,6 +38,7 @@ from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.attempts import IKQuery, StartBatch
 from sinuous.solver.blocked_base import base_blocked
 from sinuous.solver.control_step import ControlLoop
 from sinuous.solver.distinct_solutions import (
@@ -53,7 +55,6 @@ from sinuous.solver.loaded_solve import unsolved_start as start_at
 from sinuous.solver.many import Many, read_initial, read_workers
 from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.search import UNDECIDED, FirstSolved, Follow
-from sinuous.solver.starts import IKQuery, StartBatch
 from sinuous.solver.strategy import Strategy
 from sinuous.solver.thread_pool import share_jobs
 
@@ -114,13 +115,13 @@ class Solver:
         self._warm(uses)
 
     @classmethod
-    def once(cls, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> Self:
+    def _for_one_query(cls, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> Self:
         """Prepare a solver for one question: what routes need is compiled, or loaded, where the first starts fail."""
-        return cls.prepared(*_checked(robot, scene, options))
+        return cls._of_checked(*_checked(robot, scene, options))
 
     @classmethod
-    def prepared(cls, robot: Robot, scene: Scene, options: SolveOptions) -> Self:
-        """Prepare a solver, as `once` does, of what was checked before; nothing is warned of twice."""
+    def _of_checked(cls, robot: Robot, scene: Scene, options: SolveOptions) -> Self:
+        """Prepare a solver, as `_for_one_query` does, of what was checked before; nothing is warned of twice."""
         solver = object.__new__(cls)
         solver._prepare(robot, scene, options)
         return solver
@@ -131,9 +132,9 @@ class Solver:
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
         self._load: LoadCorrection | None = None
-        if robot.hangs:
+        if robot.has_external_load:
             self._load = LoadCorrection(robot)
-            self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
+            self._free = self._of_checked(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
         method = registry.ready(chosen.method, robot, scene, chosen.prefer)
@@ -173,6 +174,9 @@ class Solver:
         with code_first():
             for use in uses:
                 READY[use](self)
+
+    once, prepared = Renamed("_for_one_query"), Renamed("_of_checked")
+    loaded, build = Renamed("_restore_solution"), Renamed("_first_call")
 
     def solve(
         self,
@@ -307,7 +311,7 @@ class Solver:
         outcome = self._control.within(problem, given[0], within, seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given, within=within)
 
-    def loaded(
+    def _restore_solution(
         self,
         target: Targets,
         outcome: Outcome,
@@ -319,9 +323,9 @@ class Solver:
         problem = self._prepared_problem(target)
         return Solution(problem, outcome, seconds, self._resolver, self._given(initial), route_class)
 
-    def build(self, target: Targets, initial: Initial | None = None) -> Call:
+    def _first_call(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
-        self.robot.refuse_load()
+        self.robot._refuse_load()
         budget = self._first_budgets[int(initial is not None)]
         return self._prepared.build(self._problem(target)[0], self._given(initial), budget)
 
@@ -540,7 +544,7 @@ class Solver:
         return call(type(self).__name__, [*parts, f"time={self.options.time:g}"])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self).prepared, (self.robot, self.scene, self.options)
+        return type(self)._of_checked, (self.robot, self.scene, self.options)
 
     @cached_property
     def _control(self) -> ControlLoop:
@@ -632,7 +636,7 @@ def solve(
     **options: Unpack[SolveArguments],
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    return Solver.once(robot, scene, **options).solve(target, initial)
+    return Solver._for_one_query(robot, scene, **options).solve(target, initial)
 
 
 def solve_all(
@@ -668,7 +672,7 @@ class KeptOptions(SolveAgain):
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""
-        if robot.hangs:  # targets are met by the loaded body, of which derivatives know nothing
+        if robot.has_external_load:  # targets are met by the loaded body, of which derivatives know nothing
             return True
         if self.preferences:
             return not self.preferences.satisfied(clearance)
@@ -679,7 +683,7 @@ class KeptOptions(SolveAgain):
     ) -> Solution:
         """Solve a problem; `options` replace those of the earlier solve."""
         chosen = replace(self.options, tolerance=problem.tolerance, **options)
-        solver = Solver.prepared(problem.robot, Scene.of(problem.scene), chosen)
+        solver = Solver._of_checked(problem.robot, Scene.of(problem.scene), chosen)
         return solver.solve(problem.targets, initial, within=within)
 
 

@@ -31,7 +31,16 @@ from sinuous.methods import registry
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solver.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, AttemptQueue
+from sinuous.solver.attempts import (
+    EDGES,
+    REMEMBERED,
+    SCATTERED,
+    SIDE_TUBES,
+    AttemptQueue,
+    IKQuery,
+    RandomRestarts,
+    StartBatch,
+)
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
@@ -39,7 +48,6 @@ from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates, s
 from sinuous.solver.routing.growth import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solver.routing.searches import CELLS, Searches, SearchPlan
 from sinuous.solver.shapes import NEAREST
-from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 
 OPENING = 3
 """Starts of the first call among obstacles: most that suffice are among the first, and routes are known as soon."""

@@ -242,7 +242,7 @@ def find_equilibrium(question: EquilibriumQuestion) -> Equilibrium:
 
 def under_load(robot: "Robot", q: Floats) -> Equilibrium | None:
     """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         return None
     try:
         return robot.shape(q)

@@ -199,7 +199,7 @@ class Way:
 
 def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
     """The body of a robot and its shapes (T, N, 3) at drives (T, n, 3); the robot and `q` where nothing bends it."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         return robot, q
     body = longest_body(robot)
     return body, np.array([Rest(robot, one).shown for one in q]).reshape(-1, len(body), 3)

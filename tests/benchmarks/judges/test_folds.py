@@ -26,27 +26,6 @@ def test_a_hairpin_is_as_far_from_itself_as_it_is_wide(width: float) -> None:
     assert least_self_clearance(robot, q[None])[0] == pytest.approx(nearest - 0.2, abs=2e-3)
 
 
-def test_neighbours_along_the_body_do_not_count() -> None:
-    robot = sn.Robot.uniform(3, 1.0, 1.0, radius=1.0)
-    assert least_self_clearance(robot, np.array([[[0.0, 0.0, 1.0]] * 3]))[0] == math.inf
-
-
-def test_the_larger_radius_decides_which_places_count() -> None:
-    """The end of the thick part and the arc beside it: both radii belong to the distance."""
-    robot, q = hairpin(0.3, 0.1)
-    tapered = sn.Robot(
-        [sn.Segment(s.length, s.max_bend, radius=r) for s, r in zip(robot.segments, (0.15, 0.1, 0.05), strict=True)]
-    )
-    assert least_self_clearance(tapered, q[None])[0] == pytest.approx(0.3 - 0.15 - 0.1, abs=2e-3)
-
-
-def test_a_crossing_is_negative_wherever_the_base_stands() -> None:
-    for base in (None, sn.pose((100.0, -20.0, 3.0), direction=(1, 2, 3))):
-        robot = sn.Robot.uniform(4, 1.0, 2.0, radius=0.05, base=base)
-        circle = np.array([[[0.5 * math.pi * 1.05, 0.0, 1.0]] * 4])
-        assert least_self_clearance(robot, circle)[0] == pytest.approx(-0.1, abs=2e-2)
-
-
 def test_no_pair_of_places_is_left_out() -> None:
     """All pairs of all places, by brute force."""
     rng = np.random.default_rng(4)

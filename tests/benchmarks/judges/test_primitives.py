@@ -33,10 +33,3 @@ def test_the_least_of_one_kind(kind: type[Primitive]) -> None:
         assert len(found) == bool(obstacles)
         if obstacles:
             np.testing.assert_allclose(found[0], np.min(expected, axis=0), rtol=0, atol=1e-13)
-
-
-def test_kinds_are_kept_apart() -> None:
-    points = np.random.default_rng(1).normal(size=(200, 3)) * 2.0
-    found = np.min([distance(points) for distance in distances_to([*cluttered(), *ODD])], axis=0)
-    expected = np.min([measure(obstacle, points) for obstacle in [*cluttered(), *ODD]], axis=0)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)

@@ -5,7 +5,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.kernels.certificate.drift import BEGIN, TURN, TURNED, VELOCITY
-from sinuous.solver.certificates.drifts import Drifts
+from sinuous.solver.certificates.steps import Drifts
 
 BALL = sn.Sphere((0, 0, 0), 0.1)
 

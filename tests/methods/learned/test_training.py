@@ -53,7 +53,7 @@ def test_drawn_shapes_keep_the_limits() -> None:
 def test_among_obstacles_what_is_clear_is_learned() -> None:
     scene = sn.Scene([WALL])
     rows, shapes = training._lessons(laws.ARM, scene, 0, 300, np.random.default_rng(0))
-    assert len(rows) == len(shapes) >= training.FEWEST
+    assert len(rows) == len(shapes) >= training.FEWEST_TARGETS
     assert rows[:, 0].max() < 30.0
     for q in shapes[:20].reshape(-1, 5, 3):
         assert laws.ARM.backbone(q)[..., 0].max() < 30.0

@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from benchmarks.places.traps.boxes import box_between, channel
+from benchmarks.places.cells import box_between, channel
 from sinuous.motion.planning.query import Deadline, FixedGoal, Query
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats

@@ -168,7 +168,7 @@ def test_all_bodies_of_a_scene_are_used_where_they_stand(tmp_path: Path) -> None
 
 def test_wrong_arrays_are_refused() -> None:
     vertices, faces = cube()
-    refused("vertices", lambda: Mesh(vertices[:, :2], faces), "(shape (8, 2))")
+    refused("vertices", lambda: Mesh(vertices[:, :2], faces), "shape (8, 2); ")
     refused("vertices", lambda: Mesh([], faces), "at least one point")
     refused("vertices", lambda: Mesh("cube", faces))  # type: ignore[arg-type]
     refused(
@@ -177,7 +177,7 @@ def test_wrong_arrays_are_refused() -> None:
     refused("vertices[0]", lambda: Mesh(1e200 * vertices, faces), "too large")
     refused("faces", lambda: Mesh(vertices, []), "at least one triangle")
     refused("faces", lambda: Mesh(vertices, np.zeros((0, 3), int)), "at least one triangle")
-    refused("faces", lambda: Mesh(vertices, faces[:, :2]), "(shape (12, 2))")
+    refused("faces", lambda: Mesh(vertices, faces[:, :2]), "shape (12, 2); ")
     refused("faces", lambda: Mesh(vertices, faces.astype(float)), "whole numbers from 0 to 7")
     refused("faces", lambda: Mesh(vertices, [[0, 1], [2]]))
     refused("faces[1]", lambda: Mesh(vertices, [[0, 1, 2], [0, 1, 8]]), "[0, 1, 8]", "0 to 7")

@@ -1,81 +1,74 @@
-"""What is kept on disk comes back whole or not at all."""
+"""Samples kept on disk come back whole or not at all: no damage changes a distance."""
 
-import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from sinuous.scene.prepared import kept
+import sinuous as sn
+from sinuous.scene.prepared import sampling
+from tests.helpers import Floats
+from tests.scene import shapes
 
-VALUES = np.random.default_rng(0).normal(size=(3, 4, 5))
+POINTS = np.random.default_rng(1).normal(size=(100, 3))
+VALUES = "values"
+
+
+def distances() -> Floats:
+    """Of a mesh that is new to this process."""
+    return sn.Scene([sn.Mesh(*shapes.ball(3))]).distance(POINTS)
 
 
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setattr(sampling, "WORTH_KEEPING", 0.0)
     return tmp_path / "sinuous" / "samples"
 
 
-def test_what_was_kept_comes_back(home: Path) -> None:
-    assert kept.load("some", VALUES.shape) is None
-    kept.save("some", VALUES)
-    found = kept.load("some", VALUES.shape)
-    assert found is not None
-    np.testing.assert_array_equal(found, VALUES)
-    assert found.flags.writeable
-    assert [file.name for file in home.iterdir()] == ["some.npz"]
-    assert kept.load("other", VALUES.shape) is None
+def flip(file: Path) -> None:
+    whole = bytearray(file.read_bytes())
+    whole[len(whole) // 2] ^= 1
+    file.write_bytes(whole)
 
 
-@pytest.mark.parametrize("cut", [0, 10, 200, -30])
-def test_a_broken_file_is_as_none(home: Path, cut: int) -> None:
-    kept.save("some", VALUES)
-    whole = (home / "some.npz").read_bytes()
-    (home / "some.npz").write_bytes(whole[:cut])
-    assert kept.load("some", VALUES.shape) is None
-    flipped = bytearray(whole)
-    flipped[len(whole) // 2] ^= 1
-    (home / "some.npz").write_bytes(flipped)
-    assert kept.load("some", VALUES.shape) is None
-    kept.save("some", VALUES)
-    assert kept.load("some", VALUES.shape) is not None
+def rewrite(change: Callable[[Floats], object], key: str = VALUES) -> Callable[[Path], None]:
+    return lambda file: np.savez(file, **{key: np.asarray(change(np.load(file)[VALUES]))})
 
 
-def test_other_arrays_are_as_none(home: Path) -> None:
-    kept.save("some", VALUES)
-    assert kept.load("some", (3, 4)) is None
-    wrongs: tuple[Any, ...] = (VALUES.astype(np.float32), np.full(VALUES.shape, np.nan))
-    for wrong in wrongs:
-        kept.save("some", wrong)
-        assert kept.load("some", VALUES.shape) is None
-    np.savez(home / "some.npz", values=np.array([{}], dtype=object))
-    assert kept.load("some", (1,)) is None
-    np.savez(home / "some.npz", others=VALUES)
-    assert kept.load("some", VALUES.shape) is None
+@pytest.mark.parametrize(
+    "damage",
+    [
+        *(lambda file, cut=cut: file.write_bytes(file.read_bytes()[:cut]) for cut in (0, 10, 200, -30)),
+        flip,
+        rewrite(lambda values: values[:-1]),
+        rewrite(lambda values: values.astype(np.float32)),
+        rewrite(lambda values: np.full(values.shape, np.nan)),
+        rewrite(lambda values: np.array([{}], dtype=object)),
+        rewrite(lambda values: values, "others"),
+    ],
+)
+def test_a_damaged_file_is_as_none(home: Path, damage: Callable[[Path], object]) -> None:
+    first = distances()
+    (file,) = home.iterdir()
+    whole = file.read_bytes()
+    damage(file)
+    np.testing.assert_array_equal(distances(), first)
+    assert [each.read_bytes() == whole for each in home.iterdir()] == [True]  # computed and kept again
 
 
-def test_the_oldest_make_room(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "MOST", 2)
-    for name in ("a", "b", "c"):
-        kept.save(name, VALUES)
-        file = home / f"{name}.npz"
-        os.utime(file, (ord(name), ord(name)))
-    assert sorted(file.name for file in home.iterdir()) == ["b.npz", "c.npz"]
-
-
-def test_without_a_place_nothing_is_kept_and_nobody_minds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "writable", lambda directory: False)
-    kept.save("some", VALUES)
-    assert kept.load("some", VALUES.shape) is None
-
-
-def test_a_full_disk_leaves_nothing_behind(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_nothing_can_be_kept_nobody_minds(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError("no space left")
 
     monkeypatch.setattr(np, "savez", full)
-    kept.save("some", VALUES)
+    assert np.isfinite(distances()).all()
     assert list(home.iterdir()) == []
+
+
+def test_what_is_kept_is_not_computed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = distances()
+    monkeypatch.setattr(sampling, "_compute", lambda *_: pytest.fail("computed again"))
+    np.testing.assert_array_equal(distances(), first)

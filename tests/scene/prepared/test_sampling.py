@@ -1,8 +1,6 @@
 """Samples about an obstacle: where, how many, exact, and not computed twice."""
 
-import math
 import threading
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,39 +13,11 @@ from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.prepared import kept, parts, sampling, trees
+from sinuous.scene.prepared import parts, sampling, trees
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from tests.cases import with_each
 from tests.helpers import refused
 from tests.scene import shapes
-
-
-@with_each("extent", [(1.0, 1.0, 1.0), (100.0, 1.0, 0.01), (0.0, 0.0, 5.0), (1e-6, 3e-6, 2e-6)])
-@with_each("most", [1000, 50_000])
-def test_a_grid_holds_the_box_and_its_cells_are_as_small_as_allowed(
-    extent: tuple[float, float, float], most: int
-) -> None:
-    low = np.array([1.0, -2.0, 0.5])
-    high = low + extent
-    first, spacing, shape = sampling.sampling_grid(low, high, most)
-    last = first + spacing * (np.array(shape) - 1)
-    assert math.prod(shape) <= most
-    assert (first <= low - sampling.PAD * spacing * (1 - 1e-9)).all()
-    assert (last >= high + sampling.PAD * spacing * (1 - 1e-9)).all()
-    finer = [max(1, math.ceil(e / (0.9 * spacing))) + 1 + 2 * sampling.PAD for e in extent]
-    assert math.prod(finer) > most or most < 3 * math.prod(shape)
-
-
-def test_samples_are_exact_distances() -> None:
-    mesh = Mesh(*shapes.ball(3))
-    part = parts.prepare(mesh, "ball")
-    pieces = trees.triangles(mesh)
-    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.LEAST)
-    index = np.random.default_rng(0).integers(0, shape, (300, 3))
-    values = part.store[-math.prod(shape) :].reshape(shape)
-    expected = Scene([mesh]).distance(low + spacing * index)
-    np.testing.assert_allclose(values[tuple(index.T)], expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["mesh", "cloud", "grid"])
@@ -105,26 +75,6 @@ def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPa
     with pytest.raises(KeyboardInterrupt):
         Scene([Mesh(*shapes.ball(2))]).prepare(interrupted)
     assert len(computed) < sampling.SLABS // 2
-
-
-def test_the_same_obstacle_is_computed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    monkeypatch.setattr(sampling, "WORTH_KEEPING", 0.0)
-    points = np.random.default_rng(1).normal(size=(100, 3))
-    first = Scene([Mesh(*shapes.ball(3))]).distance(points)
-    files = list(tmp_path.rglob("*.npz"))
-    assert len(files) == 1
-    with monkeypatch.context() as without:
-        without.setattr(sampling, "_compute", lambda *_: pytest.fail("computed again"))
-        np.testing.assert_array_equal(Scene([Mesh(*shapes.ball(3))]).distance(points), first)
-    files[0].write_bytes(b"no zip")
-    np.testing.assert_array_equal(Scene([Mesh(*shapes.ball(3))]).distance(points), first)
-    found = kept.load(files[0].stem, np.load(files[0])["values"].shape)
-    assert found is not None
-    moved = shapes.ball(3)[0] + 1e-9
-    Scene([Mesh(moved, shapes.ball(3)[1])]).prepare()
-    assert len(list(tmp_path.rglob("*.npz"))) == 2
 
 
 def test_memory_is_bounded_and_said() -> None:

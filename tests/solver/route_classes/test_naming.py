@@ -4,8 +4,7 @@ import numpy as np
 
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
-from sinuous.solver.route_classes.curves import RouteCurves
-from sinuous.solver.route_classes.naming import group_alike, name_classes
+from sinuous.solver.route_classes.curves import RouteCurves, group_alike, name_classes
 from tests.solver.route_classes.places import ROBOT, bars, pillar
 from tests.solver.route_classes.test_curves import arch
 

@@ -13,11 +13,10 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver import strategy
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.attempts import ATTEMPTS, IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.searches import Searches, SearchPlan
-from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import attempts_of
 from tests.helpers import Floats
 from tests.solver.route_classes.places import BARS, DOORS, ROBOT, TARGET, bars, pillar, wall

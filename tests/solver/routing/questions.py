@@ -6,8 +6,8 @@ import numpy as np
 
 from benchmarks.places import Place, make
 from sinuous.problem.problem import Problem
+from sinuous.solver.attempts import IKQuery
 from sinuous.solver.routing.searches import Searches
-from sinuous.solver.starts import IKQuery
 
 
 @cache

@@ -7,7 +7,7 @@ from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.problem.problem import Problem
 from sinuous.solver.routing.bottlenecks import STRETCHED, BottleneckDecomposition
 from sinuous.solver.routing.growth import LEG_POINTS
-from sinuous.solver.routing.reversed_problem import Groups
+from sinuous.solver.routing.partial_problems import Groups
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1

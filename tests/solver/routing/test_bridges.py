@@ -9,10 +9,9 @@ from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.bridges import OPEN, bridge_chains
+from sinuous.solver.routing.chains import OPEN, bridge_chains, find_terminal_poses
 from sinuous.solver.routing.growth import GrownChains
-from sinuous.solver.routing.reversed_problem import reverse_problem
-from sinuous.solver.routing.terminal_poses import find_terminal_poses
+from sinuous.solver.routing.partial_problems import reverse_problem
 from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.05

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.solver.routing.buffers import BufferPool
+from sinuous.solver.routing.searches import BufferPool
 
 
 def test_a_buffer_that_was_given_back_is_lent_again() -> None:

@@ -10,10 +10,9 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.tables import FOUND, FULL
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.attempts import ATTEMPTS, IKQuery, RandomRestarts
 from sinuous.solver.routing.candidates import ALIKE, RouteCandidates
 from sinuous.solver.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.starts import IKQuery, RandomRestarts
 from sinuous.solver.strategy import attempts_of
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
@@ -75,8 +74,8 @@ def test_a_leg_is_looked_for_around_edges_before_over_cells(monkeypatch: pytest.
         asked_for.append("cells")
         return FoundRoutes([], FULL, plan.cells)
 
-    monkeypatch.setattr(candidates, "around_edges", around)
-    monkeypatch.setattr(candidates, "through_side_tubes", lambda query: None)
+    monkeypatch.setattr(candidates, "route_around_edges", around)
+    monkeypatch.setattr(candidates, "route_through_side_tubes", lambda query: None)
     monkeypatch.setattr(searches, "find", found)
     assert candidates._found_legs is None
     assert asked_for[:3] == ["edges", "edges", "cells"]
@@ -98,8 +97,8 @@ def test_a_leg_that_cuts_through_a_wall_is_looked_for_over_smaller_cells(
         plans.append(plan)
         return FoundRoutes([line], FOUND, plan.cells)
 
-    monkeypatch.setattr(candidates, "around_edges", lambda query: None)
-    monkeypatch.setattr(candidates, "through_side_tubes", lambda query: None)
+    monkeypatch.setattr(candidates, "route_around_edges", lambda query: None)
+    monkeypatch.setattr(candidates, "route_through_side_tubes", lambda query: None)
     monkeypatch.setattr(searches, "find", found)
     assert candidates._leg(candidates.query) is line
     assert plans == list(searches.leg_plans[: None if wall else 1])

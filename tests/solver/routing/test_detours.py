@@ -7,9 +7,8 @@ import numpy as np
 from sinuous import Robot, Scene, Segment, Sphere, Target
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import lengths_along
-from sinuous.solver.routing.detours import lengthen_route
-from sinuous.solver.routing.growth import LEG_POINTS
-from sinuous.solver.routing.reversed_problem import Groups
+from sinuous.solver.routing.growth import LEG_POINTS, lengthen_route
+from sinuous.solver.routing.partial_problems import Groups
 from tests.helpers import Floats, kernel_groups
 
 SCENE = Scene([Sphere((0.5, 0.0, 1.5), 0.3)])

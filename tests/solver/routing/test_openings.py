@@ -14,7 +14,7 @@ from sinuous.kernels.tables import (
     QUERY_WIDTH,
 )
 from sinuous.solver.polylines import lengths_along
-from sinuous.solver.routing.openings import LEGS, route_through, tubes_beside
+from sinuous.solver.routing.tubes import LEGS, route_through, tubes_beside
 from tests.helpers import Floats
 
 MOST = 400

@@ -21,13 +21,13 @@ from sinuous.kernels.tables import (
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.routing.partial_problems import (
+    Groups,
     base_position,
     problem_before,
     problem_beyond,
     problem_up_to,
     with_end_tangent,
 )
-from sinuous.solver.routing.reversed_problem import Groups
 from tests.helpers import kernel_groups
 
 TOOL = pose((0.02, 0.0, 0.1), direction=(0.3, 0.0, 1.0))

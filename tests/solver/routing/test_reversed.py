@@ -18,15 +18,15 @@ from sinuous.model.actuators import Tendons
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solver.polylines import respaced
+from sinuous.solver.routing.chains import find_terminal_poses
 from sinuous.solver.routing.growth import GrownChains, settle_chains
-from sinuous.solver.routing.reversed_problem import (
+from sinuous.solver.routing.partial_problems import (
     Groups,
     join_chains,
     problem_from_pose,
     reverse_chain,
     reverse_problem,
 )
-from sinuous.solver.routing.terminal_poses import find_terminal_poses
 from tests.cases import with_each
 from tests.helpers import kernel_groups
 

@@ -13,9 +13,8 @@ from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.attempts import ATTEMPTS, IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.starts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.strategy import CELLS_A_START, attempts_of, plans_of
 from tests.helpers import Floats
 from tests.solver.routing.questions import asked as asked_of

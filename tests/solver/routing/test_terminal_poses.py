@@ -7,8 +7,8 @@ from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.model.poses import pose
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.reversed_problem import FLIP
-from sinuous.solver.routing.terminal_poses import APART, ENOUGH, IN_WALL, MOST, find_terminal_poses
+from sinuous.solver.routing.chains import APART, ENOUGH, IN_WALL, MOST, find_terminal_poses
+from sinuous.solver.routing.partial_problems import FLIP
 from tests.cases import with_each
 from tests.helpers import Floats, kernel_groups
 

@@ -10,10 +10,10 @@ from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes import MOUTH
 from sinuous.model.actuators import Tendons
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.reversed_problem import Groups
+from sinuous.solver.attempts import IKQuery, RandomRestarts
+from sinuous.solver.routing.partial_problems import Groups
 from sinuous.solver.routing.searches import Searches
 from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around, line_to_target_in_tube
-from sinuous.solver.starts import IKQuery, RandomRestarts
 from sinuous.solver.strategy import attempts_of
 from tests.helpers import Floats
 

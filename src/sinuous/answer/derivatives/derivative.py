@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.answer.derivatives.directional import Kept, least_motion
 from sinuous.answer.derivatives.parameters import DerivativePlan, circles_of, plan_for, read_wrt
 from sinuous.answer.derivatives.preferred import Wish, follow_minimum
-from sinuous.answer.derivatives.rows import KeptRows, fixed_lengths
+from sinuous.answer.derivatives.rows import Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.answer.step import Active
 from sinuous.base import checks
 from sinuous.base.arguments import Parameter, Rows, Vector

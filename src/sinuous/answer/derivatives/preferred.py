@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.answer.constraints import limits_of
-from sinuous.answer.derivatives.directional import RANK, Kept, least_motion
 from sinuous.answer.derivatives.parameters import DerivativePlan
-from sinuous.answer.derivatives.rows import KeptRows, fixed_lengths
+from sinuous.answer.derivatives.rows import RANK, Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import CIRCLE, RADIUS_OF

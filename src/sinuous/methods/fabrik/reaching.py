@@ -36,7 +36,6 @@ from sinuous.kernels.fields.distances import obstacle, work_of_all
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.fabrik.links import (
     Chain,
     axis_of,
@@ -49,6 +48,7 @@ from sinuous.methods.fabrik.links import (
     unfold,
 )
 from sinuous.methods.options import Options, count, flag, number
+from sinuous.methods.prepared import Capabilities
 from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene

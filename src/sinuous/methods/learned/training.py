@@ -28,22 +28,22 @@ from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 
-WIDEST = 0.5 * math.pi
+LARGEST_BEND = 0.5 * math.pi
 """Most bend of a segment of drawn shapes, in rad, where its limits allow as much."""
 
-STARTS, SECONDS = 4, 10.0
+SOLVE_STARTS, SOLVE_SECONDS = 4, 10.0
 """Most starts of a target, which end it, and a time that no machine needs for them: a seed gives one network."""
 
-FEWEST = 100
+FEWEST_TARGETS = 100
 """Solved targets from which a network can learn; where obstacles leave fewer, the robot alone is learned."""
 
-LAYERS, BATCH = 2, 64
+HIDDEN_LAYERS, BATCH_SIZE = 2, 64
 """Hidden layers; most targets of a step."""
 
-SMALL = 280_000
+ONE_THREAD_PRODUCTS = 280_000
 """Multiplications of a product of matrices up to which it is done in one thread: more only wait for each other."""
 
-RATE, MEAN, SQUARE = 1e-2, 0.9, 0.999
+FIRST_RATE, MEAN_DECAY, SQUARE_DECAY = 1e-2, 0.9, 0.999
 """Of Adam (Kingma & Ba 2015): the first rate, which falls to 0 as a cosine, and how long averages remember."""
 
 
@@ -86,9 +86,9 @@ def train(
         When an argument is not what it should be, or the robot hardly reaches any of its own tips.
     """
     checks.instance("robot", robot, Robot, "a Robot")
-    robot.refuse_load()
+    robot._refuse_load()
     place = as_scene(scene)
-    count = checks.integer("samples", samples, FEWEST, 10_000_000)
+    count = checks.integer("samples", samples, FEWEST_TARGETS, 10_000_000)
     hidden = checks.integer("width", width, 1, MOST_WIDTH)
     most = checks.integer("rounds", rounds, 1, 1_000_000)
     rng = np.random.default_rng(checks.integer("seed", seed, 0, 2**31 - 1))
@@ -109,18 +109,21 @@ def _lessons(robot: Robot, scene: Scene, kind: int, count: int, rng: np.random.G
         method = Newton().prepare(robot, place, Tolerance().for_robot(robot), Preferences())
         answers = np.empty((count, answer_size(len(robot))))
         initial = np.empty((count, 0, len(robot), 3))
-        method.run_many(place.snapshot(), rows, initial, (0, STARTS, 0, SECONDS), answers)
+        method.run_many(place.snapshot(), rows, initial, (0, SOLVE_STARTS, 0, SOLVE_SECONDS), answers)
         good = answers[:, t.CODE] == t.SOLVED
-        if good.sum() >= FEWEST:
+        if good.sum() >= FEWEST_TARGETS:
             return inputs(rows[good, 0], kind), answers[good, t.RECORD_WIDTH :]
-    raise InputError("robot", "hardly meets its own tips", int(good.sum()), f"at least {FEWEST} of {count} solved")
+    raise InputError(
+        "robot", "hardly meets its own tips", int(good.sum()), f"at least {FEWEST_TARGETS} of {count} solved"
+    )
 
 
 def _draw(robot: Robot, count: int, rng: np.random.Generator) -> Floats:
     """Shapes (count, n, 3) within the limits of lengths and bends, evenly in these."""
-    low, high, bend, curvature = robot.limits[:, :4].T
+    columns = t.MIN_LENGTH, t.MAX_LENGTH, t.MAX_BEND, t.MAX_CURVATURE
+    low, high, bend, curvature = (robot.limits[:, column] for column in columns)
     lengths = rng.uniform(low, high, (count, len(robot)))
-    cap = np.minimum(np.minimum(bend, curvature * lengths), WIDEST)
+    cap = np.minimum(np.minimum(bend, curvature * lengths), LARGEST_BEND)
     size, angle = cap * np.sqrt(rng.random(lengths.shape)), rng.uniform(0.0, 2.0 * math.pi, lengths.shape)
     return np.stack([size * np.cos(angle), size * np.sin(angle), lengths], axis=-1)
 
@@ -132,21 +135,21 @@ def _learn(
     centre, scale = asked.mean(axis=0), _spread(asked)
     middle, extent = shapes.mean(axis=0), _spread(shapes)
     x, y = _with_one((asked - centre) / scale), (shapes - middle) / extent
-    sizes = [asked.shape[1], *[width] * LAYERS, y.shape[1]]
+    sizes = [asked.shape[1], *[width] * HIDDEN_LAYERS, y.shape[1]]
     layers = [np.vstack([rng.normal(size=(i, o)) / math.sqrt(i), np.zeros(o)]) for i, o in pairwise(sizes)]
     means, squares = ([np.zeros_like(each) for each in layers] for _ in range(2))
-    batch = max(1, min(BATCH, SMALL // (width + 1) ** 2))
+    batch = max(1, min(BATCH_SIZE, ONE_THREAD_PRODUCTS // (width + 1) ** 2))
     most, step = rounds * math.ceil(len(x) / batch), 0
     for _ in range(rounds):
         order = rng.permutation(len(x))
         for first in range(0, len(x), batch):
             some = order[first : first + batch]
             step += 1
-            rate = 0.5 * RATE * (1.0 + math.cos(math.pi * step / most)) / (1.0 - MEAN**step)
+            rate = 0.5 * FIRST_RATE * (1.0 + math.cos(math.pi * step / most)) / (1.0 - MEAN_DECAY**step)
             for i, slope in enumerate(_slopes(layers, x[some], y[some])):
-                means[i] += (1.0 - MEAN) * (slope - means[i])
-                squares[i] += (1.0 - SQUARE) * (slope * slope - squares[i])
-                layers[i] -= rate * means[i] / (np.sqrt(squares[i] / (1.0 - SQUARE**step)) + 1e-8)
+                means[i] += (1.0 - MEAN_DECAY) * (slope - means[i])
+                squares[i] += (1.0 - SQUARE_DECAY) * (slope * slope - squares[i])
+                layers[i] -= rate * means[i] / (np.sqrt(squares[i] / (1.0 - SQUARE_DECAY**step)) + 1e-8)
         advance(1)
     layers[0][:-1] /= scale[:, None]
     layers[0][-1] -= centre @ layers[0][:-1]

@@ -14,7 +14,6 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.opti_path.gradient import (
     Exponent,
     Gradient,
@@ -27,6 +26,7 @@ from sinuous.methods.opti_path.gradient import (
 from sinuous.methods.opti_path.potential import sample
 from sinuous.methods.opti_path.search import scratch_size, search
 from sinuous.methods.options import Options, choice, count, flag, number
+from sinuous.methods.prepared import Capabilities
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 

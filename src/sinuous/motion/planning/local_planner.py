@@ -102,7 +102,7 @@ class LocalPlanner:
         options = replace(
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
-        return Solver.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
+        return Solver._of_checked(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
 
 
 class QueryEnds:

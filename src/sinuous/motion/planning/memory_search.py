@@ -171,7 +171,7 @@ def search_memory(
 
     There is none where a memory holds no motions, nor under load, for which none of them was proved.
     """
-    graph = None if memory is None or robot.hangs else memory._shapes.graph
+    graph = None if memory is None or robot.has_external_load else memory._shapes.graph
     if graph is None or not len(graph):
         return None
     same = before is not None and before.graph is graph and before.scene is scene
@@ -180,7 +180,7 @@ def search_memory(
 
 def remember(memory: Memory | None, robot: Robot, path: ProvedPath | None) -> None:
     """Let a memory learn a path that trees have found."""
-    if memory is not None and path is not None and not robot.hangs:
+    if memory is not None and path is not None and not robot.has_external_load:
         memory._learn_way(path.q)
 
 

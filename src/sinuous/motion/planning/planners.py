@@ -40,7 +40,7 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
     Each planner yields a path, or `None` where the other one may go on. `trees`: memory of this robot and scene, to
     grow the first trees in. `turns`: most turns of each; by default as many as the time allows.
     """
-    if query.robot.hangs:
+    if query.robot.has_external_load:
         return _under_load(query)
     ends, taken = QueryEnds(query), 0
     planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]

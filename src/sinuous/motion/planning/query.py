@@ -92,7 +92,7 @@ class TargetGoals:
 
     def __init__(self, solver: Solver, targets: list[Target], solutions: list[Solution]) -> None:
         once = replace(solver.options, max_starts=1, routes=False, memory=None)
-        self._solver = type(solver).prepared(solver.robot, solver.scene, once)
+        self._solver = type(solver)._of_checked(solver.robot, solver.scene, once)
         self.targets, self.solutions = targets, solutions
 
     def near(self, q: Floats) -> Floats | None:

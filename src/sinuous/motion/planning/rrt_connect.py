@@ -131,7 +131,7 @@ class RRTConnect:
 
 def load_trees(robot: Robot, scene: Snapshot) -> None:
     """Compile what grows trees, or load it."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         RRTConnect(robot, scene).load()
 
 

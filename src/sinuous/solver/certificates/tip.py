@@ -27,8 +27,8 @@ class Tip:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._ways = LoadedShapes(robot) if robot.hangs else None
-        body = longest_body(robot) if robot.hangs else robot
+        self._ways = LoadedShapes(robot) if robot.has_external_load else None
+        body = longest_body(robot) if robot.has_external_load else robot
         self._group, self._q = robot_group(body), np.empty((len(body), 3))
         self._frames, self.line = np.empty((len(body) + 1, 12)), np.zeros((2, 3))
         self._tool = robot.tool

@@ -12,9 +12,9 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along, points_at
 from sinuous.solver.route_classes.curves import RouteCurves, across
-from sinuous.solver.starts import Deadline
 
 RAYS = 256
 """Lines of sight that a screen is made of."""

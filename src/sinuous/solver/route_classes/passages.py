@@ -15,6 +15,7 @@ from sinuous.kernels.tables import QUERY_GOAL, QUERY_LONGEST, QUERY_ORIGIN, QUER
 from sinuous.problem.problem import Problem
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.attempts import IKQuery, StartBatch
 from sinuous.solver.polylines import lengths_along
 from sinuous.solver.route_classes.blocking_surfaces import (
     Passage,
@@ -27,7 +28,6 @@ from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates
 from sinuous.solver.routing.growth import FIRST_WIDTH
 from sinuous.solver.routing.searches import Searches, SearchPlan
-from sinuous.solver.starts import IKQuery, StartBatch
 
 THICK = 0.5
 """Thickness of a screen, in edges of the cells."""

@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.query import ball_radius
+from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along
 from sinuous.solver.routing.growth import segments_of
 from sinuous.solver.routing.partial_problems import (
+    Groups,
     fit_first_segments,
     problem_before,
     problem_beyond,
     search_part,
     segments_in,
 )
-from sinuous.solver.routing.reversed_problem import Groups
-from sinuous.solver.starts import Deadline
 
 WIDE = 3.0
 """Distance from the obstacles across a route, in radii of the body, from which on no place of it is narrow."""

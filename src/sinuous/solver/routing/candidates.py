@@ -22,16 +22,20 @@ from sinuous.kernels.tables import (
     ROUTE,
     SOURCES,
 )
-from sinuous.solver.attempts import EDGES, SIDE_TUBES
+from sinuous.solver.attempts import EDGES, SIDE_TUBES, IKQuery, StartBatch
 from sinuous.solver.polylines import lengths_along, respaced
 from sinuous.solver.routing.bottlenecks import BottleneckDecomposition
-from sinuous.solver.routing.chains import TANGENT, JoinedChains
-from sinuous.solver.routing.detours import lengthen_route
-from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, divide_route, leg_queries, set_route_end
+from sinuous.solver.routing.chains import TANGENT, JoinedChains, find_terminal_poses
+from sinuous.solver.routing.growth import (
+    FIRST_WIDTH,
+    LEG_POINTS,
+    divide_route,
+    leg_queries,
+    lengthen_route,
+    set_route_end,
+)
 from sinuous.solver.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
-from sinuous.solver.routing.terminal_poses import find_terminal_poses
 from sinuous.solver.routing.tubes import chains_out_of_tube, find_tube_around, line_to_target_in_tube
-from sinuous.solver.starts import IKQuery, StartBatch
 
 CUT = 0.9
 """Distance from the obstacles, in radii of the body, below which a route over coarse cells may lead through a wall."""

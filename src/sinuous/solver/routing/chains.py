@@ -8,35 +8,203 @@ how it is turned about its tangent, so what is joined meets both ends.
 
 An elbow in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive with one of
 these. So, for some of its tangents, chains are also grown in two parts: up to the elbow, and from there.
+
+Terminal poses are those in which a chain from the target may begin. A bridge is what stands in the open between a chain
+that comes out of a narrow place at the base and one at the target: scattered starts solve it.
 """
 
 import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.tables import POSE_POSITION, POSE_WIDTH, UNIT
-from sinuous.solver.routing.bridges import OPEN, bridge_chains
+from sinuous.kernels import tables as t
+from sinuous.kernels.fitting.lines import distances_along
+from sinuous.kernels.fitting.query import ball_radius
+from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, POSE_WIDTH, UNIT
+from sinuous.model.poses import least_rotation
+from sinuous.solver.attempts import Deadline
 from sinuous.solver.routing.growth import FIRST_WIDTH, GrownChains, segments_of, settle_chains
 from sinuous.solver.routing.partial_problems import (
+    FLIP,
+    Groups,
+    join_chains,
     problem_beyond,
     problem_ending_at,
+    problem_from_pose,
     problem_up_to,
+    reverse_chain,
+    reverse_problem,
+    segments_in,
     solve_part,
     with_end_tangent,
 )
-from sinuous.solver.routing.reversed_problem import (
-    Groups,
-    join_chains,
-    problem_from_pose,
-    reverse_chain,
-    reverse_problem,
-)
-from sinuous.solver.routing.terminal_poses import find_terminal_poses
-from sinuous.solver.starts import Deadline
+
+MOST = 12
+"""Roots at most."""
+
+DIRECTIONS, ROLLS = 64, 16
+"""Directions that are tried where the target leaves it open, and angles about one where a tool points aside. With both,
+twice as many directions, each at one angle."""
+
+STEPS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0)
+"""Places behind a root where it is looked for room, and how much is enough. In radii of the body."""
+
+ENOUGH = 1.25
+"""Room that is enough there, in radii of the body."""
+
+IN_WALL = 0.75
+"""Room that a root lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open what lies
+behind it (a tool that leads through the wall of a tube: two tubes)."""
+
+AGREEMENT = 1e-3
+"""What a pose counts that is turned away from the route, beside the mean square of the room that it lacks: decides
+between poses in the open."""
+
+APART = 0.35
+"""How far roots are apart, in rad; two radii of the body count as one."""
+
+BEFORE = 3
+"""Points of a route that its tangent is taken over."""
+
+GOLDEN = 0.618034
+"""Share of a turn between neighbours that have one angle each."""
+
+
+def find_terminal_poses(groups: Groups, route: Floats) -> Floats:
+    """Return poses (r, 12) in which chains from the target may begin, the best first.
+
+    There is none where the tip is not asked to be somewhere, or where the route (K, 3) has no direction there.
+    """
+    robot, scene, _, targets = groups
+    tips = targets[np.isin(targets[:, t.TARGET_SEGMENT], (-1.0, robot[0] - 1.0))]
+    tool = robot[-t.POSE_WIDTH :]
+    tangent = None if len(tips) != 1 or tips[0, t.HAS_POSITION] == 0.0 else _arrival(tips[0], tool, route)
+    if tangent is None:
+        return np.empty((0, t.POSE_WIDTH))
+    ends = _end_rotations(tips[0], tool, tangent)
+    places = tips[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] - ends @ tool[t.POSE_POSITION :]
+    ahead, radius = ends[:, :, 2], ball_radius(segments_in(robot))
+    order = [0]
+    if len(ends) > 1:
+        points = places[:, None] - radius * np.array(STEPS)[:, None] * ahead[:, None]
+        distances = np.empty(points.size // 3)
+        distances_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
+        lack = np.maximum(0.0, ENOUGH - distances.reshape(len(ends), -1) / radius)
+        squares = lack * lack
+        ranked = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable")
+        order = [i for i in ranked.tolist() if lack[i, 0] <= IN_WALL] or ranked[:1].tolist()
+    chosen: list[int] = []
+    for i in order:
+        if len(chosen) == MOST:
+            break
+        turns = np.arccos(np.clip(ahead[chosen] @ ahead[i], -1.0, 1.0))
+        off = turns + np.linalg.norm(places[chosen] - places[i], axis=1) / (2.0 * radius)
+        if (off > APART).all():
+            chosen.append(i)
+    return np.stack([np.append((ends[i] @ FLIP).ravel(), places[i]) for i in chosen])
+
+
+def _arrival(target: Floats, tool: Floats, route: Floats) -> Floats | None:
+    """Tangent (3,) of a route (K, 3) where the backbone ends and the tool (12,) begins; `None` where it has none.
+
+    Where all of the route is nearer to the target than the tool is long, that is where the route begins.
+    """
+    goal = target[t.TARGET_POSITION : t.TARGET_POSITION + 3]
+    beyond = np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(tool[t.POSE_POSITION :]))
+    before = min(BEFORE, len(route) - 1)
+    at = max(before, int(beyond[-1]) if len(beyond) else 0)
+    tangent: Floats = route[at] - route[at - before]
+    length = float(np.linalg.norm(tangent))
+    return None if length == 0.0 else tangent / length
+
+
+def _end_rotations(target: Floats, tool: Floats, tangent: Floats) -> Floats:
+    """Rotations (m, 3, 3) of the end of the backbone at a target; what that leaves open is tried."""
+    held, aside = tool[: t.POSE_POSITION].reshape(3, 3), bool(tool[t.POSE_POSITION : t.POSE_POSITION + 2].any())
+    if target[t.ORIENTATION] == t.ROTATION:
+        return (target[t.GOAL : t.GOAL + 9].reshape(3, 3) @ held.T)[None]
+    if target[t.ORIENTATION] == t.DIRECTION:
+        rolls = np.arange(ROLLS) / ROLLS if aside or held[2, 2] < 1.0 else np.zeros(1)
+        ahead = least_rotation(target[t.GOAL : t.GOAL + 3])
+        return np.stack([ahead @ _spin(roll) @ held.T for roll in rolls])
+    count = 2 * DIRECTIONS if aside else DIRECTIONS
+    number = np.arange(count - 1) + 0.5
+    height, turn = 1.0 - 2.0 * number / (count - 1), math.pi * (1.0 + math.sqrt(5.0)) * number
+    level = np.sqrt(1.0 - height * height)
+    around = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
+    turned = [least_rotation(ahead) for ahead in np.vstack([tangent, around])]
+    return np.stack([each @ _spin(GOLDEN * i) for i, each in enumerate(turned)] if aside else turned)
+
+
+def _spin(turns: float) -> Floats:
+    """Rotation (3, 3) about z."""
+    cosine, sine = math.cos(2.0 * math.pi * turns), math.sin(2.0 * math.pi * turns)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+OPEN = 3.5
+"""Distance from the obstacles from which on an end is in the open, in radii of the body."""
+
+STARTS = 8
+"""Scattered starts of a bridge, at most: of wider beams more bridges are tried, not each one longer (cells)."""
+
+FREEDOM = 6
+"""Least number of coordinates of a bridge between two poses: fewer meet both by chance only."""
+
+End = tuple[int, int]
+"""A chain, by its number of segments and its own number."""
+
+
+def bridge_chains(
+    groups: Groups, other: Groups, ahead: GrownChains, behind: GrownChains, width: int, deadline: Deadline
+) -> Iterator[Floats]:
+    """Yield chains (n, 3) of a part from the base, a bridge that scattered starts solve, and a part to the target.
+
+    Parameters
+    ----------
+    groups, other : tuple of ndarray
+        The problem, and the same the other way round, see `Groups`.
+    ahead, behind : Grown
+        Chains from the base and from the target that end in the open, or none that do.
+    width : int
+        Of the beams: about as many bridges are tried.
+    deadline : callable
+        See `Deadline`.
+    """
+    n, segments = int(groups[0][0]), segments_in(groups[0])
+    freedom = 2 * (segments[:, MAX_BEND] > 0.0) + (segments[:, MAX_LENGTH] > segments[:, MIN_LENGTH])
+    pairs = [
+        (one, two)
+        for one, two in product(_ends(ahead, width), _ends(behind, width))
+        if one[0] + two[0] > 0 and freedom[one[0] : n - two[0]].sum() >= FREEDOM
+    ]
+    pairs.sort(key=lambda pair: n - pair[0][0] - pair[1][0])
+    for one, two in pairs[: 2 * width]:
+        if deadline() <= 0.0:
+            return
+        (head, _), (tail, root) = ahead.chain(*one), behind.chain(*two)
+        rest = problem_beyond(groups, head)
+        if len(tail) > 0:
+            rest = problem_ending_at(rest, n - len(head) - len(tail), behind.frames[two])
+        bridge = solve_part(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
+        if bridge is not None:
+            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, root), tail)
+
+
+def _ends(grown: GrownChains, most: int) -> list[End]:
+    """Chains beyond which a bridge may begin: those that end in the open, those that they continue, and the root."""
+    if not grown.open:
+        return [(0, 0)]
+    k, outside = grown.outside()
+    ends = [(k, i) for i in outside[: max(1, most // 4)]]
+    ends += [(k - 1, grown.parent(*end)) for end in ends if k > 0]
+    return list(dict.fromkeys([*ends, (0, 0)]))
+
 
 WHOLES = 2
 """Most chains of one beam that reach the other end by themselves and are given."""

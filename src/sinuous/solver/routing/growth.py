@@ -1,4 +1,8 @@
-"""Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
+"""Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it.
+
+Where a body is longer than its route, the route is lengthened first: it is led aside by places that it sees, in many
+ways, until it is as long as the robot.
+"""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -7,7 +11,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.fitting.fit import fit_workspace_size
-from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.fitting.query import ball_radius, route_query
 from sinuous.kernels.fitting.settle import settle_chain
 from sinuous.kernels.growing.beam import (
     CHAIN_WIDTH,
@@ -19,9 +23,11 @@ from sinuous.kernels.growing.beam import (
     SCORE,
     SEGMENT_BEFORE_Q,
 )
+from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.tables import (
     HAS_POSITION,
+    MAX_LENGTH,
     MIN_LENGTH,
     POSE_WIDTH,
     QUERY_AXIS,
@@ -39,9 +45,9 @@ from sinuous.kernels.tables import (
     TARGET_POSITION,
     TARGET_SEGMENT,
 )
-from sinuous.solver.polylines import respaced
-from sinuous.solver.routing.reversed_problem import Groups
-from sinuous.solver.starts import Deadline
+from sinuous.solver.attempts import Deadline
+from sinuous.solver.polylines import lengths_along, respaced
+from sinuous.solver.routing.partial_problems import Groups, segments_in
 
 FIRST_WIDTH, LAST_WIDTH = 4, 1024
 """Chains of every number of segments that are kept, at first and at most: powers of two. The widest beam takes 4 MB for
@@ -216,3 +222,44 @@ def settle_chains(groups: Groups, chains: Iterable[Floats], deadline: Deadline) 
         q = chain.copy()
         settle_chain(*groups, seconds, workspace, q)
         yield q
+
+
+POINTS = 64
+"""Points of a leg that are looked at."""
+
+GOLDEN = 0.618034
+"""Share of what a leg may be longer by which one detour differs from the next."""
+
+
+def lengthen_route(groups: Groups, legs: Floats, number: int, deadline: Deadline) -> Floats | None:
+    """Return the legs (l, K, 3) of a route, each as long as some of its segments may be; `None`: none becomes longer.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem, see `Groups`.
+    legs : ndarray (l, K, 3)
+        Evenly spaced, in the length unit.
+    number : int
+        Of the detour: each leads somewhere else.
+    deadline : callable
+        See `Deadline`.
+    """
+    segments, rng = segments_in(groups[0]), np.random.default_rng(number)
+    ends = [0, *(1 + last for last in segments_of(groups)[: len(legs)])]
+    workspace, longer, some = np.empty(detours_size(POINTS)), legs.copy(), False
+    for i, leg in enumerate(legs):
+        own = segments[ends[i] : ends[i + 1]]
+        least, most = own[:, MIN_LENGTH].sum(), own[:, MAX_LENGTH].sum()
+        length = lengths_along(leg)[-1]
+        least = max(least, length)
+        wanted = least + ((1 + number) * GOLDEN % 1.0) * (most - least)
+        if length < LONG_ENOUGH * wanted:
+            points, numbers = respaced(leg, POINTS), rng.random((MOST_DETOURS, NUMBERS))
+            left = max(0.0, deadline())
+            if (
+                add_detours(groups[1], wanted, ball_radius(segments), numbers, left, workspace, points)
+                > length / LONG_ENOUGH
+            ):
+                longer[i], some = respaced(points, LEG_POINTS), True
+    return longer if some else None

@@ -1,7 +1,8 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -23,17 +24,56 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.attempts import Deadline
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.routing.bottlenecks import WIDE
-from sinuous.solver.routing.buffers import BufferPool
-from sinuous.solver.routing.detours import lengthen_route
 from sinuous.solver.routing.edges import SharpWalls, rims_of, walls_of
-from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, GrownChains, query_of, settle_chains
-from sinuous.solver.routing.openings import route_through, tubes_beside
-from sinuous.solver.routing.partial_problems import fit_chain, problem_beyond, segments_in
-from sinuous.solver.routing.reversed_problem import Groups, reverse_chain
-from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around
-from sinuous.solver.starts import Deadline
+from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, GrownChains, lengthen_route, query_of, settle_chains
+from sinuous.solver.routing.partial_problems import Groups, fit_chain, problem_beyond, reverse_chain, segments_in
+from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around, route_through, tubes_beside
+
+
+class BufferPool:
+    """Buffers of numbers that threads take and give back.
+
+    There are at most as many buffers as computations that run at once. After them, a few are kept: no more than `most`,
+    none larger than `largest`. So an idle process holds at most `8 * most * largest` bytes.
+
+    Parameters
+    ----------
+    most : int
+        Buffers that are kept.
+    largest : int
+        Numbers (float64) of the largest one that is kept.
+    """
+
+    def __init__(self, most: int, largest: int) -> None:
+        self._most, self._largest = most, largest
+        self._kept: list[Floats] = []  # no lock, which a fork could leave closed: append and pop are atomic
+
+    @contextmanager
+    def borrow(self, size: int) -> Iterator[Floats]:
+        """Lend a buffer of at least `size` numbers, with anything in it."""
+        buffer = self._take(size) if size <= self._largest else np.empty(size)
+        try:
+            yield buffer
+        finally:
+            if len(buffer) <= self._largest and len(self._kept) < self._most:
+                self._kept.append(buffer)
+
+    def _take(self, size: int) -> Floats:
+        """One that was given back, if it is large enough; a smaller one is replaced."""
+        try:
+            buffer = self._kept.pop()
+        except IndexError:
+            return np.empty(size)
+        return buffer if len(buffer) >= size else np.empty(size)
+
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes of all buffers that are kept at the moment."""
+        return sum(buffer.nbytes for buffer in list(self._kept))
+
 
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from sinuous.answer.derivatives.many import Derivatives
 
 
-NEEDED = ["status", "q", "clearance"]
+DERIVED_ARRAYS = ["status", "q", "clearance"]
 """What a table of results says of answers that are derived."""
 
-SHOWN = 10
+MOST_SHOWN = 10
 """Rows without a target whose numbers are printed."""
 
 
@@ -88,7 +88,7 @@ def _reader(found: Path | Arrays) -> Iterator[Callable[[int, int], Arrays]]:
         return
     if found.suffix.lower() != ".npz":
         raise InputError("out", "cannot be derived", str(found), "results as .npz, or in memory")
-    with closing(NpzRows(found, lambda _: NEEDED)) as rows:
+    with closing(NpzRows(found, lambda _: DERIVED_ARRAYS)) as rows:
         yield rows.read
 
 
@@ -238,8 +238,8 @@ class Batch(ShortRepr):
         done = f"{self.rows:,} rows" if self.rows == self.total else f"{self.rows:,} of {self.total:,} rows"
         parts = [f"Batch: {done}{': ' if ended else ''}{ended}"]
         if self.counts.get(INVALID):
-            numbers = ", ".join(map(str, self.invalid[:SHOWN]))
-            more = ", ..." if self.counts[INVALID] > SHOWN else ""
+            numbers = ", ".join(map(str, self.invalid[:MOST_SHOWN]))
+            more = ", ..." if self.counts[INVALID] > MOST_SHOWN else ""
             parts.append(f"  invalid    rows {numbers}{more}")
         parts += [f"  skipped    rows {each.first} to {each.last}: {each.why}" for each in self.failed]
         if self.rows > self.before:

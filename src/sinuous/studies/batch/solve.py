@@ -28,10 +28,10 @@ from sinuous.studies.runs.checkpoint import hash_of, problem_record
 from sinuous.studies.runs.engine import Failure, LostError
 from sinuous.studies.runs.open_engine import open_engine
 
-STARTS, TIME = 100, 0.1
+DEFAULT_STARTS, DEFAULT_SECONDS = 100, 0.1
 """Most starts of a target, by default."""
 
-CHUNK = 10_000
+DEFAULT_CHUNK = 10_000
 """Rows of a chunk by default."""
 
 MOST_CHUNK = 10_000_000
@@ -64,7 +64,7 @@ def solve_batch(
     *,
     initial: Rows | None = None,
     warm: Truth = False,
-    chunk: Whole = CHUNK,
+    chunk: Whole = DEFAULT_CHUNK,
     engine: object = "threads",
     workers: Whole | None = None,
     shard: Shard | None = None,
@@ -118,7 +118,7 @@ def solve_batch(
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
     refuse_unknown(options, SolveArguments.__annotations__)
-    given: dict[str, Any] = {"max_starts": STARTS, "time": TIME, **options}
+    given: dict[str, Any] = {"max_starts": DEFAULT_STARTS, "time": DEFAULT_SECONDS, **options}
     near, size = checks.truth("warm", warm), checks.integer("chunk", chunk, 1, MOST_CHUNK)
     count, part = read_workers(workers), None if shard is None else _shard(shard)
     shown, file = checks.truth("progress", progress), None if out is None else Path(out)

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 Whole = NDArray[np.int64]
 
-BITS = 6
+CURVE_BITS = 6
 """Bits of each coordinate along the Z-order curve: up to nine coordinates fit into one whole number."""
 
-RUN = 8
+RUN_LENGTH = 8
 """Neighbours along the curve of which the first is solved by itself, and the others from its solution."""
 
 
@@ -120,8 +120,8 @@ def halves(goals: TipGoals) -> tuple[Whole, Whole, Whole]:
     """
     order = np.argsort(_codes(_features(goals)), kind="stable")
     places = np.arange(len(order))
-    first = places % RUN == 0
-    return order[first], order[~first], places[~first] // RUN
+    first = places % RUN_LENGTH == 0
+    return order[first], order[~first], places[~first] // RUN_LENGTH
 
 
 def _features(goals: TipGoals) -> Floats:
@@ -133,10 +133,10 @@ def _features(goals: TipGoals) -> Floats:
 def _codes(features: Floats) -> NDArray[np.uint64]:
     """Places (m,) along the curve: the bits of all coordinates in turn."""
     low, extent = features.min(axis=0), np.ptp(features, axis=0)
-    cells = ((features - low) / np.where(extent > 0.0, extent, 1.0) * (2**BITS - 1)).astype(np.uint64)
+    cells = ((features - low) / np.where(extent > 0.0, extent, 1.0) * (2**CURVE_BITS - 1)).astype(np.uint64)
     count = cells.shape[1]
     codes = np.zeros(len(cells), np.uint64)
-    for bit in range(BITS):
+    for bit in range(CURVE_BITS):
         for k in range(count):
             codes |= ((cells[:, k] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(bit * count + k)
     return codes

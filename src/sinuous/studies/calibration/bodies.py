@@ -16,7 +16,7 @@ from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest
 from sinuous.studies.calibration.measurements import Place
 
-ANY = 1e300
+ANY_CONTRADICTION = 1e300
 """By how much values of rigid actuators may contradict each other: by anything, for that is what is fitted."""
 
 
@@ -32,7 +32,7 @@ class Free:
     """Bodies without load; their coordinates are configurations (N, n, 3)."""
 
     def __init__(self, robot: Robot, actuators: Floats) -> None:
-        self.robot, self.q = robot, robot.from_actuators(actuators, tolerance=ANY)
+        self.robot, self.q = robot, robot.from_actuators(actuators, tolerance=ANY_CONTRADICTION)
 
     def point(self, place: Place) -> Point:
         """A place of all bodies."""
@@ -45,7 +45,7 @@ class Free:
 
 def _drives(robot: Robot, actuators: Floats) -> "zip[tuple[Floats, Floats]]":
     """Configurations (n, 3) without load, and displacements (m,), at each of the values (N, m)."""
-    shapes = robot.from_actuators(actuators, tolerance=ANY)
+    shapes = robot.from_actuators(actuators, tolerance=ANY_CONTRADICTION)
     return zip(shapes, robot.drive.motors.displacements(actuators), strict=True)
 
 
@@ -55,7 +55,7 @@ def _rests(robot: Robot, actuators: Floats) -> list[Rest]:
 
 def holds(robot: Robot, actuators: Floats) -> NDArray[np.bool_]:
     """At which values (N, m) of its actuators a robot holds its weight and payload (N,)."""
-    if not robot.hangs:
+    if not robot.has_external_load:
         return np.ones(len(actuators), np.bool_)
     return np.array([rest.states is not None for rest in _rests(robot, actuators)], np.bool_)
 
@@ -128,7 +128,7 @@ class Loaded:
 
 def at_rest(robot: Robot, actuators: Floats) -> Free | Loaded:
     """The bodies of a robot at values (N, m) of its actuators."""
-    return Loaded(robot, actuators) if robot.hangs else Free(robot, actuators)
+    return Loaded(robot, actuators) if robot.has_external_load else Free(robot, actuators)
 
 
 def _point(robot: Robot, q: Floats, place: Place) -> Point:

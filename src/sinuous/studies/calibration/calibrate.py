@@ -7,13 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import HasArray, Names, Number, Rows, Stack, Whole
+from sinuous.base.arguments import ActuatorValues, HasArray, Names, Number, Rows, Stack, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import holds
 from sinuous.studies.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
-from sinuous.studies.calibration.fit import DRAWING, Fit, FitState, begun, by_pose, errors, extended, fitted, left_out
+from sinuous.studies.calibration.fit import (
+    DRAWING_WEIGHT,
+    Fit,
+    FitState,
+    begun,
+    by_pose,
+    errors,
+    extended,
+    fitted,
+    left_out,
+)
 from sinuous.studies.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
 from sinuous.studies.calibration.model import derivatives, model
 from sinuous.studies.calibration.parameters import (
@@ -30,43 +40,43 @@ from sinuous.studies.calibration.parameters import (
 Frame = Literal["base", "device"]
 """Which pose is fitted."""
 
-BETTER = 0.99
+LARGEST_ERROR_RATIO = 0.99
 """A group is kept when the mean error of rows that were held back falls below this share of what it was."""
 
-PASSES = 2
+TRIAL_PASSES = 2
 """How often groups that were not kept are tried again, once others are."""
 
-TRIED_ON = 300
+TRIAL_ROWS = 300
 """Most rows with which groups are tried; the last fit takes all."""
 
-TRIED_AT_REST = 100
+TRIAL_ROWS_UNDER_LOAD = 100
 """The same where each row is an equilibrium under load, which takes some ten times as long."""
 
-TRIED_STEPS = 8
+TRIAL_STEPS = 8
 """Most steps of a fit that tries a group."""
 
-NUMBERS_EACH = 2
+NUMBERS_PER_PARAMETER = 2
 """Numbers that have to be measured for each parameter, at least."""
 
-DETERMINED = 0.5
+LARGEST_DRAWING_FRACTION = 0.5
 """Share of what is known of a parameter that comes from its drawing, from which on it counts as not determined."""
 
 SOFT_GROUPS = ("stretch", "stiffness", "rest")
 """Groups that only robots with elastic actuators have."""
 
-SOFT_START: tuple[GroupName, ...] = ("stretch", "offsets", "stiffness")
+SOFT_TRIAL_GROUPS: tuple[GroupName, ...] = ("stretch", "offsets", "stiffness")
 """Groups with which elastic tendons are compared with rigid ones: alone, a wrong softness is no better."""
 
 CANDIDATES = 400
 """Settings of which `suggest` takes the best."""
 
-REACH = 0.7
+BEND_FRACTION = 0.7
 """Share of its largest bend, or of 1 rad, up to which `suggest` bends a segment."""
 
 
 def calibrate(
     robot: Robot,
-    actuators: Stack,
+    actuators: ActuatorValues,
     measured: Stack,
     *,
     fit: Names | None = None,
@@ -88,8 +98,8 @@ def calibrate(
     ----------
     robot : Robot
         As drawn.
-    actuators : array_like (N, m)
-        Values of the actuators, in the order of `robot.actuators`, in the units of their motors.
+    actuators : array_like (N, m), or mapping from names to array_like (N,)
+        Values of the actuators, in the order of `robot.actuators` or by name, in the units of their motors.
     measured : array_like (N, 3), (N, 4, 4) or (N, k, 3)
         Positions of the tool, its poses, or k points of the body, in the frame of the measuring device. NaN: not seen.
     fit : list of str, optional
@@ -153,10 +163,10 @@ def _names(fit: Names | None, frame: str) -> tuple[GroupName, ...] | None:
 
 def _giving(drawn: Robot, names: tuple[GroupName, ...]) -> Robot:
     """The robot with tendons that stretch, where what is to be fitted needs these."""
-    if "payload" in names and not drawn.hangs:
+    if "payload" in names and not drawn.has_external_load:
         problem = "no weight bends the robot: it has no gravity, or no segment has a stiffness"
         raise InputError("fit", problem, list(names), "no payload, or a robot with gravity, stiffness and mass")
-    soft = set(names) & ({"stretch"} if drawn.hangs else set(SOFT_GROUPS))
+    soft = set(names) & ({"stretch"} if drawn.has_external_load else set(SOFT_GROUPS))
     if not soft or drawn.drive.elastic is not None:
         return drawn
     if not can_stretch(drawn):
@@ -167,7 +177,7 @@ def _giving(drawn: Robot, names: tuple[GroupName, ...]) -> Robot:
 def _fit_as_told(
     drawn: Robot, rows: Measurements, levelled: bool, names: tuple[GroupName, ...], notes: list[str]
 ) -> FitState:
-    state = fitted(drawn, begun(drawn, rows, levelled), rows, TRIED_STEPS).state
+    state = fitted(drawn, begun(drawn, rows, levelled), rows, TRIAL_STEPS).state
     for name in names:
         own = group(drawn, name)
         if not own.names:
@@ -181,38 +191,38 @@ def _fit_as_told(
 
 def _too_many(state: FitState, own: ParameterGroup, rows: Measurements) -> bool:
     measured = 3 * int(np.isfinite(rows.points[..., 0]).sum())
-    return NUMBERS_EACH * (6 + len(state.values.x) + len(own.names)) > measured
+    return NUMBERS_PER_PARAMETER * (6 + len(state.values.x) + len(own.names)) > measured
 
 
 def _chosen(
     drawn: Robot, rows: Measurements, levelled: bool, trials: list[Trial], notes: list[str]
 ) -> tuple[Robot, FitState]:
     """Add groups as long as held-back rows get better."""
-    most = TRIED_AT_REST if drawn.hangs else TRIED_ON
+    most = TRIAL_ROWS_UNDER_LOAD if drawn.has_external_load else TRIAL_ROWS
     part = rows.part(slice(None, None, max(1, len(rows.labels) // most)))
 
     def tried(robot: Robot, state: FitState) -> tuple[FitState, float]:
-        own = fitted(robot, state, part, TRIED_STEPS)
+        own = fitted(robot, state, part, TRIAL_STEPS)
         return own.state, float(errors(left_out(own, part, robot)).mean())
 
     state, error = tried(drawn, begun(drawn, part, levelled))
     if can_stretch(drawn):
         soft = elastic(drawn)
-        start = tuple(group(soft, name) for name in SOFT_START)
+        start = tuple(group(soft, name) for name in SOFT_TRIAL_GROUPS)
         many = 6 + sum(len(each.names) for each in start)
-        fits = NUMBERS_EACH * many <= 3 * int(np.isfinite(rows.points[..., 0]).sum())
+        fits = NUMBERS_PER_PARAMETER * many <= 3 * int(np.isfinite(rows.points[..., 0]).sum())
         other, after = tried(soft, begun(soft, part, levelled, groups=start if fits else start[:1]))
-        trials.append(Trial("elastic tendons", error, after, after < BETTER * error))
+        trials.append(Trial("elastic tendons", error, after, after < LARGEST_ERROR_RATIO * error))
         if trials[-1].kept:
             drawn, state, error = soft, other, after
     begins = {each.name for each in state.values.groups}
     left = [own for name in ORDER if name not in begins and (own := group(drawn, name)).names]
-    for _ in range(PASSES):
+    for _ in range(TRIAL_PASSES):
         for own in tuple(left):
             if _too_many(state, own, rows):
                 continue
             other, after = tried(drawn, extended(state, own))
-            trials.append(Trial(own.name, error, after, after < BETTER * error))
+            trials.append(Trial(own.name, error, after, after < LARGEST_ERROR_RATIO * error))
             if trials[-1].kept:
                 state, error = other, after
                 left.remove(own)
@@ -266,7 +276,7 @@ def _parameters(last: Fit, drawn: Robot, rows: Measurements, frame: Frame) -> It
     spread = inverse @ (each.T @ each) @ inverse * (count / max(count - 1, 1))
     deviations = np.sqrt(np.maximum(np.diag(spread), 0.0))
     known = np.zeros(len(inverse))
-    known[6:] = DRAWING * len(flat) / values.widths**2
+    known[6:] = DRAWING_WEIGHT * len(flat) / values.widths**2
     drawing = np.diag(inverse) * known
     kinds = {"rest": "angle", "angles": "angle", "offsets": "length", "tool": "length", "payload": "mass"}
     pose = group(drawn, frame)
@@ -276,7 +286,9 @@ def _parameters(last: Fit, drawn: Robot, rows: Measurements, frame: Frame) -> It
             kind = ("angle" if at < 3 else "length") if at < 6 else kinds.get(own.name, "factor")
             value = 0.0 if at < 6 else float(values.x[at - 6])
             value = float(np.exp(value)) if kind == "factor" else value
-            yield Parameter(name, own.name, kind, value, float(deviations[at]), bool(drawing[at] < DETERMINED))
+            yield Parameter(
+                name, own.name, kind, value, float(deviations[at]), bool(drawing[at] < LARGEST_DRAWING_FRACTION)
+            )
             at += 1
 
 
@@ -344,7 +356,7 @@ def _settings(robot: Robot, generator: np.random.Generator, count: int) -> Float
     """Values of the actuators of shapes of which some segments are bent, and which are within limits where possible."""
     n = len(robot)
     q = np.zeros((count, n, 3))
-    most = np.array([min(segment.max_bend, 1.0) for segment in robot.segments]) * REACH
+    most = np.array([min(segment.max_bend, 1.0) for segment in robot.segments]) * BEND_FRACTION
     turn = generator.uniform(0.0, 2.0 * np.pi, (count, n))
     size = most * np.sqrt(generator.uniform(0.0, 1.0, (count, n))) * (generator.uniform(size=(count, n)) < 0.6)
     q[..., 0], q[..., 1] = size * np.cos(turn), size * np.sin(turn)

@@ -17,25 +17,25 @@ from sinuous.studies.calibration.measurements import Measurements
 from sinuous.studies.calibration.model import RobotModel, derivatives, model, predicted
 from sinuous.studies.calibration.parameters import ParameterGroup, Values
 
-SOFT = 3.0
+OUTLIER_MEDIANS = 3.0
 """Medians of the residuals from which on a row counts as an outlier."""
 
-DRAWING = 0.1
+DRAWING_WEIGHT = 0.1
 """How many rows the drawing counts as, for each that was measured: rows of one motion are not independent."""
 
-STEPS = 30
+MOST_STEPS = 30
 """Most steps of a fit."""
 
-GAIN = 1e-4
+LEAST_GAIN = 1e-4
 """A fit ends when a step lessens the loss by less than this share."""
 
-TRIES = 8
+DAMPING_TRIES = 8
 """How often a step that does not lessen the loss is damped more."""
 
-ROUNDS = 2, 8
+SCALE_ROUNDS = 2, 8
 """How often the scale of the loss is taken anew: at least, and at most, as long as it becomes less than half."""
 
-TURNS = 4
+POSE_TURNS = 4
 """How often a robot that gravity bends is laid over its measurements: the pose turns it under gravity."""
 
 LEAST_SCALE = 1e-9
@@ -101,7 +101,7 @@ def errors(residuals: Floats) -> Floats:
     return np.sqrt(np.einsum("nkc,nkc->n", residuals, residuals))
 
 
-def fitted(drawn: Robot, start: FitState, rows: Measurements, steps: int = STEPS) -> Fit:
+def fitted(drawn: Robot, start: FitState, rows: Measurements, steps: int = MOST_STEPS) -> Fit:
     """Fit a state to measurements."""
     state, seen = start, np.isfinite(rows.points)
     goal = np.where(seen, rows.points, 0.0)
@@ -112,9 +112,9 @@ def fitted(drawn: Robot, start: FitState, rows: Measurements, steps: int = STEPS
     residuals = residuals_of(state)
     least = LEAST_SCALE * drawn.mean_length
     fit, scale = None, np.inf
-    for turn in range(ROUNDS[1]):
-        smaller = max(SOFT * float(np.median(errors(residuals))), least)
-        if turn >= ROUNDS[0] and smaller > 0.5 * scale:
+    for turn in range(SCALE_ROUNDS[1]):
+        smaller = max(OUTLIER_MEDIANS * float(np.median(errors(residuals))), least)
+        if turn >= SCALE_ROUNDS[0] and smaller > 0.5 * scale:
             break
         scale = smaller
         loss, damping = _loss(state, residuals, scale), 1e-4
@@ -125,7 +125,7 @@ def fitted(drawn: Robot, start: FitState, rows: Measurements, steps: int = STEPS
             if better is None:
                 break
             before, (state, residuals, loss, damping) = loss, better
-            if before - loss < GAIN * before:
+            if before - loss < LEAST_GAIN * before:
                 break
     assert fit is not None
     slopes = _slopes(drawn, state, rows) * seen[..., None]
@@ -141,7 +141,7 @@ def _step(
     stuck = np.concatenate([np.zeros(6, np.bool_), (values.x <= values.lowest) & (right[6:] > 0.0)])
     right[stuck], hessian[stuck], hessian[:, stuck] = 0.0, 0.0, 0.0  # at their least values they stay (Bertsekas 1982)
     hessian[stuck, stuck] = 1.0
-    for _ in range(TRIES):
+    for _ in range(DAMPING_TRIES):
         damped = hessian + damping * np.diag(np.diag(hessian))
         state = moved(fit.state, -np.asarray(np.linalg.solve(damped, right), np.float64))
         try:
@@ -167,7 +167,7 @@ def moved(state: FitState, step: Floats) -> FitState:
 
 def _slopes(drawn: Robot, state: FitState, rows: Measurements) -> Floats:
     own = _model(drawn, state, rows)
-    turns = state.levelled and own.robot.hangs
+    turns = state.levelled and own.robot.has_external_load
     points, slopes = derivatives(own, rows.actuators, of_gravity=turns)
     rotation = state.pose[:3, :3]
     slopes = np.asarray(np.matmul(rotation, slopes), np.float64)
@@ -190,7 +190,7 @@ def _crossing(vectors: Floats) -> Floats:
 
 def _loss(state: FitState, residuals: Floats, scale: float) -> float:
     off = np.einsum("nkc,nkc->n", residuals, residuals) / scale**2
-    drawing = DRAWING * len(residuals) * float(((state.values.x / state.values.widths) ** 2).sum())
+    drawing = DRAWING_WEIGHT * len(residuals) * float(((state.values.x / state.values.widths) ** 2).sum())
     return float(2.0 * (np.sqrt(1.0 + off) - 1.0).sum()) + drawing
 
 
@@ -200,7 +200,7 @@ def _assembled(state: FitState, residuals: Floats, slopes: Floats, scale: float)
     weighted = (flat * weights[:, None, None]).reshape(-1, flat.shape[-1])
     hessian = weighted.T @ flat.reshape(-1, flat.shape[-1]) / scale**2
     at = np.arange(6, len(hessian))
-    hessian[at, at] += DRAWING * len(residuals) / state.values.widths**2
+    hessian[at, at] += DRAWING_WEIGHT * len(residuals) / state.values.widths**2
     return Fit(state, residuals, slopes, weights, scale, hessian)
 
 
@@ -208,7 +208,7 @@ def _gradient(fit: Fit) -> Floats:
     """Gradient (P,) of half the loss."""
     result: Floats = np.einsum("n,nkcp,nkc->p", fit.weights, fit.slopes, fit.residuals, optimize=True) / fit.scale**2
     values = fit.state.values
-    result[6:] += DRAWING * len(fit.residuals) * values.x / values.widths**2
+    result[6:] += DRAWING_WEIGHT * len(fit.residuals) * values.x / values.widths**2
     return result
 
 
@@ -237,7 +237,7 @@ def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[Parame
     state = FitState(np.eye(4), levelled, Values(groups, np.zeros(sum(len(each.names) for each in groups))))
     seen = np.isfinite(rows.points).all(axis=-1)
     there = rows.points[seen]
-    for _ in range(TURNS if levelled and drawn.hangs else 1):
+    for _ in range(POSE_TURNS if levelled and drawn.has_external_load else 1):
         points = predicted(_model(drawn, state, rows), rows.actuators)[seen]
         a, b = np.median(points, axis=0), np.median(there, axis=0)
         u, _, vt = np.linalg.svd((there - b).T @ (points - a))

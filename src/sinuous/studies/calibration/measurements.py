@@ -1,29 +1,29 @@
 """Measurements: rows of actuator values, and where places of the body were then."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import HasArray, Number, Rows, Stack
+from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.model.inverse import some_of
+from sinuous.model.inverse import in_order, some_of
 from sinuous.model.robot import Robot
 
-LEVER = 0.1
+AXIS_LEVER = 0.1
 """Of the length of the robot: how far apart two points are that stand for the direction of an axis of a pose."""
 
-FARTHEST = 2.2
+LARGEST_SPREAD = 2.2
 """Lengths of the robot by which points of its body may be apart at most; twice, and what noise adds."""
 
-NEAREST = 0.02
+LEAST_SPREAD = 0.02
 """Lengths of the robot: points of a body that moves are spread farther than this."""
 
-FACTORS = (1000.0, 0.001, 100.0, 0.01, 10.0, 0.1, 25.4, 1.0 / 25.4)
+UNIT_FACTORS = (1000.0, 0.001, 100.0, 0.01, 10.0, 0.1, 25.4, 1.0 / 25.4)
 """By what one unit of length is another."""
 
 FOLDS = 8
@@ -96,7 +96,7 @@ def refuse_loose(robot: Robot) -> None:
 
 def read(
     robot: Robot,
-    actuators: Stack,
+    actuators: ActuatorValues,
     measured: Stack,
     places: Sequence[Number] | HasArray | None,
     markers: Rows | None,
@@ -105,7 +105,9 @@ def read(
 ) -> Measurements:
     """Check what was measured; see `sinuous.studies.calibrate`."""
     refuse_loose(robot)
-    values = _numbers("actuators", actuators, (None, len(robot.drive)))
+    names = [each.name for each in robot.actuators]
+    ordered = in_order("actuators", actuators, names, finite=False) if isinstance(actuators, Mapping) else actuators
+    values = _numbers("actuators", ordered, (None, len(names)))
     given = _numbers("measured", measured, None)
     factor = checks.number("unit", unit, above=0.0)
     if len(given) != len(values):
@@ -143,7 +145,7 @@ def _points(
     if given.ndim == 3 and given.shape[1:] == (4, 4):
         if places is not None or markers is not None:
             raise InputError("places", "poses are those of the tip", places, "no places beside poses")
-        lever = LEVER * robot.mean_length
+        lever = AXIS_LEVER * robot.mean_length
         origin = given[:, :3, 3] * factor
         points = np.stack([origin, *(origin + lever * given[:, :3, i] for i in (0, 1))], axis=1)
         sides = [tip.offset + lever * robot.tool[:3, i] for i in (0, 1)]
@@ -194,8 +196,8 @@ def refuse_size(robot: Robot, own: Measurements) -> None:
     if spread == 0.0 or not moves.any():
         key = "measured" if spread == 0.0 else "actuators"
         raise InputError(key, "all rows are equal", points[0].tolist(), "rows that differ")
-    if not NEAREST * length <= spread <= 2.0 * FARTHEST * length:
-        fits = [f for f in FACTORS if 0.1 * length <= spread * f <= 2.0 * FARTHEST * length]
+    if not LEAST_SPREAD * length <= spread <= 2.0 * LARGEST_SPREAD * length:
+        fits = [f for f in UNIT_FACTORS if 0.1 * length <= spread * f <= 2.0 * LARGEST_SPREAD * length]
         hint = f"; unit={fits[0]:g} would fit" if fits else ""
         problem = f"points spread over {spread:.3g}, the robot is {length:.3g} long{hint}"
         raise InputError("measured", problem, points[0].tolist(), "points in the length unit of the robot")

@@ -63,7 +63,7 @@ WIDTHS: dict[GroupName, float] = {
 """How far a drawing may well be off: logarithms of ratios; rad; of `offsets` and `tool` lengths of the robot; of
 `payload` masses that bend the softest segment by 1 rad, carried by a lever as long as the robot."""
 
-SOFT = 3.0
+SOFTNESS_RATIO = 3.0
 """Where a robot has rigid tendons: ratio of the stiffness of a tendon times its lever squared to that of its segment,
 from which a fit of elastic ones begins."""
 
@@ -86,7 +86,7 @@ def elastic(robot: Robot) -> Robot:
 
     Where no segment has a stiffness, the unit of force is such that all tendons have a stiffness of 1.
     """
-    softness = [_lever(robot, segment) ** 2 * 0.5 * sum(segment.length) / SOFT for segment in robot.segments]
+    softness = [_lever(robot, segment) ** 2 * 0.5 * sum(segment.length) / SOFTNESS_RATIO for segment in robot.segments]
     own = [
         segment.stiffness.bend / each
         for segment, each in zip(robot.segments, softness, strict=True)
@@ -149,7 +149,7 @@ def _names(robot: Robot, name: GroupName) -> Iterator[str]:
         case "base" | "device":
             yield from (f"{name} {part}" for part in ("turn x", "turn y", "turn z", "x", "y", "z"))
         case "payload":
-            count = len(carried(robot)) if robot.hangs else 0
+            count = len(carried(robot)) if robot.has_external_load else 0
             yield from ("mass of the payload" if count == 1 else f"mass of payload[{i}]" for i in range(count))
         case "tool":
             yield from (f"tool {axis}" for axis in "xyz")
@@ -179,7 +179,7 @@ def is_soft(segment: Segment) -> bool:
 
 def _gives(robot: Robot) -> bool:
     """Whether shapes depend on the stiffness of segments: tendons that stretch, or weight, work against it."""
-    return robot.drive.elastic is not None or robot.hangs
+    return robot.drive.elastic is not None or robot.has_external_load
 
 
 @dataclass(frozen=True)

@@ -28,28 +28,28 @@ from sinuous.studies.tasks.tasks import Meet
 DERIVED = ("length", "bend", "travel", "tension", "clearance")
 """Objectives that a step is known for."""
 
-STEPS = 30
+MOST_STEPS = 30
 """Most steps."""
 
-WIDEST, NARROWEST = 0.3, 1e-4
+LARGEST_CHANGE, LEAST_CHANGE = 0.3, 1e-4
 """Largest change of a field in a step, as a share of its range, and the one from which on there is no other."""
 
-BEGINNING, GROWING, SHRINKING = 0.1, 2.0, 0.4
+FIRST_CHANGE, GROWTH, SHRINKAGE = 0.1, 2.0, 0.4
 """The change at first, and what becomes of it where a step succeeds, and where it does not."""
 
-FREER = 2.0
+COORDINATE_RATIO = 2.0
 """Change of a coordinate of an answer, in the metric of motions, for each share of a range that fields may change."""
 
-ENOUGH = 1e-4
+LEAST_GAIN = 1e-4
 """Share of the objective that a step has to gain to be followed by another."""
 
-NEAR = 0.5
+CONTACT_RANGE = 0.5
 """Distance of an obstacle, in mean lengths of the robot, from which on a step may forget it."""
 
-KEPT = 1e-3
+KEPT_DISTANCE = 1e-3
 """Distance from obstacles that steps keep, in mean lengths of the robot."""
 
-H = 1e-6
+HALF_STEP = 1e-6
 """Half the step of differences of a robot, as a share of the ranges."""
 
 
@@ -75,31 +75,31 @@ def can_descend(judge: Judge) -> bool:
         len(judge.space.ranges) > 0
         and all(name in DERIVED for name in judge.minimise)
         and all(isinstance(task, Meet) for task in judge.tasks.values())
-        and not judge.space.template.hangs
+        and not judge.space.template.has_external_load
     )
 
 
 def descend(judge: Judge, combination: tuple[Any, ...], shares: Floats, begin: Floats, which: int) -> Descended:
     """Lower the objective `which` of a robot without raising the other; `begin` (t, N, 3) are its answers."""
     judged = judge.judge(judge.space.robot(combination, shares), begin=begin)
-    tried, most, steps = 1, BEGINNING, None
-    for _ in range(STEPS):
-        if judged.failed != -1 or most < NARROWEST:
+    tried, most, steps = 1, FIRST_CHANGE, None
+    for _ in range(MOST_STEPS):
+        if judged.failed != -1 or most < LEAST_CHANGE:
             break
         steps = _Steps(judge, combination, shares, judged) if steps is None else steps
         step = steps.step(most, which)
         if step is None:
-            most *= SHRINKING
+            most *= SHRINKAGE
             continue
         found = judge.judge(judge.space.robot(combination, step.shares), stops=True, begin=step.answers)
         tried += 1
         gained = judged.objectives[which] - found.objectives[which]
         rest = all(new <= old for new, old in zip(found.objectives, judged.objectives, strict=True))
         if not rest or gained <= 0.0:
-            most *= SHRINKING
+            most *= SHRINKAGE
             continue
-        small = gained < ENOUGH * abs(judged.objectives[which])
-        shares, judged, most, steps = step.shares, found, min(WIDEST, GROWING * most), None
+        small = gained < LEAST_GAIN * abs(judged.objectives[which])
+        shares, judged, most, steps = step.shares, found, min(LARGEST_CHANGE, GROWTH * most), None
         if small:
             break
     return Descended(shares, judged, tried)
@@ -175,7 +175,7 @@ class _Steps:
         self._shared = len(judge.minimise) + 2 * len(self._robot.drive) * ("travel" in judge.minimise)
         self._ends = []
         for unit in np.eye(len(shares)):
-            high, low = np.minimum(shares + H * unit, 1.0), np.maximum(shares - H * unit, 0.0)
+            high, low = np.minimum(shares + HALF_STEP * unit, 1.0), np.maximum(shares - HALF_STEP * unit, 0.0)
             pair = [space.robot(combination, each) for each in (high, low)]
             solved = [judge.solver(each).robot for each in pair if each is not None]
             self._ends.append((solved[0], solved[-1], float((high - low).sum())))
@@ -199,7 +199,7 @@ class _Steps:
         from scipy.optimize import linprog  # noqa: PLC0415
 
         d, o, width = len(self._shares), self._shared, len(self._scale)
-        far = FREER * most
+        far = COORDINATE_RATIO * most
         near = [self._within(rows, most, far) for rows in self._most]
         equal, bounds = self._matrix(self._equal), self._matrix(near)
         tops = np.tile([-np.inf, np.inf], (o, 1))
@@ -273,11 +273,11 @@ class _Steps:
         if not len(problem.scene):
             return []
         plan = plan_for(problem, ("base", "lengths", "radii"))
-        found = KeptRows.near(problem, plan, q, NEAR * self._robot.mean_length)
+        found = KeptRows.near(problem, plan, q, CONTACT_RANGE * self._robot.mean_length)
         factor = found.about[:, a.ROW_FACTOR][:, None]
-        rows, left = found.rows / factor, found.about[:, a.ROW_SLACK] + NEAR * self._robot.mean_length
+        rows, left = found.rows / factor, found.about[:, a.ROW_SLACK] + CONTACT_RANGE * self._robot.mean_length
         fields = found.sides / factor @ self._moved
-        listed = [self._rows(fields, -rows, left - KEPT * self._robot.mean_length)]
+        listed = [self._rows(fields, -rows, left - KEPT_DISTANCE * self._robot.mean_length)]
         if "clearance" in self._judge.minimise:
             listed.append(self._rows(fields, -rows, left, "clearance"))
         return listed
@@ -288,7 +288,7 @@ class _Steps:
         if "bend" in self._judge.minimise:
             sizes = np.hypot(q[:, 0], q[:, 1])
             slopes = np.zeros((len(q), *q.shape))
-            np.einsum("kkc->kc", slopes)[:, :2] = q[:, :2] / np.maximum(sizes, H)[:, None]
+            np.einsum("kkc->kc", slopes)[:, :2] = q[:, :2] / np.maximum(sizes, HALF_STEP)[:, None]
             listed.append(self._rows(np.zeros((len(q), len(self._shares))), slopes.reshape(len(q), -1), -sizes, "bend"))
         if "length" in self._judge.minimise:
             change = self._by_fields(lambda robot, _: np.array([of_robot("length", robot)]))
@@ -320,7 +320,7 @@ class _Steps:
 
     def _of_lines(self, of: Any, q: Floats) -> tuple[Floats, Floats, Floats]:
         """What `of` says of all actuators (m,), and its derivatives (m, 3 n) by the answer and (m, d) by the shares."""
-        steps = H * np.where(self._scale > 0.0, self._scale, 1.0)
+        steps = HALF_STEP * np.where(self._scale > 0.0, self._scale, 1.0)
         places = q + np.concatenate([np.diag(steps), -np.diag(steps)]).reshape(-1, *q.shape)
         above, below = np.split(of(self._robot, places), 2)
         slopes = ((above - below) / (2.0 * steps[:, None])).T

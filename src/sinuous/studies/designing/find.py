@@ -33,19 +33,19 @@ from sinuous.studies.runs.engine import Arrays, Engine
 from sinuous.studies.runs.open_engine import open_engine
 from sinuous.studies.tasks.tasks import Meet, read_tasks
 
-ROBOTS = 2000
+DEFAULT_ROBOTS = 2000
 """Robots that are judged, by default."""
 
-TIME = 60.0
+DEFAULT_SECONDS = 60.0
 """Seconds, by default."""
 
-STARTS, SOLVE_TIME = 24, 1.0
+DEFAULT_STARTS, SOLVE_SECONDS = 24, 1.0
 """Most starts and seconds of a target, by default: a robot that needs more is not one to build."""
 
-PERCENT = 0.01
+FIELD_CHANGE = 0.01
 """Change of a field whose cost is told."""
 
-NEVER = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED)
+PROOFS = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED)
 """Statuses that are proofs, and cheap."""
 
 
@@ -56,8 +56,8 @@ def design(
     *,
     vary: Mapping[str, Any],
     minimise: str | Iterable[str],
-    robots: Whole = ROBOTS,
-    budget: Number = TIME,
+    robots: Whole = DEFAULT_ROBOTS,
+    budget: Number = DEFAULT_SECONDS,
     engine: object = "threads",
     workers: Whole | None = None,
     out: str | Path | None = None,
@@ -113,7 +113,7 @@ def design(
     space, asked, place = Space(template, vary), read_tasks(tasks), as_scene(scene)
     wanted = read_objectives(minimise, template)
     count, seconds = checks.integer("robots", robots, 1, 10_000_000), checks.number("budget", budget, above=0.0)
-    chosen: dict[str, Any] = {"time": SOLVE_TIME, "max_starts": STARTS, **options}
+    chosen: dict[str, Any] = {"time": SOLVE_SECONDS, "max_starts": DEFAULT_STARTS, **options}
     judge = Judge(space, asked, place, wanted, chosen)
     Solver(template, place, **chosen)  # options are checked, and what is suspicious of the template is said
     cut = list(_cut(judge)) if "uncovered" not in wanted else []
@@ -224,7 +224,7 @@ def _impossible(judge: Judge, robot: Robot, moved: float, task: Any) -> str | No
         found: Solution = solver.solve(task.targets, time=0.0)
     except InputError as error:
         return str(error)
-    return found.sentence if found.status in NEVER else None
+    return found.sentence if found.status in PROOFS else None
 
 
 def _told(judge: Judge, found: RobotCandidates, cut: tuple[Cut, ...], seconds: float) -> Design:
@@ -266,7 +266,7 @@ def _changes(judge: Judge, found: RobotCandidates, i: int) -> Iterator[Change]:
     combination = space.combinations[int(found.combination[i])]
     for place, each in enumerate(space.ranges):
         value = each.value(float(found.shares[i, place]))
-        step = PERCENT * (abs(value) or each.high - each.low)
+        step = FIELD_CHANGE * (abs(value) or each.high - each.low)
         for other in (value - step, value + step):
             shares = found.shares[i].copy()
             shares[place] = each.share(other)

@@ -14,9 +14,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver
 from sinuous.studies.designing.fields import Space
 from sinuous.studies.designing.objectives import Objective, of_answers, of_robot
-from sinuous.studies.tasks.tasks import Done, Meet, Task
-
-SOLVED = "solved"
+from sinuous.studies.tasks.tasks import SOLVED, Done, Meet, Task
 
 
 class Judged(NamedTuple):

@@ -26,7 +26,7 @@ Objective = Literal["actuators", "length", "bend", "travel", "tension", "clearan
 
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
-MOST = 2
+MOST_OBJECTIVES = 2
 """Most objectives at once."""
 
 
@@ -38,7 +38,7 @@ def read_objectives(minimise: Any, template: Robot) -> tuple[Objective, ...]:
     InputError
     """
     listed = [minimise] if isinstance(minimise, str) else list(minimise) if isinstance(minimise, Iterable) else []
-    if not 1 <= len(listed) <= MOST:
+    if not 1 <= len(listed) <= MOST_OBJECTIVES:
         raise InputError("minimise", "", minimise, f"one or two of {', '.join(OBJECTIVES)}")
     for name in listed:
         if name not in OBJECTIVES:

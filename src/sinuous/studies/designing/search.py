@@ -14,22 +14,22 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 
-GENERATION = 16
+GENERATION_SIZE = 16
 """Candidates of a generation."""
 
-SCATTERED = 4
+SCATTERED_GENERATIONS = 4
 """First generations, whose candidates are anywhere."""
 
-ANYWHERE, ELSEWHERE = 0.06, 0.15
+ANYWHERE_FRACTION, OTHER_VALUES_FRACTION = 0.06, 0.15
 """Share of the later candidates that are anywhere, and of those with another combination."""
 
-NEAREST, FARTHEST = 1e-3, 0.5
+LEAST_STEP, LARGEST_STEP = 1e-3, 0.5
 """Sizes of steps, as shares of the ranges: any order of magnitude between the two is as likely."""
 
-DESCENTS, EVERY = 4, 6
+DESCENT_COUNT, DESCENT_PERIOD = 4, 6
 """Candidates that are led down by derivatives, and how many generations there are from one time to the next."""
 
-PARENTS = 6
+MOST_PARENTS = 6
 """Most candidates that others are drawn near, beside those that nothing is better than."""
 
 Whole = NDArray[np.int64]
@@ -132,19 +132,19 @@ class RobotSearch:
         descends: bool = False,
     ) -> None:
         self._open, self._ranges, self._seed, self._known = np.array(open_combinations), ranges, seed, known
-        self._nothing, self._descends = np.full((GENERATION, *answers, 3), np.nan), descends
+        self._nothing, self._descends = np.full((GENERATION_SIZE, *answers, 3), np.nan), descends
 
     def generation(self, number: int, found: Sequence[RobotCandidates]) -> Drawn:
         """Draw a generation, after those that were `found` before it."""
         rng = np.random.default_rng([self._seed, number])
-        if number < SCATTERED or not found:
-            combination, shares = self._scattered(rng, GENERATION)
+        if number < SCATTERED_GENERATIONS or not found:
+            combination, shares = self._scattered(rng, GENERATION_SIZE)
             if number == 0 and self._known is not None:
                 combination[0], shares[0] = self._known
-            nowhere = np.full(GENERATION, -1)
+            nowhere = np.full(GENERATION_SIZE, -1)
             return Drawn(combination, shares, self._nothing, nowhere, nowhere)
         joined = RobotCandidates.joined(found)
-        if self._descends and (number - SCATTERED) % EVERY == 0:
+        if self._descends and (number - SCATTERED_GENERATIONS) % DESCENT_PERIOD == 0:
             source, which = self._sources(joined)
             if len(source):
                 return Drawn(joined.combination[source], joined.shares[source], joined.answers[source], source, which)
@@ -157,10 +157,10 @@ class RobotSearch:
         which: list[int] = []
         counts = np.isfinite(found.objectives).all(axis=1) & (found.source < 0)
         counts[found.source[found.source >= 0]] = False
-        for i in range(DESCENTS):
+        for i in range(DESCENT_COUNT):
             objective = i % found.objectives.shape[1]
             left = np.flatnonzero(counts)
-            early = left[left < SCATTERED * GENERATION]
+            early = left[left < SCATTERED_GENERATIONS * GENERATION_SIZE]
             left = early if i and len(early) else left
             if len(left):
                 fresh = left[~np.isin(found.combination[left], found.combination[source])]
@@ -181,24 +181,24 @@ class RobotSearch:
     def _near(self, rng: Generator, found: RobotCandidates) -> Drawn:
         """Candidates near parents: along some of the ranges, by steps of any size, and up to the ends of them."""
         parents = self._parents(found)
-        chosen = rng.choice(parents, GENERATION)
+        chosen = rng.choice(parents, GENERATION_SIZE)
         combination, shares = found.combination[chosen].copy(), found.shares[chosen].copy()
         begin = found.answers[chosen].copy()
-        away, other = self._scattered(rng, GENERATION)
-        for i in range(GENERATION):
+        away, other = self._scattered(rng, GENERATION_SIZE)
+        for i in range(GENERATION_SIZE):
             kind = rng.random()
-            if kind < ANYWHERE:
+            if kind < ANYWHERE_FRACTION:
                 combination[i], shares[i], begin[i] = away[i], other[i], np.nan
                 continue
-            if kind < ANYWHERE + ELSEWHERE:
+            if kind < ANYWHERE_FRACTION + OTHER_VALUES_FRACTION:
                 combination[i] = away[i]
-            size = np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST)))
+            size = np.exp(rng.uniform(np.log(LEAST_STEP), np.log(LARGEST_STEP)))
             moves = rng.random(self._ranges) < 0.5
             if self._ranges and not moves.any():
                 moves[rng.integers(self._ranges)] = True
             shares[i] = np.clip(shares[i] + size * moves * rng.normal(size=self._ranges), 0.0, 1.0)
         begin[combination != found.combination[chosen]] = np.nan
-        nowhere = np.full(GENERATION, -1)
+        nowhere = np.full(GENERATION_SIZE, -1)
         return Drawn(combination, shares, begin, nowhere, nowhere)
 
     @staticmethod
@@ -206,9 +206,9 @@ class RobotSearch:
         """The front of those that count; without any, those that do most."""
         best = front(found.objectives)
         tried = np.flatnonzero(found.failed != -2)
-        order = tried[np.lexsort((-found.share[tried], -found.done[tried]))][:PARENTS]
+        order = tried[np.lexsort((-found.share[tried], -found.done[tried]))][:MOST_PARENTS]
         if not len(best):
             return order
         own = found.objectives[:, 0]
         near = np.flatnonzero(np.isfinite(own))
-        return np.union1d(best, near[np.argsort(own[near], kind="stable")][:PARENTS])
+        return np.union1d(best, near[np.argsort(own[near], kind="stable")][:MOST_PARENTS])

@@ -43,7 +43,7 @@ from sinuous.studies.workspace.reach import reach_of
 MOST_PARTS = 20
 """Sizes of parts that are told."""
 
-SHARES = ("covered", "joined")
+FRACTIONS = ("covered", "joined")
 
 
 class Exploration(ShortRepr):
@@ -88,7 +88,7 @@ class Exploration(ShortRepr):
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values; a share of nothing is `None`."""
         names = ("shapes", "motions", "tests", "spacing", "rounds", "full", "seconds")
-        shares = {name: None if math.isnan(getattr(self, name)) else getattr(self, name) for name in SHARES}
+        shares = {name: None if math.isnan(getattr(self, name)) else getattr(self, name) for name in FRACTIONS}
         return {**{name: getattr(self, name) for name in names}, "parts": list(self.parts), **shares}
 
     def __str__(self) -> str:
@@ -110,31 +110,31 @@ class Exploration(ShortRepr):
         yield f"{self.motions} motions"
 
 
-TIME = 60.0
+DEFAULT_SECONDS = 60.0
 """Seconds, by default."""
 
-STARTS = 24
+DEFAULT_STARTS = 24
 """Most starts of a position anywhere, by default."""
 
-ROUND, TOGETHER = 128, 8
+ROUND_TASKS, CHUNK_TASKS = 128, 8
 """Tasks of a round, and those of a chunk."""
 
-EVEN, JOINS = 24, 8
+EVEN_TASKS, MOST_JOIN_TASKS = 24, 8
 """Of these the positions anywhere, and the most that join parts; half of the others are beside shapes, half aside."""
 
-ACROSS = 20
+SPACINGS_IN_REACH = 20
 """Spacings from the base to the farthest place, where none is given."""
 
-NEAREST, FARTHEST = 0.05, 2.0
+LEAST_OFFSET, LARGEST_OFFSET = 0.05, 2.0
 """Range of the largest distance of a position beside a shape from its tip, in spacings; even on a logarithmic scale."""
 
-NEAR = 16
+NEIGHBOUR_COUNT = 16
 """Shapes nearby that a task gets."""
 
-TESTS = 400
+MOST_TESTS = 400
 """Latest positions anywhere that the shares are of."""
 
-PAIRS = 64
+CHUNK_PAIRS = 64
 """Motions that are proved again together."""
 
 
@@ -197,16 +197,16 @@ def explore(
     began = clock.perf_counter()
     checks.instance("robot", robot, Robot, "a Robot")
     refuse_unknown(options, SolveArguments.__annotations__)
-    given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
+    given: dict[str, Any] = {"time": DEFAULT_SECONDS, "max_starts": DEFAULT_STARTS, **options}
     place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
     memory = given.pop("memory", None)
     chosen = SolveOptions.of(given)
     most = math.inf if rounds is None else checks.integer("rounds", rounds, 0, 2**31 - 1)
-    near = reach_of(robot) / ACROSS if spacing is None else checks.number("spacing", spacing, above=0.0)
+    near = reach_of(robot) / SPACINGS_IN_REACH if spacing is None else checks.number("spacing", spacing, above=0.0)
     kept = Memory(robot) if memory is None else memory
     checks.instance("memory", kept, Memory, "a Memory")
     kept.check(robot)
-    if robot.hangs:
+    if robot.has_external_load:
         raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
     snapshot = place.snapshot()
     snapshot.refuse_moving()
@@ -278,10 +278,10 @@ class _ExplorationRun:
         assert known is not None
         graph = self._memory._shapes.everything
         tasks = _Draws(self._robot, graph, self._reach, self._spacing, [known.seed, known.rounds]).tasks()
-        parts = [slice(at, at + TOGETHER) for at in range(0, len(tasks["kind"]), TOGETHER)]
+        parts = [slice(at, at + CHUNK_TASKS) for at in range(0, len(tasks["kind"]), CHUNK_TASKS)]
         chunks = [{name: values[part] for name, values in tasks.items()} for part in parts]
         blocks = self._done(chunks)
-        tests = [*known.tests, *self._tests(graph, tasks, blocks)][-TESTS:]
+        tests = [*known.tests, *self._tests(graph, tasks, blocks)][-MOST_TESTS:]
         for block in blocks:
             self._keep(block)
         self._memory._explored = known._replace(rounds=known.rounds + 1, tests=tests)
@@ -299,7 +299,7 @@ class _ExplorationRun:
         largest = graph.parts == 0
         found = []
         for i in np.flatnonzero((tasks["kind"] == TaskKind.EVEN) & (own < 0)).tolist():
-            edges = blocks[i // TOGETHER]["edges"]
+            edges = blocks[i // CHUNK_TASKS]["edges"]
             ends = edges[edges[:, 0] == own[i], 1]
             apart = np.linalg.norm(graph.tips[largest] - tasks["target"][i], axis=1)
             found.append((int(apart.min(initial=np.inf) <= self._spacing), int(largest[ends[ends >= 0]].any())))
@@ -307,7 +307,7 @@ class _ExplorationRun:
 
     def _clear(self, pairs: Floats) -> Any:
         """Say of pairs (m, 2, n, 3) of shapes between which the motion is proved clear."""
-        chunks: list[Arrays] = [{"pairs": pairs[at : at + PAIRS]} for at in range(0, len(pairs), PAIRS)]
+        chunks: list[Arrays] = [{"pairs": pairs[at : at + CHUNK_PAIRS]} for at in range(0, len(pairs), CHUNK_PAIRS)]
         return np.concatenate([np.empty(0, np.bool_), *(block["clear"] for block in self._done(chunks))])
 
     def _done(self, chunks: list[Arrays]) -> list[Arrays]:
@@ -325,18 +325,18 @@ class _Draws:
     def tasks(self) -> Arrays:
         """Return what the tasks are: arrays with one row a task."""
         n, count, rng = len(self._robot), len(self._graph), self._rng
-        kinds = np.full(ROUND if count else EVEN, TaskKind.EVEN)
+        kinds = np.full(ROUND_TASKS if count else EVEN_TASKS, TaskKind.EVEN)
         if count:
-            others = np.resize([TaskKind.BESIDE, TaskKind.ASIDE], ROUND - EVEN)
-            joins = min(JOINS, int(self._graph.parts.max()))
+            others = np.resize([TaskKind.BESIDE, TaskKind.ASIDE], ROUND_TASKS - EVEN_TASKS)
+            joins = min(MOST_JOIN_TASKS, int(self._graph.parts.max()))
             others[:joins] = TaskKind.JOIN
-            kinds = np.concatenate([kinds[:EVEN], others])
+            kinds = np.concatenate([kinds[:EVEN_TASKS], others])
         begins = self._where_few(len(kinds)) if count else np.full(len(kinds), -1)
         joining = np.flatnonzero(kinds == TaskKind.JOIN)
         begins[joining] = self._of_others(len(joining))
         targets = self._robot.base[:3, 3] + self._reach * _in_ball(rng, len(kinds))  # anywhere within reach
         beside = np.flatnonzero(kinds == TaskKind.BESIDE)
-        far = self._spacing * np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST), (len(beside), 1)))
+        far = self._spacing * np.exp(rng.uniform(np.log(LEAST_OFFSET), np.log(LARGEST_OFFSET), (len(beside), 1)))
         targets[beside] = self._graph.tips[begins[beside]] + far * _in_ball(rng, len(beside))
         near = self._near(kinds, begins, targets)
         return {
@@ -367,7 +367,7 @@ class _Draws:
     def _near(self, kinds: Numbers, begins: Numbers, targets: Floats) -> Numbers:
         """Numbers (t, k) of the shapes nearby that tasks are told; -1: there are no more."""
         graph = self._graph
-        found = np.full((len(kinds), min(NEAR, len(graph))), -1, np.int64)
+        found = np.full((len(kinds), min(NEIGHBOUR_COUNT, len(graph))), -1, np.int64)
         if not found.size:
             return found
         from scipy.spatial import cKDTree  # noqa: PLC0415

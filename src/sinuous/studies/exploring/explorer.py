@@ -1,7 +1,7 @@
 """What a worker does while a place is explored: it finds shapes, and proves motions from them to shapes nearby.
 
 A task brings all that it needs, so its answer depends on nothing else: neither on the number of workers, nor on time,
-unless an attempt takes longer than `PATIENCE`.
+unless an attempt takes longer than `ATTEMPT_SECONDS`.
 """
 
 from dataclasses import replace
@@ -24,22 +24,22 @@ from sinuous.solver.shapes import Whole
 from sinuous.solver.solver import Solver
 from sinuous.studies.runs.engine import Arrays
 
-PATIENCE = 20.0
+ATTEMPT_SECONDS = 20.0
 """Seconds of one attempt, after which it is given up whatever was to be done."""
 
-LINKS, TRIES = 4, 8
+MOST_LINKS, LINK_TRIES = 4, 8
 """Most motions to shapes nearby that are kept of a shape that is found, and how many are tried."""
 
-DRAWS = 64
+LINK_DRAWS = 64
 """Draws of trees where none of these is clear."""
 
-DRAWS_TO_JOIN, TURNS_TO_JOIN = 1024, 4
+JOIN_DRAWS, JOIN_TURNS = 1024, 4
 """Draws of trees between two parts, and turns of all planners where these do not meet."""
 
-SHORTEST = 1e-3
+LEAST_FRACTION = 1e-3
 """Least share of the way towards a random shape; shares are drawn evenly on a logarithmic scale."""
 
-SHORTER = 4
+MOST_HALVINGS = 4
 """How often a motion that is not clear is tried again, half as far."""
 
 
@@ -79,7 +79,7 @@ class Explorer:
     def prepare(self) -> "Explorer":
         """Compile, or load, what exploring needs."""
         once = replace(self._options, max_starts=1, routes=False)
-        anywhere, near = (Solver.prepared(self.robot, self.scene, each) for each in (self._options, once))
+        anywhere, near = (Solver._of_checked(self.robot, self.scene, each) for each in (self._options, once))
         anywhere.warm("solve")
         self._solvers = anywhere, near
         with self._workspaces.lent(self.scene.snapshot()) as work:
@@ -101,7 +101,7 @@ class Explorer:
         """Do one task; return the number of the shape that was found, 0: none."""
         kind, numbers = TaskKind(int(raw["kind"])), raw["numbers"][raw["numbers"] >= 0]
         near, begin, seed = raw["near"][: len(numbers)], raw["begin"], int(raw["seed"])
-        task = _Task(numbers, near, seed, Deadline(PATIENCE))
+        task = _Task(numbers, near, seed, Deadline(ATTEMPT_SECONDS))
         if kind is TaskKind.JOIN:
             self._join(work, found, begin, int(raw["own"]), task)
             return 0
@@ -115,9 +115,9 @@ class Explorer:
         """Meet a position: from anywhere, or from one shape."""
         assert self._solvers is not None
         if kind is TaskKind.EVEN:
-            solution = self._solvers[0].solve(Target(target), time=PATIENCE)
+            solution = self._solvers[0].solve(Target(target), time=ATTEMPT_SECONDS)
         else:
-            solution = self._solvers[1].solve(Target(target), begin, time=PATIENCE)
+            solution = self._solvers[1].solve(Target(target), begin, time=ATTEMPT_SECONDS)
         return np.array(solution.q) if solution.solved else None
 
     def _moved(self, work: Workspace, begin: Floats, seed: int) -> Floats | None:
@@ -127,8 +127,8 @@ class Explorer:
         if rng.random() < 0.5:  # of all segments at once hardly any motion is clear in a narrow place
             first, last = np.sort(rng.integers(0, len(begin), 2))
             away[:first], away[last + 1 :] = 0.0, 0.0
-        share = np.exp(rng.uniform(np.log(SHORTEST), 0.0))
-        for _ in range(SHORTER):
+        share = np.exp(rng.uniform(np.log(LEAST_FRACTION), 0.0))
+        for _ in range(MOST_HALVINGS):
             q: Floats = begin + share * away
             if violated_by(self.robot, q) is None and work.prover.is_clear(begin, q):
                 return q
@@ -139,14 +139,14 @@ class Explorer:
         """Keep a shape, and motions to shapes nearby; return its number."""
         own = found.add(q[None])
         count = 0
-        for number, other in zip(task.numbers[:TRIES].tolist(), task.near, strict=False):
+        for number, other in zip(task.numbers[:LINK_TRIES].tolist(), task.near, strict=False):
             if task.deadline.left() > 0.0 and work.prover.is_clear(q, other):
                 found.edges.append((own, number))
                 count += 1
-                if count == LINKS:
+                if count == MOST_LINKS:
                     return own
         if count == 0 and len(task.near) and task.deadline.left() > 0.0:
-            path = work.trees.grow(np.stack([q, *task.near[:TRIES]]), task.seed, (0, DRAWS), task.deadline)
+            path = work.trees.grow(np.stack([q, *task.near[:LINK_TRIES]]), task.seed, (0, LINK_DRAWS), task.deadline)
             if path is not None:
                 found.add_way(own, path.q, task)
         return own
@@ -154,10 +154,10 @@ class Explorer:
     def _join(self, work: Workspace, found: "_Found", begin: Floats, own: int, task: "_Task") -> None:
         """Find a way from a shape to one of those nearby."""
         near, seed, deadline = task.near, task.seed, task.deadline
-        path = work.trees.grow(np.stack([begin, *near]), seed, (0, DRAWS_TO_JOIN), deadline)
+        path = work.trees.grow(np.stack([begin, *near]), seed, (0, JOIN_DRAWS), deadline)
         if path is None and seed % 4 == 0 and deadline.left() > 0.0:
             query = Query(self.robot, work.scene, begin, lambda _: near, seed, 0, deadline)
-            path = find_path(query, work.trees, TURNS_TO_JOIN)
+            path = find_path(query, work.trees, JOIN_TURNS)
         if path is not None:
             found.add_way(own, path.q, task)
 

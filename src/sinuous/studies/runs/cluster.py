@@ -14,13 +14,13 @@ from sinuous.studies.runs.engines import PER_WORKER, pickled
 LOCAL = "local"
 """In the place of an address: workers on this machine."""
 
-PATIENCE = 20.0
+ANSWER_SECONDS = 20.0
 """Seconds that a scheduler has to answer."""
 
-CLOSING = 2.0
+CLOSING_SECONDS = 2.0
 """Seconds that a cluster has to close when it must end now."""
 
-WHY_LENGTH = 120
+REASON_LENGTH = 120
 """Letters of what Dask says that are repeated."""
 
 NO_PAGE: dict[str, Any] = {"dashboard_address": ":0", "scheduler_kwargs": {"dashboard": False}}
@@ -104,9 +104,9 @@ class Dask(Engine):
             if where == LOCAL:
                 settings = {"n_workers": workers, "threads_per_worker": 1, "silence_logs": logging.CRITICAL}
                 self._own.append(module.LocalCluster(**settings, **NO_PAGE))
-            client = module.Client(self._own[0] if self._own else where, timeout=PATIENCE)
+            client = module.Client(self._own[0] if self._own else where, timeout=ANSWER_SECONDS)
         except (OSError, ValueError, TypeError) as error:
-            why = " ".join(str(error).split())[:WHY_LENGTH]
+            why = " ".join(str(error).split())[:REASON_LENGTH]
             raise InputError("dask", why or "no answer", where, "the address of a scheduler that runs") from None
         self._own.insert(0, client)
         return client
@@ -126,5 +126,5 @@ class Dask(Engine):
         if not self._own and not now:
             self._client.unregister_worker_plugin(self._name)
         for each in self._own:
-            each.close(timeout=CLOSING if now else PATIENCE)
+            each.close(timeout=CLOSING_SECONDS if now else ANSWER_SECONDS)
         self._own.clear()

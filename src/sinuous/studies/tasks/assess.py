@@ -16,9 +16,7 @@ from sinuous.model.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
-from sinuous.studies.tasks.tasks import Done, read_tasks
-
-SOLVED = "solved"
+from sinuous.studies.tasks.tasks import SOLVED, Done, read_tasks
 
 
 class Total(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 from sinuous.answer.binding import Binding, nearest_limits
 from sinuous.answer.solution import Solution
+from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows
 from sinuous.base.checks import Floats
@@ -20,6 +21,9 @@ from sinuous.motion.plan import plan
 from sinuous.motion.track import track
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.solver.solver import Solver
+
+SOLVED = str(Status.SOLVED)
+"""Status of a task that is done."""
 
 
 class Done(NamedTuple):
@@ -153,12 +157,12 @@ class Cover(_Several):
         found = solver.solve_many([list(targets) for targets in self.targets], workers=1)
         solved = found[found.solved]
         share = len(solved) / len(found)
-        status = "solved" if share >= self.share else str(found[~found.solved][0].status)
+        status = SOLVED if share >= self.share else str(found[~found.solved][0].status)
         proved = (
             _least(solved.clearance) if len(solver.scene) else None,
             _least(solved.self_clearance) if solver.robot.avoids_itself else None,
         )
-        shapes = solved.q if status == "solved" else None
+        shapes = solved.q if status == SOLVED else None
         return Done(status, share, *proved, float(found.seconds.sum()), None, binds_of(found), shapes)
 
 

@@ -31,10 +31,10 @@ from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, directions_of, reach_of
 from sinuous.studies.workspace.rounds import CALL_SIZE, Calls, MappedPlaces, Rounds, neighbours_of
 
-SAMPLES = 6
+SEGMENT_SAMPLES = 6
 """Points of a segment whose distances tell which obstacle a body runs into."""
 
-BODIES_TOGETHER = 20_000
+CHUNK_BODIES = 20_000
 """Bodies that are looked at in one step: it bounds memory."""
 
 
@@ -121,7 +121,7 @@ def reach(
         obstacles=obstacles,
         names=tuple(snapshot.name(i) for i in range(len(snapshot))),
         base=np.array(robot.base[:3, 3]),
-        farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
+        farthest=np.inf if robot.has_external_load else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
     if out is not None:
@@ -190,17 +190,17 @@ def _blame(robot: Robot, scene: Snapshot, places: MappedPlaces, codes: Codes, al
 def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
-    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.hangs else (None, robot)
-    radii = np.repeat(np.array(body.needed_radii), SAMPLES)
-    for first in range(0, len(q), BODIES_TOGETHER):
-        some = q[first : first + BODIES_TOGETHER].astype(np.float64)
+    ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.has_external_load else (None, robot)
+    radii = np.repeat(np.array(body.needed_radii), SEGMENT_SAMPLES)
+    for first in range(0, len(q), CHUNK_BODIES):
+        some = q[first : first + CHUNK_BODIES].astype(np.float64)
         if ways is not None:
             some = np.array([ways.at(q).shown for q in some])
-        points = body.backbone(some, SAMPLES)[:, 1:]
-        along = np.cumsum(np.repeat(some[..., 2] / SAMPLES, SAMPLES, axis=1), axis=1)
+        points = body.backbone(some, SEGMENT_SAMPLES)[:, 1:]
+        along = np.cumsum(np.repeat(some[..., 2] / SEGMENT_SAMPLES, SEGMENT_SAMPLES, axis=1), axis=1)
         gaps = np.where(along >= robot.mount, scene.distance(points) - radii, np.inf)
         worst = gaps.argmin(axis=1)
-        found[first : first + BODIES_TOGETHER] = scene.nearest(points[np.arange(len(some)), worst])
+        found[first : first + CHUNK_BODIES] = scene.nearest(points[np.arange(len(some)), worst])
     return found
 
 

@@ -22,12 +22,12 @@ from sinuous.base.frozen import Frozen
 from sinuous.base.notebook import NotebookMixin
 from sinuous.model.robot import Robot
 
-ACROSS = 35
+VOXELS_IN_REACH = 35
 """Voxels from the base to the farthest place, where no spacing is given."""
 
 MOST_VOXELS, MOST_DIRECTIONS = 20_000_000, 1000
 
-NEIGHBOURS = 26
+CUBE_DIRECTIONS = 26
 """Directions to the neighbours of a cube: faces, edges, corners."""
 
 
@@ -60,7 +60,7 @@ class Voxels(Frozen):
             When there would be none, or too many.
         """
         base, reach = robot.base[:3, 3], reach_of(robot)
-        step = reach / ACROSS if spacing is None else checks.number("spacing", spacing, above=0.0)
+        step = reach / VOXELS_IN_REACH if spacing is None else checks.number("spacing", spacing, above=0.0)
         corners = base - reach if low is None else checks.vector("low", low)
         others = base + reach if high is None else checks.vector("high", high)
         if (others < corners).any():
@@ -102,7 +102,7 @@ def directions_of(value: Any) -> Floats:
             raise InputError("directions", "", len(given), f"1 to {MOST_DIRECTIONS} directions")
         return given
     count = checks.integer("directions", value, 1, MOST_DIRECTIONS)
-    if count == NEIGHBOURS:
+    if count == CUBE_DIRECTIONS:
         steps = np.array([step for step in product((-1.0, 0.0, 1.0), repeat=3) if any(step)])
         return np.asarray(steps / np.linalg.norm(steps, axis=1, keepdims=True))
     k = np.arange(count) + 0.5

@@ -102,7 +102,7 @@ class Layout:
 
     def records(self, block: Arrays, robot: Robot) -> Floats:
         """What `Solutions` of the rows hold, as far as a table says it: whether, where, how clear of obstacles."""
-        solved, clear = block["status"] == CODES["solved"], block["clearance"] - robot.least_demanded[0]
+        solved, clear = block["status"] == CODES["solved"], block["clearance"] - robot._least_clearances[0]
         answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(self.segments)))
         answers[:, CODE] = np.where(solved, SOLVED, FAILED)
         answers[:, CLEARANCE] = np.where(np.isnan(clear), np.inf, clear)

@@ -6,15 +6,13 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import ConvexHull, cKDTree
 
-from benchmarks.places.parts.marching import around
+import sinuous as sn
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape, keeps_from_itself
-from benchmarks.places.parts.surfaces import Surface, solid
+from benchmarks.places.parts.surfaces import Surface, around, solid
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
-from sinuous.model.robot import Robot
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle
+from sinuous.scene.obstacles import Obstacle
 
 APART = 4.0
 """Distance of the shape from itself."""
@@ -55,7 +53,7 @@ MOST = 400
 """Obstacles of a place: those nearest to the shape are kept."""
 
 
-def lattice(robot: Robot, rng: Generator) -> Sketch:
+def lattice(robot: sn.Robot, rng: Generator) -> Sketch:
     """Fill the space with struts along three axes, but for those that the shape would touch."""
     q, curve, radius = _drawn(robot, rng)
     pitch, thickness = radius * rng.uniform(*PITCH), radius * rng.uniform(*STRUT)
@@ -63,11 +61,11 @@ def lattice(robot: Robot, rng: Generator) -> Sketch:
     struts: list[Obstacle] = []
     for axis in range(3):
         step = pitch * np.eye(3)[axis]
-        struts += [Capsule(node @ turn.T, (node + step) @ turn.T, thickness) for node in nodes @ turn]
+        struts += [sn.Capsule(node @ turn.T, (node + step) @ turn.T, thickness) for node in nodes @ turn]
     return sketch_of(robot, _clear(struts, curve, radius), q, rng)
 
 
-def rubble(robot: Robot, rng: Generator) -> Sketch:
+def rubble(robot: sn.Robot, rng: Generator) -> Sketch:
     """Heap boxes and convex stones around the shape."""
     q, curve, radius = _drawn(robot, rng)
     blocks: list[Obstacle] = []
@@ -76,7 +74,7 @@ def rubble(robot: Robot, rng: Generator) -> Sketch:
         center = curve.points[rng.integers(len(curve.points))]
         center = center + away / np.linalg.norm(away) * (size + radius * rng.uniform(1.0, 4.0))
         if rng.random() < 0.5:
-            box = Box(center, size * rng.uniform(0.6, 1.6, 3), rng.normal(size=4))
+            box = sn.Box(center, size * rng.uniform(0.6, 1.6, 3), rng.normal(size=4))
             blocks += _clear([box], curve, radius)
         else:
             stone = _stone(center, size, curve, radius, rng)
@@ -84,7 +82,7 @@ def rubble(robot: Robot, rng: Generator) -> Sketch:
     return sketch_of(robot, blocks, q, rng)
 
 
-def bundle(robot: Robot, rng: Generator) -> Sketch:
+def bundle(robot: sn.Robot, rng: Generator) -> Sketch:
     """Stand parallel tubes around the shape, as in a heat exchanger, but for those that it would touch."""
     q, curve, radius = _drawn(robot, rng)
     tube, gap = radius * rng.uniform(*TUBE), 2.0 * radius * rng.uniform(*GAP)
@@ -99,11 +97,11 @@ def bundle(robot: Robot, rng: Generator) -> Sketch:
             if distance < NEAR * radius:
                 middle = axes @ np.array([x, y, curve.points[closest] @ axes[:, 2]])
                 half = 0.5 * TUBE_LENGTH * radius * axes[:, 2]
-                tubes.append(Cylinder(middle - half, middle + half, tube))
+                tubes.append(sn.Cylinder(middle - half, middle + half, tube))
     return sketch_of(robot, _clear(tubes, curve, radius), q, rng)
 
 
-def gyroid(robot: Robot, rng: Generator) -> Sketch:
+def gyroid(robot: sn.Robot, rng: Generator) -> Sketch:
     """Lead the shape through a porous solid, the sheet of a gyroid, with a tunnel about the shape."""
     q, _, radius = _drawn(robot, rng)
     period, sheet, tunnel = (radius * rng.uniform(*one) for one in (PERIOD, SHEET, TUNNEL))
@@ -121,7 +119,7 @@ def gyroid(robot: Robot, rng: Generator) -> Sketch:
     return sketch_of(robot, [solid(surface, "gyroid")], q, rng)
 
 
-def slab(robot: Robot, rng: Generator) -> Sketch | None:
+def slab(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Bend the shape in a plane between two plates, with pillars beside it."""
     radius, side = max(robot.radii), 1.0
     rows = []
@@ -134,17 +132,17 @@ def slab(robot: Robot, rng: Generator) -> Sketch | None:
     if not keeps_from_itself(curve, APART * radius):
         return None
     half, normal = radius * rng.uniform(*SLAB), robot.base[:3, 1]
-    plates = [HalfSpace(robot.base[:3, 3] - way * half * normal, way * normal) for way in (1.0, -1.0)]
+    plates = [sn.HalfSpace(robot.base[:3, 3] - way * half * normal, way * normal) for way in (1.0, -1.0)]
     pillars: list[Obstacle] = []
     for _ in range(int(rng.integers(*PILLARS))):
         size, turn = radius * rng.uniform(*PILLAR), rng.uniform(0.0, 2.0 * math.pi)
         away = math.cos(turn) * robot.base[:3, 0] + math.sin(turn) * robot.base[:3, 2]
         foot = curve.points[rng.integers(len(curve.points))] + (size + radius * rng.uniform(LEEWAY, 3.0)) * away
-        pillars.append(Cylinder(foot - 1.5 * half * normal, foot + 1.5 * half * normal, size))
+        pillars.append(sn.Cylinder(foot - 1.5 * half * normal, foot + 1.5 * half * normal, size))
     return sketch_of(robot, [*plates, *_clear(pillars, curve, radius)], q, rng)
 
 
-def _drawn(robot: Robot, rng: Generator) -> tuple[Floats, Curve, float]:
+def _drawn(robot: sn.Robot, rng: Generator) -> tuple[Floats, Curve, float]:
     radius = max(robot.radii)
     q = draw_shape(robot, APART * radius, rng)
     return q, curve_of(robot, q, 12), radius
@@ -167,7 +165,7 @@ def _clear(obstacles: list[Obstacle], curve: Curve, radius: float) -> list[Obsta
     return [obstacles[i] for i in kept[:MOST]]
 
 
-def _stone(center: Floats, size: float, curve: Curve, radius: float, rng: Generator) -> Mesh | None:
+def _stone(center: Floats, size: float, curve: Curve, radius: float, rng: Generator) -> sn.Mesh | None:
     """A convex stone; `None` where it may touch the shape: a face must lie between it and each point."""
     corners = center + 0.8 * size * rng.normal(size=(CORNERS, 3)) / math.sqrt(3.0)
     hull = ConvexHull(corners)

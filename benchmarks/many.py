@@ -1,0 +1,247 @@
+"""`python -m benchmarks many`: batches through files, on one worker and on several, killed and not; and a map.
+
+What is timed with its memory, or killed, runs in a process of its own.
+"""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import sinuous as sn
+from benchmarks.harness.experiment import Part
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
+from benchmarks.harness.quiet import ignore_suspicions
+from benchmarks.problems import among_spheres, arm, free_configurations, random_configurations
+from sinuous.base.checks import Floats
+from sinuous.studies.batch.solve import solve_batch
+from sinuous.studies.runs.cluster import NO_PAGE, distributed
+from sinuous.studies.workspace.find import reach
+from sinuous.studies.workspace.reach import Reach, Verdict
+
+ROBOT = arm(5, 2.4, radius=4)
+SPHERES = 40
+TOGETHER = 100_000
+
+FILES = "batches from NPZ to NPZ, 5 segments, 2 threads, end to end; at most 16 starts, among spheres 6"
+
+KILLED = "killed with -9 half-way, and begun again"
+NONE = Goal(0.0, correctness=True)
+
+KINDS = {
+    "free poses (position and direction)": (10_000_000, True, False, 350_000.0),
+    "free points (position alone)": (10_000_000, False, False, 500_000.0),
+    "poses among 40 spheres, proved": (500_000, True, True, 80_000.0),
+    "points among 40 spheres, proved": (500_000, False, True, 80_000.0),
+}
+"""How many rows, whether directions are asked, whether there are obstacles, and the goal in rows a second."""
+
+ENGINES = "engines, free poses and 40 spheres, chunks of 10,000, the better of three runs in turn"
+
+TURNS = 3
+
+MAP = "map of the workspace, 5 segments among 40 spheres, 26 directions a voxel, 2 threads"
+PROOFS = {sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED}
+
+
+def spheres(plan: Plan) -> sn.Scene:
+    """The obstacles that the robot works among."""
+    return among_spheres(ROBOT, SPHERES, 1, plan.rng(30)).scene
+
+
+def tips(robot: sn.Robot, count: int, rng: np.random.Generator) -> Floats:
+    """Poses (count, 4, 4) of the tips of random shapes."""
+    return np.asarray(robot.tip(random_configurations(robot, count, rng)))
+
+
+def table(file: Path, count: int, rng: np.random.Generator, directions: bool) -> Path:
+    """Write an NPZ file of positions, and perhaps directions, that random shapes have."""
+    arrays: dict[str, Any] = {"positions": np.empty((count, 3))}
+    if directions:
+        arrays["directions"] = np.empty((count, 3))
+    for first in range(0, count, TOGETHER):
+        some = tips(ROBOT, min(TOGETHER, count - first), rng)
+        arrays["positions"][first : first + len(some)] = some[:, :3, 3]
+        if directions:
+            arrays["directions"][first : first + len(some)] = some[:, :3, 2]
+    np.savez(file, **arrays)
+    return file
+
+
+class Ran(NamedTuple):
+    """What a batch took: seconds end to end, without compiling; megabytes at most; rows by status."""
+
+    seconds: float
+    megabytes: float
+    counts: dict[str, int]
+
+
+def begin(**settings: Any) -> "subprocess.Popen[str]":
+    """Begin a batch."""
+    command = [sys.executable, "-c", "from benchmarks.many import run_child; run_child()", json.dumps(settings)]
+    return subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=subprocess.PIPE, text=True)
+
+
+def run(**settings: Any) -> Ran:
+    """Run a batch, and wait for it."""
+    out, _ = begin(**settings).communicate()
+    seconds, megabytes, counts = json.loads(out.splitlines()[-1])
+    return Ran(seconds, megabytes, counts)
+
+
+def run_child() -> None:
+    """Do what the parent told: JSON with scene (seed of the plan, or null), targets, out, options."""
+    ignore_suspicions()
+    settings = json.loads(sys.argv[1])
+    plan = Plan(settings.get("seed") or 0)
+    scene = None if settings.get("seed") is None else spheres(plan)
+    own: dict[str, Any] = settings.get("options", {})
+    few = tips(ROBOT, 300, plan.rng(31))
+    solve_batch(ROBOT, {"positions": few[:, :3, 3], "directions": few[:, :3, 2]}, scene, time=0.05)  # compiled now
+    began = time.perf_counter()
+    found = solve_batch(ROBOT, Path(settings["targets"]), scene, settings["out"], **own)
+    seconds = time.perf_counter() - began
+    sys.stdout.write(json.dumps([seconds, _megabytes(), dict(found.counts)]) + "\n")
+
+
+def _megabytes() -> float:
+    """Most memory of this process; what `getrusage` says begins with that of the parent."""
+    told = Path("/proc/self/status").read_text(encoding="utf-8")
+    return int(told.split("VmHWM:")[1].split()[0]) / 1024.0
+
+
+def through_files(plan: Plan) -> Iterator[Line]:
+    """Rate and memory of each kind."""
+    for kind, (full, directions, obstacles, goal) in KINDS.items():
+        with TemporaryDirectory() as folder:
+            count = plan.count(full, 2_000)
+            targets = table(Path(folder) / "in.npz", count, plan.rng(32), directions)
+            settings = {"targets": str(targets), "out": f"{folder}/out.npz", "seed": plan.seed if obstacles else None}
+            options = {"chunk": 50_000, "workers": 2, "routes": False, "max_starts": 6 if obstacles else 16}
+            ran = run(**settings, options=options)
+        solved = ran.counts.get("solved", 0), count
+        note = f"{count:,} rows"
+        rate = Goal(goal, at_most=False)
+        yield Line(FILES, kind, count / ran.seconds, "/s", rate, None, solved, note)
+        yield Line(FILES, f"{kind}, memory", ran.megabytes, "MB", Goal(500.0), None, None, note)
+
+
+def deaths(plan: Plan) -> Iterator[Line]:
+    """Count chunks that were lost or done twice, and differences in the end."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        count = plan.count(500_000, 60_000)
+        options = {"chunk": -(-count // 60), "time": 60.0, "max_starts": 20}  # nothing may depend on time
+        targets = str(table(folder / "in.npz", count, plan.rng(35), directions=True))
+        run(targets=targets, out=str(folder / "whole.npz"), options=options)
+        out = folder / "out.npz"
+        process = begin(targets=targets, out=str(out), options=options)
+        while len(_chunks(out)) < 30 and process.poll() is None:
+            time.sleep(0.002)
+        process.kill()
+        process.communicate()
+        before = _chunks(out)
+        run(targets=targets, out=str(out), options={**options, "shard": (1, 1)})
+        after = _chunks(out)
+        again = sum(after.get(chunk) != written for chunk, written in before.items())
+        run(targets=targets, out=str(out), options=options)
+        same = out.read_bytes() == (folder / "whole.npz").read_bytes()
+    yield Line(KILLED, "chunks done when it was killed", float(len(before)), "", note="of 60")
+    yield Line(KILLED, "chunks done twice", float(again), "", NONE)
+    yield Line(KILLED, "chunks lost", float(60 - len(after)), "", NONE)
+    yield Line(KILLED, "results that differ from an undisturbed run", float(not same), "", NONE)
+
+
+def _chunks(out: Path) -> dict[str, int]:
+    """Chunks that are there, and when they were written."""
+    found = out.with_name(out.name + ".parts").glob("chunk-*.npz")
+    return {file.name: file.stat().st_mtime_ns for file in found}
+
+
+def engines(plan: Plan) -> Iterator[Line]:
+    """Ratios of rates inside of one run: the machine is shared."""
+    count = plan.count(400_000, 2_000)
+    with TemporaryDirectory() as folder:
+        targets = table(Path(folder) / "in.npz", count, plan.rng(33), directions=True)
+        for what, scene in (("free poses", None), ("among 40 spheres", spheres(plan))):
+            some = count if scene is None else count // 4
+            if scene is not None:
+                targets = table(Path(folder) / "among.npz", some, plan.rng(34), directions=False)
+            best = _best(partial(solve_batch, ROBOT, targets, scene, max_starts=6, routes=False))
+            yield Line(ENGINES, f"{what}, one thread", some / best["one"], "/s")
+            two = Goal(1.9, at_most=False)
+            yield Line(ENGINES, f"{what}, two threads over one", best["one"] / best["two"], "x", two)
+            dask = Goal(0.85, at_most=False)
+            yield Line(ENGINES, f"{what}, Dask over threads, two workers", best["two"] / best["dask"], "x", dask)
+
+
+def _best(solve: Callable[..., Any]) -> dict[str, float]:
+    """Least seconds of each engine, which take turns; workers of Dask are there before."""
+    module = distributed()
+    best: dict[str, float] = {}
+    with (
+        module.LocalCluster(n_workers=2, threads_per_worker=1, silence_logs=50, **NO_PAGE) as cluster,
+        module.Client(cluster) as client,
+    ):
+        solve(engine=client)  # what is loaded once a worker
+        ways: dict[str, dict[str, Any]] = {"one": {"workers": 1}, "two": {"workers": 2}, "dask": {"engine": client}}
+        for _ in range(TURNS):
+            for name, own in ways.items():
+                began = time.perf_counter()
+                solve(**own)
+                best[name] = min(best.get(name, 1e9), time.perf_counter() - began)
+    return best
+
+
+def map_workspace(plan: Plan) -> Iterator[Line]:
+    """Time, volumes, and claims that random shapes refute."""
+    spacing = plan.count(10, 100)
+    scene = spheres(plan)
+    found = reach(ROBOT, scene, float(spacing), workers=2)
+    volume = found.volume()
+    yield Line(MAP, f"a map at {spacing} mm", found.seconds, "s", Goal(120.0))
+    yield Line(MAP, "reachable volume", volume.found / 1e9, "m^3", note=f"grid within {volume.error / 1e9:.3g}")
+    rng = plan.rng(36)
+    shapes = free_configurations(ROBOT, scene, plan.count(1_000, 20), rng)
+    tips = np.asarray(ROBOT.tip(shapes))
+    count = plan.count(1_000, 20)
+    wrong = f"of {count:,} voxels and directions that are proved unreachable, refuted by {len(tips):,} clear shapes"
+    yield Line(MAP, wrong, float(_refuted(found, tips, count, rng)), "", NONE)
+    yield Line(MAP, "tips of these shapes that are called unreachable", float(_denied(scene, tips)), "", NONE)
+
+
+def _refuted(found: Reach, tips: Floats, count: int, rng: np.random.Generator) -> int:
+    """How many claims some shape refutes: its tip is there, and points there, within the tolerance."""
+    claims = np.argwhere((found.verdicts > Verdict.SOLVED) & (found.verdicts <= Verdict.BASE_BLOCKED))
+    some = claims[rng.choice(len(claims), min(count, len(claims)), replace=False)]
+    places, axes = found.voxels.middles[tuple(some[:, :3].T)], found.directions[some[:, 3]]
+    far = np.linalg.norm(places[:, None] - tips[:, :3, 3], axis=-1)
+    turned = np.arccos(np.clip(axes @ tips[:, :3, 2].T, -1.0, 1.0))
+    return int(((far <= 1e-4 * ROBOT.mean_length) & (turned <= 1e-3)).any(axis=1).sum())
+
+
+def _denied(scene: sn.Scene, tips: Floats) -> int:
+    """How many tips of clear shapes the calls that a map is made of prove to be impossible."""
+    solver = sn.Solver(ROBOT, scene, max_starts=1, routes=False)
+    denied = 0
+    for directions in (tips[:, :3, 2], None):
+        many = solver.solve_many(positions=tips[:, :3, 3], directions=directions)
+        denied += sum(status in PROOFS for status in many.status.tolist())
+    return denied
+
+
+PARTS: dict[str, Part] = {
+    "files": through_files,
+    "workers": engines,
+    "deaths": deaths,
+    "workspace": map_workspace,
+}
+"""What is measured, in order."""

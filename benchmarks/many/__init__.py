@@ -1,1 +1,0 @@
-"""Many targets at once: files, workers, deaths, and maps of the workspace."""

@@ -1,0 +1,496 @@
+"""What a body is led through: open pipes, corridors between cells, bores, ducts, branching and tapering tubes."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from numpy.random import Generator
+from scipy.spatial import cKDTree
+
+from benchmarks.places.cells import SAMPLES, Line, box_between, cell_around, channel, in_frame, line_of
+from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, keeps_from_itself, lengthened
+from benchmarks.places.parts.surfaces import WALL, Surface, around, blind_bore, open_tube, solid, widening_tube
+from benchmarks.places.place import Sketch, sketch_of
+from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
+from sinuous.scene.obstacles import Box, Obstacle
+
+RINGS = 9
+"""Rings of a mesh along one segment."""
+
+BEHIND = (0.0, 2.0)
+"""How far a pipe goes on behind the base, in radii of the body."""
+
+STRAIGHT, CLOSED = 0.35, 0.3
+"""Share of open pipes that are straight, and of those that are closed behind the base."""
+
+REACH = (0.3, 0.75)
+"""Of a shape, how much a bent pipe that begins at the base encloses."""
+
+GUIDE = (1.1, 1.35)
+"""Inner radius of a guide tube, in radii of the body."""
+
+
+def open_pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
+    """Put the base into one mouth of a pipe of `width` times the radius of the body, bent or straight."""
+    straight = _first(robot, rng) if rng.random() < STRAIGHT else 0
+    q, curve = _pipe_shape(robot, width, range(straight), rng)
+    end = straight * RINGS if straight else round(rng.uniform(*REACH) * (len(curve.poses) - 1))
+    return _piped(robot, q, curve.poses[: end + 1], width, rng)
+
+
+def guide_tube(robot: Robot, rng: Generator) -> Sketch:
+    """Put the base into a straight tube that hardly leaves room; the shape bends beyond its mouth."""
+    straight, width = _first(robot, rng), rng.uniform(*GUIDE)
+    q, curve = _pipe_shape(robot, width, range(straight), rng)
+    return _piped(robot, q, curve.poses[: straight * RINGS + 1], width, rng)
+
+
+def pipe_between(width: float, robot: Robot, rng: Generator) -> Sketch:
+    """Put a pipe, bent or straight, around the middle of the shape: base and target are outside."""
+    n = len(robot)
+    first = int(rng.integers(1, n - 1))
+    straight = range(first, first + 1 + (n - first) // 3) if rng.random() < STRAIGHT else range(0)
+    q, curve = _pipe_shape(robot, width, straight, rng)
+    last = len(curve.poses) - 1
+    begin, end = straight.start * RINGS, min(straight.stop * RINGS, last)
+    if not straight:
+        begin, end = (round(share * last) for share in (rng.uniform(0.15, 0.4), rng.uniform(0.6, 0.85)))
+    radius = max(robot.radii)
+    wall = open_tube(curve.poses[begin : end + 1], width * radius, (width + WALL) * radius)
+    return sketch_of(robot, [solid(wall, "pipe")], q, rng)
+
+
+def open_channel(width: float, robot: Robot, rng: Generator) -> Sketch:
+    """Put the base into a straight channel of four boxes."""
+    straight = _first(robot, rng)
+    q, curve = _pipe_shape(robot, math.sqrt(2.0) * width, range(straight), rng)
+    poses = backwards(curve.poses[: straight * RINGS + 1], max(robot.radii), rng)
+    length = float(np.linalg.norm(poses[-1, :3, 3] - poses[0, :3, 3]))
+    radius = max(robot.radii)
+    return sketch_of(robot, channel(poses[0], width * radius, length, WALL * radius), q, rng)
+
+
+def _first(robot: Robot, rng: Generator) -> int:
+    """How many segments from the base lie straight: some must be left to bend."""
+    stage = robot.segments[0].max_bend == 0.0
+    return int(stage + rng.integers(0 if stage else 1, max(2, (len(robot) - stage) // 2)))
+
+
+def _pipe_shape(robot: Robot, width: float, straight: range, rng: Generator) -> tuple[Floats, Curve]:
+    q = draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng, straight=straight)
+    return q, curve_of(robot, q, RINGS)
+
+
+def backwards(poses: Floats, radius: float, rng: Generator) -> Floats:
+    """Begin a little behind the first of the frames (m, 4, 4)."""
+    start = poses[:1].copy()
+    start[0, :3, 3] -= radius * rng.uniform(*BEHIND) * start[0, :3, 2]
+    return np.concatenate([start, poses])
+
+
+def _piped(robot: Robot, q: Floats, poses: Floats, width: float, rng: Generator) -> Sketch:
+    """Put a wall around frames (m, 4, 4) that begin at the base."""
+    radius = max(robot.radii)
+    enclosed = backwards(poses, radius, rng)
+    closed = rng.random() < CLOSED
+    if closed:
+        enclosed[0, :3, 3] = poses[0, :3, 3] - 1.2 * radius * poses[0, :3, 2]
+    wall = open_tube(enclosed, width * radius, (width + WALL) * radius, bottom=closed)
+    return sketch_of(robot, [solid(wall, "pipe")], q, rng)
+
+
+CORRIDOR_WIDTH = (1.3, 1.8)
+"""Inner radius of a pipe, half the side of a channel, in radii of the body."""
+
+FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
+"""Turns a frame about its x axis, so that z leads back."""
+
+
+def channel_between_cells(robot: Robot, rng: Generator) -> Sketch | None:
+    """Put base and target into two cells that a straight channel of boxes leads between."""
+    radius, width = max(robot.radii), rng.uniform(*CORRIDOR_WIDTH)
+    n = len(robot)
+    first = int(rng.integers(1, n - 1))
+    straight = range(first, min(n - 1, first + 1 + n // 5))
+    q = _corridor_shape(robot, width, straight, rng)
+    line = line_of(robot, q)
+    begin, end = straight.start * SAMPLES, straight.stop * SAMPLES
+    cells = _cells(line, begin, end, width * radius, rng)
+    if cells is None:
+        return None
+    length = float(np.linalg.norm(line.poses[end, :3, 3] - line.poses[begin, :3, 3]))
+    return sketch_of(
+        robot, [*cells, *channel(line.poses[begin], width * radius, length, WALL * radius, "channel")], q, rng
+    )
+
+
+def pipe_between_cells(robot: Robot, rng: Generator) -> Sketch | None:
+    """Put base and target into two cells of boxes that a bent pipe leads between, a mesh."""
+    radius, width = max(robot.radii), rng.uniform(*CORRIDOR_WIDTH)
+    q = _corridor_shape(robot, width, range(0), rng)
+    line = line_of(robot, q)
+    begin, end = (round(share * (len(line.poses) - 1)) for share in (rng.uniform(0.2, 0.4), rng.uniform(0.5, 0.8)))
+    cells = _cells(line, begin, end, width * radius, rng)
+    if cells is None:
+        return None
+    wall = open_tube(line.poses[begin : end + 1], width * radius, (width + WALL) * radius)
+    return sketch_of(robot, [*cells, solid(wall, "pipe")], q, rng)
+
+
+def _corridor_shape(robot: Robot, width: float, straight: range, rng: Generator) -> Floats:
+    return draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng, straight=straight)
+
+
+def _cells(line: Line, begin: int, end: int, half: float, rng: Generator) -> list[Obstacle] | None:
+    """Walls of the cells before frame `begin` and after frame `end`; each leaves the rest of the shape outside."""
+    door = np.array([half, half])
+    at_base = cell_around(line.before(begin), line.poses[begin], door, line.radius, rng)
+    at_target = cell_around(line.after(end), line.poses[end] @ FLIP, door, line.radius, rng)
+    if at_base is None or at_target is None:
+        return None
+    if not (at_base.keeps_out(line.after(begin), line.radius) and at_target.keeps_out(line.before(end), line.radius)):
+        return None
+    return [*at_base.boxes("base cell"), *at_target.boxes("target cell")]
+
+
+TUBE_WIDTH = (1.25, 2.5)
+"""Inner radius of a tube."""
+
+PAST = (1.2, 3.0)
+"""How far a tube goes on beyond the tip, or the tool. Both in radii of the body."""
+
+BLIND = 0.5
+"""Share of the tubes about a target that are closed at the bottom."""
+
+GAP_BEGINS, GAP_ENDS = (0.15, 0.45), (0.6, 0.85)
+"""Where the tube of the base ends, and where that of the target begins, of the shape."""
+
+FUNNEL_BEGINS, WIDENED, CONE = (0.3, 0.7), (1.5, 3.0), 0.25
+"""Where a funnel begins, of the shape; how much wider it is there; and how much of it is a cone."""
+
+
+def two_tubes(robot: Robot, rng: Generator) -> Sketch:
+    """Put the base into one tube and the target into another, with the open between."""
+    radius, (near, far) = max(robot.radii), rng.uniform(*TUBE_WIDTH, 2)
+    q, curve = _tube_shape(robot, max(near, far), rng)
+    last = len(curve.poses) - 1
+    begin, end = round(rng.uniform(*GAP_BEGINS) * last), round(rng.uniform(*GAP_ENDS) * last)
+    first = open_tube(backwards(curve.poses[: begin + 1], radius, rng), near * radius, (near + WALL) * radius)
+    within = _past(robot, q, curve.poses[end:], rng)
+    other = _around_target(within, far * radius, radius, rng)
+    return sketch_of(robot, [solid(first, "base tube"), solid(other, "target tube")], q, rng)
+
+
+def funnel(robot: Robot, rng: Generator) -> Sketch | None:
+    """Put the target into a tube, open at both ends, whose mouth widens; the base is before it."""
+    radius, width, widened = max(robot.radii), rng.uniform(*TUBE_WIDTH), rng.uniform(*WIDENED)
+    q, curve = _tube_shape(robot, width * widened, rng)
+    begin = round(rng.uniform(*FUNNEL_BEGINS) * (len(curve.poses) - 1))
+    poses = _past(robot, q, curve.poses[begin:], rng)
+    share = np.linspace(0.0, 1.0, len(poses))
+    inside = width * radius * (1.0 + (widened - 1.0) * np.clip(1.0 - share / CONE, 0.0, 1.0))
+    return sketch_of(robot, [solid(widening_tube(poses, inside, inside + WALL * radius), "funnel")], q, rng)
+
+
+def _tube_shape(robot: Robot, width: float, rng: Generator) -> tuple[Floats, Curve]:
+    q = draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng)
+    return q, curve_of(robot, q, RINGS)
+
+
+def _past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
+    """Go on beyond the tip, and beyond the tool."""
+    tool = line_of(robot, q).end - poses[-1, :3, 3]
+    ahead = max(0.0, float(tool @ poses[-1, :3, 2]))
+    return lengthened(poses, ahead + max(robot.radii) * rng.uniform(*PAST))
+
+
+def _around_target(poses: Floats, inside: float, radius: float, rng: Generator) -> Surface:
+    """The wall around frames (m, 4, 4) that the shape enters by the first one, closed at the last one or open."""
+    if rng.random() >= BLIND:
+        return open_tube(poses, inside, inside + WALL * radius)
+    return open_tube(poses[::-1] @ FLIP, inside, inside + WALL * radius, bottom=True)
+
+
+BORE_WIDTH, BLOCK, BOTTOM = (1.3, 1.8), (3.0, 8.0), (1.1, 3.0)
+"""Inner radius of a bore; half the edge of the block; how far the bottom is beyond the tip. In radii of the body."""
+
+
+def bore(robot: Robot, rng: Generator) -> Sketch | None:
+    """Drill a round bore into a block, a mesh."""
+    radius = max(robot.radii)
+    width, block = radius * rng.uniform(*BORE_WIDTH), radius * rng.uniform(*BLOCK)
+    q, frame, depth = _drilled(robot, rng)
+    if not _tool_fits(robot, q, frame, width):
+        return None
+    return sketch_of(robot, [solid(blind_bore(frame, width, depth, block, radius), "block")], q, rng)
+
+
+def square_bore(robot: Robot, rng: Generator) -> Sketch | None:
+    """Leave a square bore between four boxes and one at the bottom."""
+    radius = max(robot.radii)
+    width, block = radius * rng.uniform(*BORE_WIDTH), radius * rng.uniform(*BLOCK)
+    q, frame, depth = _drilled(robot, rng)
+    if not _tool_fits(robot, q, frame, width):
+        return None
+    low, high = np.array([-block, -block, depth]), np.array([block, block, depth + radius])
+    bottom = box_between(frame, low, high, "bottom")
+    return sketch_of(robot, [*channel(frame, width, depth, block - width), bottom], q, rng)
+
+
+def _drilled(robot: Robot, rng: Generator) -> tuple[Floats, Floats, float]:
+    """Configuration whose last segments are straight, frame (4, 4) of the mouth with z into the bore, and its depth."""
+    n, radius = len(robot), max(robot.radii)
+    count = int(rng.integers(1, max(2, n // 3)))
+    q = draw_shape(robot, 4.0 * radius, rng, straight=range(n - count, n))
+    line = line_of(robot, q)
+    mouth = line.poses[round(rng.uniform(n - count, n - 0.5) * SAMPLES)]
+    local = in_frame(mouth, np.stack([line.poses[-1, :3, 3], line.end]))
+    depth = float(local[0, 2] + max(radius * rng.uniform(*BOTTOM), local[1, 2] - local[0, 2] + 0.3 * radius))
+    return q, mouth, depth
+
+
+def _tool_fits(robot: Robot, q: Floats, frame: Floats, width: float) -> bool:
+    """Whether the tool is not in the wall."""
+    tool = in_frame(frame, line_of(robot, q).end[None])[0]
+    return float(np.linalg.norm(tool[:2])) < width - 0.2 * max(robot.radii)
+
+
+BRANCH_WIDTH = (1.4, 2.2)
+"""Inner radius of a pipe."""
+
+BRANCH_STEP, BRANCH_CELL = 0.25, 0.75
+"""Between points of the axes, and edge of the cells of the grid that the wall is made on."""
+
+BRANCH = (10.0, 25.0)
+"""Length of the dead end. All four in radii of the body."""
+
+WHERE, ANGLE = (0.2, 0.75), (0.6, 0.5 * math.pi)
+"""Where it leaves the pipe, of the shape, and at what angle, rad: a T or a Y."""
+
+OPENED, TRIES = 0.5, 20
+"""Share of the pipes that are open behind the base, too; and draws of a branch."""
+
+
+def branches(robot: Robot, rng: Generator) -> Sketch | None:
+    """Put the shape into a pipe that is open beyond the tip, with a dead end on its way."""
+    radius, width = max(robot.radii), rng.uniform(*BRANCH_WIDTH)
+    q = draw_shape(robot, 2.2 * (width + WALL) * radius, rng)
+    curve = curve_of(robot, q, math.ceil(q[:, 2].max() / (BRANCH_STEP * radius)))
+    dead = _dead_end(curve.poses, width + WALL, radius, rng)
+    if dead is None:
+        return None
+    tool = np.linspace(curve.points[-1], line_of(robot, q).end, 20)
+    axes = np.concatenate([curve.points, dead, tool])
+    beyond = np.linspace(0.0, (width + 2.0) * radius, 20)[:, None]
+    open_at = [tool[-1] + beyond * curve.tangents[-1]]
+    if rng.random() < OPENED:
+        open_at.append(curve.points[0] - beyond * curve.tangents[0])
+    wall, hollow = cKDTree(axes), cKDTree(np.concatenate([axes, *open_at]))
+
+    def signed(points: Floats) -> Floats:
+        to_wall = wall.query(points)[0] - (width + WALL) * radius
+        return np.asarray(np.maximum(to_wall, width * radius - hollow.query(points)[0]))
+
+    surface = around(axes, (width + WALL) * radius, BRANCH_CELL * radius, signed)
+    return sketch_of(robot, [solid(surface, "pipe")], q, rng)
+
+
+def _dead_end(poses: Floats, outside: float, radius: float, rng: Generator) -> Floats | None:
+    """Points (m, 3) of a straight branch that comes near the pipe (m, 4, 4) only where it leaves it."""
+    for _ in range(TRIES):
+        at = poses[round(rng.uniform(*WHERE) * (len(poses) - 1))]
+        turn, angle = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*ANGLE)
+        sideways = at[:3, :2] @ [math.cos(turn), math.sin(turn)]
+        gone = np.arange(0.0, radius * rng.uniform(*BRANCH), BRANCH_STEP * radius)
+        points: Floats = at[:3, 3] + gone[:, None] * (math.cos(angle) * at[:3, 2] + math.sin(angle) * sideways)
+        far = gone > 3.2 * outside * radius
+        if far.any() and np.min(cKDTree(poses[:, :3, 3]).query(points[far])[0]) > 2.1 * outside * radius:
+            return points
+    return None
+
+
+DUCT_WIDTH = (1.25, 3.0)
+"""Half of each side of the section."""
+
+SHEET = 0.8
+"""Thickness of the walls. Both in radii of the body."""
+
+BENDS, TURNED, INSERTED = (0.1, 0.8), 0.35, (0.3, 1.0)
+"""Bends, of the largest; share of segments from which on it bends to the other side; insertions, of the longest."""
+
+BEGINS, ENDS, DUCT_WITHIN = (0.1, 0.35), (0.5, 0.95), 0.6
+"""Where a duct begins and ends, of the shape; and share of those that begin at the base."""
+
+SHAPES, EVERY = 40, 3
+"""Shapes drawn for one; and frames of the shape from one box of a wall to the next."""
+
+
+def box_duct(robot: Robot, rng: Generator) -> Sketch | None:
+    """Lead a duct around a flat shape, from the base or from a place beyond it."""
+    radius, (width, height) = max(robot.radii), rng.uniform(*DUCT_WIDTH, 2)
+    found = _flat(robot, 2.2 * (width + SHEET) * radius, rng)
+    if found is None:
+        return None
+    q, plane, curve = found
+    last, at_base = len(curve.poses) - 1, rng.random() < DUCT_WITHIN
+    begin, end = 0 if at_base else round(rng.uniform(*BEGINS) * last), round(rng.uniform(*ENDS) * last)
+    turn = np.eye(4)
+    turn[:2, :2] = [[math.cos(plane), -math.sin(plane)], [math.sin(plane), math.cos(plane)]]
+    poses = curve.poses[begin : end + 1 : EVERY] @ turn
+    if at_base:
+        poses = backwards(poses, radius, rng)
+    return sketch_of(robot, _walls(poses, width * radius, height * radius, SHEET * radius), q, rng)
+
+
+def _flat(robot: Robot, apart: float, rng: Generator) -> tuple[Floats, float, Curve] | None:
+    """Draw a configuration (n, 3) that bends in one plane and keeps `apart` from itself; and that plane, rad."""
+    low, high, most = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
+    low = np.where(low == 0.0, INSERTED[0] * high, low)
+    for _ in range(SHAPES):
+        plane, side = rng.uniform(0.0, 2.0 * math.pi), np.cumprod(np.where(rng.random(len(robot)) < TURNED, -1.0, 1.0))
+        bends = side * most * rng.uniform(*BENDS, len(robot))
+        q = np.stack([bends * math.cos(plane), bends * math.sin(plane), rng.uniform(low, high)], axis=-1)
+        curve = curve_of(robot, q, RINGS)
+        if keeps_from_itself(curve, apart):
+            return q, plane, curve
+    return None
+
+
+def _walls(poses: Floats, width: float, height: float, sheet: float) -> list[Box]:
+    """Boxes along both sides of frames (m, 4, 4) whose x axes lie in the plane, and a floor and a ceiling."""
+    boxes, points = list[Box](), poses[:, :3, 3]
+    for side, name in ((-1.0, "left"), (1.0, "right")):
+        edge = points + side * (width + 0.5 * sheet) * poses[:, :3, 0]
+        for a, b in pairwise(edge):
+            length = float(np.linalg.norm(b - a))
+            along, normal = (b - a) / length, poses[0, :3, 1]
+            size = sheet, 2.0 * height, length + 0.2 * sheet
+            boxes.append(Box(0.5 * (a + b), size, np.column_stack([np.cross(normal, along), normal, along]), name=name))
+    local = in_frame(poses[0], points)
+    margin = width + sheet
+    low, high = local.min(axis=0) - margin, local.max(axis=0) + margin
+    for side, name in ((-1.0, "floor"), (1.0, "ceiling")):
+        low[1], high[1] = sorted((side * height, side * (height + sheet)))
+        boxes.append(box_between(poses[0], low.copy(), high.copy(), name))
+    return boxes
+
+
+FRAMES = 60
+"""Least number of frames along a shape that a wall is made on."""
+
+VESSEL_WIDTH = (1.3, 1.8)
+"""Inner radius of a helix, in radii of the body."""
+
+BEFORE, VESSEL_WITHIN = (0.01, 0.07), 0.3
+"""How far before the mouth the base stands, of the length; and the share of bases that stand in the mouth."""
+
+BEYOND = (0.6, 0.95)
+"""Where a tube ends that the tip leaves, of the length."""
+
+COILED, TORSION = (0.4, 0.9), (0.3, 1.2)
+"""Bends of a coil, of the largest; and how far its bending plane turns from segment to segment, rad."""
+
+TRUNK, LEAF = (2.0, 2.6), (1.3, 1.6)
+"""Inner radius of a tree at its mouth and at the tip, in radii of the body."""
+
+TWIGS, TWIG = (2, 4), (8.0, 20.0)
+"""How many twigs leave the way to the tip, and their length in radii of the body."""
+
+TWIG_WIDTH, TWIG_BEND = 0.8, (0.7, 1.6)
+"""Inner radius of a twig, of that of the branch it leaves; and the angle by which it bends away, rad."""
+
+VESSEL_STEP, VESSEL_CELL = 0.25, 0.6
+"""Distance of points on the axes of a tree, and edge of the cells of its walls, in radii of the body."""
+
+THROATS, THROAT, CHAMBER = (1, 3), (1.25, 1.5), (1.8, 3.0)
+"""How many throats a pipe has; and its inner radius there and between them, in radii of the body."""
+
+
+def helix(robot: Robot, rng: Generator) -> Sketch | None:
+    """Coil the shape into a pipe that is open at both ends; the tip is beyond it."""
+    radius, width = max(robot.radii), rng.uniform(*VESSEL_WIDTH)
+    q = _coil(robot, rng)
+    curve = curve_of(robot, q, _samples(robot))
+    if not keeps_from_itself(curve, 2.1 * (width + WALL) * radius):
+        return None
+    poses = _vessel_piped(curve.poses, radius, rng)
+    return sketch_of(robot, [solid(open_tube(poses, width * radius, (width + WALL) * radius), "helix")], q, rng)
+
+
+def stenosis(robot: Robot, rng: Generator) -> Sketch:
+    """Draw the shape through a pipe that is narrow in a few places and wide between them."""
+    radius = max(robot.radii)
+    wide = rng.uniform(*CHAMBER)
+    q = draw_shape(robot, 2.1 * (wide + WALL) * radius, rng)
+    poses = _vessel_piped(curve_of(robot, q, _samples(robot)).poses, radius, rng)
+    share, count = np.linspace(0.0, 1.0, len(poses)), int(rng.integers(THROATS[0], THROATS[1] + 1))
+    inside = np.full(len(poses), wide)
+    for center in (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count:
+        throat = rng.uniform(*THROAT)
+        inside = np.minimum(inside, throat + (wide - throat) * (1.0 - np.exp(-(((share - center) * 6.0 * count) ** 2))))
+    wall = widening_tube(poses, radius * inside, radius * (inside + WALL))
+    return sketch_of(robot, [solid(wall, "vessel")], q, rng)
+
+
+def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
+    """Lead the shape from the mouth of a tree of tubes, which taper, into one of its leaves."""
+    radius, (begin, end) = max(robot.radii), (rng.uniform(*TRUNK), rng.uniform(*LEAF))
+    q = draw_shape(robot, 2.2 * (begin + WALL) * radius, rng)
+    samples = math.ceil(q[:, 2].max() / (VESSEL_STEP * radius))
+    poses = lengthened(curve_of(robot, q, samples).poses, end * radius)
+    axes, widths = [poses[:, :3, 3]], [radius * np.linspace(begin, end, len(poses))]
+    for _ in range(int(rng.integers(TWIGS[0], TWIGS[1] + 1))):
+        at = int(rng.uniform(0.1, 0.8) * len(poses))
+        width = TWIG_WIDTH * widths[0][at]
+        twig = _twig(poses[at], radius, rng)
+        far = np.linalg.norm(twig - twig[0], axis=1) > 3.2 * (begin + WALL) * radius
+        gaps = np.asarray(cKDTree(np.concatenate(axes)).query(twig)[0])
+        if far.any() and gaps[far].min() > 2.1 * (begin + WALL) * radius:
+            axes.append(twig)
+            widths.append(np.full(len(twig), width))
+    if len(axes) == 1:
+        return None
+    points, inside = np.concatenate(axes), np.concatenate(widths)
+    mouth = poses[0, :3, 3] - np.linspace(0.0, (begin + 2.0) * radius, 20)[:, None] * poses[0, :3, 2]
+    hollow, room = np.concatenate([points, mouth]), np.concatenate([inside, np.full(20, begin * radius)])
+    walls, hollows = cKDTree(points), cKDTree(hollow)
+
+    def signed(places: Floats) -> Floats:
+        (outer, i), (inner, j) = walls.query(places), hollows.query(places)
+        return np.asarray(np.maximum(outer - inside[i] - WALL * radius, room[j] - inner))
+
+    surface = around(points, (begin + WALL) * radius, VESSEL_CELL * radius, signed)
+    return sketch_of(robot, [solid(surface, "tree")], q, rng)
+
+
+def _samples(robot: Robot) -> int:
+    return max(9, math.ceil(FRAMES / len(robot)))
+
+
+def _coil(robot: Robot, rng: Generator) -> Floats:
+    """A configuration (n, 3) whose bends are alike and whose bending plane turns evenly."""
+    share, turn, plane = rng.uniform(*COILED), rng.uniform(*TORSION) * rng.choice([-1.0, 1.0]), rng.uniform(0.0, 6.28)
+    rows = []
+    for k, segment in enumerate(robot.segments):
+        low, high = segment.length
+        angle, bend = plane + k * turn, share * segment.max_bend
+        rows.append([bend * math.cos(angle), bend * math.sin(angle), rng.uniform(max(low, 0.3 * high), high)])
+    return np.array(rows)
+
+
+def _vessel_piped(poses: Floats, radius: float, rng: Generator) -> Floats:
+    """The frames (m, 4, 4) of a pipe around a shape: from its mouth, at the base or ahead of it, to where it ends."""
+    last = len(poses) - 1
+    end = round(rng.uniform(*BEYOND) * last) + 1
+    if rng.random() < VESSEL_WITHIN:
+        return backwards(poses[:end], radius, rng)
+    return poses[max(1, round(rng.uniform(*BEFORE) * last)) : end]
+
+
+def _twig(at: Floats, radius: float, rng: Generator) -> Floats:
+    """Points (m, 3) of an arc that leaves the way at a frame (4, 4)."""
+    plane, bend, length = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*TWIG_BEND), radius * rng.uniform(*TWIG)
+    coordinates = np.array([bend * math.cos(plane), bend * math.sin(plane), length])
+    points: Floats = arc(at, coordinates, math.ceil(length / (VESSEL_STEP * radius)))[:, :3, 3]
+    return points

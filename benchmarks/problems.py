@@ -1,0 +1,211 @@
+"""Random problems from seeds, each of which the robot can reach, and those that the literature names."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+import sinuous as sn
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.kinematics import bend_caps, tip_poses
+from sinuous.base.checks import Floats
+from sinuous.scene.obstacles import Obstacle
+
+DOWN = (0.0, 0.0, -1.0)
+
+PATIENCE = 1000
+"""Draws, of 20 configurations each, after which a scene counts as having no room."""
+
+
+@dataclass(frozen=True)
+class ProblemSet:
+    """One robot in one scene, and targets that are to be met one at a time."""
+
+    robot: sn.Robot
+    targets: list[sn.Target]
+    scene: sn.Scene
+    tolerance: sn.Tolerance
+
+    def with_tolerance(self, tolerance: sn.Tolerance) -> "ProblemSet":
+        """Return the same problems, to be met more or less exactly."""
+        return ProblemSet(self.robot, self.targets, self.scene, tolerance)
+
+    def only(self, numbers: Iterable[int]) -> "ProblemSet":
+        """Return some of the problems."""
+        return ProblemSet(self.robot, [self.targets[i] for i in numbers], self.scene, self.tolerance)
+
+
+def relative_tolerance(robot: sn.Robot, relative: float) -> sn.Tolerance:
+    """Allow `relative` of the robot's mean length, and as many rad."""
+    return sn.Tolerance(relative * robot.mean_length, relative)
+
+
+def arm(count: int, max_bend: float, radius: float = 0.0) -> sn.Robot:
+    """Return the paper's robot, hanging: segments of 45 to 70 mm."""
+    return sn.Robot.uniform(count, (45, 70), max_bend, radius=radius, base=sn.pose(direction=DOWN))
+
+
+def random_configurations(robot: sn.Robot, count: int, rng: Generator) -> Floats:
+    """Draw configurations (count, n, 3) within limits: bends even over their discs, lengths over their ranges."""
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    lengths = low + (high - low) * rng.random((count, len(robot)))
+    norms = bend_caps(robot, lengths) * np.sqrt(rng.random((count, len(robot))))
+    angles = 2.0 * math.pi * rng.random((count, len(robot)))
+    return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
+
+
+def direction_targets(robot: sn.Robot, q: Floats) -> list[sn.Target]:
+    """Return where the tips of configurations are and point to."""
+    return [sn.Target(tip[:3, 3], direction=tip[:3, 2]) for tip in tip_poses(robot, q)]
+
+
+def reachable(robot: sn.Robot, count: int, rng: Generator) -> ProblemSet:
+    """Random positions and directions without obstacles, at the default tolerance."""
+    targets = direction_targets(robot, random_configurations(robot, count, rng))
+    return ProblemSet(robot, targets, sn.Scene(), sn.Tolerance().for_robot(robot))
+
+
+def among_spheres(robot: sn.Robot, spheres: int, count: int, rng: Generator) -> ProblemSet:
+    """Return targets of collision-free configurations among spheres.
+
+    Radii are 0.03 to 0.08 of the robot's mean length, centers even over the ball of 0.8 of it about the base; a ball
+    of 0.15 of it about the base stays free.
+    """
+    unit = robot.mean_length
+    found: list[Obstacle] = []
+    while len(found) < spheres:
+        center, radius = 0.8 * unit * in_ball(rng), unit * rng.uniform(0.03, 0.08)
+        if np.linalg.norm(center) > radius + 0.15 * unit:
+            found.append(sn.Sphere(robot.base[:3, 3] + center, radius))
+    scene = sn.Scene(found)
+    q = free_configurations(robot, scene, count, rng)
+    return ProblemSet(robot, direction_targets(robot, q), scene, sn.Tolerance().for_robot(robot))
+
+
+def free_configurations(robot: sn.Robot, scene: sn.Scene, count: int, rng: Generator) -> Floats:
+    """Draw configurations (count, n, 3) that the judge finds free."""
+    body = Body(robot, scene)
+    found: list[Floats] = []
+    for _ in range(PATIENCE):
+        drawn = random_configurations(robot, 20, rng)
+        found += [q for q, hit in zip(drawn, body.overlaps(drawn), strict=True) if not hit]
+        if len(found) >= count:
+            return np.array(found[:count])
+    raise RuntimeError("the scene leaves no room")
+
+
+def in_ball(rng: Generator) -> Floats:
+    """Draw a point of the unit ball, evenly."""
+    direction = rng.normal(size=3)
+    point: Floats = direction / np.linalg.norm(direction) * rng.random() ** (1.0 / 3.0)
+    return point
+
+
+PAPER_POSES = {
+    "A": ((-60, 150, -230), (-0.7071, 0, -0.7071)),
+    "B": ((-10, 40, -260), (0, 0.2169, -0.9762)),
+    "C": ((150, -90, -220), (0.5661, 0.2665, -0.7926)),
+    "D": ((40, -60, -180), (0, 0, 1)),
+}
+"""Position (mm) and tip direction of the four targets of the paper."""
+
+
+def paper_poses() -> ProblemSet:
+    """Return the paper's four targets (P1), each to 1e-6 mm and 1e-6 rad."""
+    targets = [sn.Target(position, direction=direction) for position, direction in PAPER_POSES.values()]
+    return ProblemSet(arm(5, 2.4), targets, sn.Scene(), sn.Tolerance(1e-6, 1e-6))
+
+
+def full_poses(seed: int, count: int) -> ProblemSet:
+    """Full poses of three inextensible segments of length 1 (P2): bends pi U(0, 1), plane angles 2 pi U(0, 1).
+
+    Position and angle are each to be met to 0.7e-6, so that the norm of the error in se(3) is below 1e-6.
+    """
+    rng = np.random.default_rng(seed)
+    bends = math.pi * rng.random((count, 3))
+    angles = 2.0 * math.pi * rng.random((count, 3))
+    q = np.stack([bends * np.cos(angles), bends * np.sin(angles), np.ones((count, 3))], axis=-1)
+    robot = sn.Robot.uniform(3, 1.0, math.pi)
+    targets = [sn.Target(tip[:3, 3], rotation=tip[:3, :3]) for tip in tip_poses(robot, q)]
+    return ProblemSet(robot, targets, sn.Scene(), sn.Tolerance(0.7e-6, 0.7e-6))
+
+
+def clutter(seed: int, count: int) -> ProblemSet:
+    """Return anything that can be built: 3 to 6 segments of all sorts among obstacles of all kinds, half in a room.
+
+    Half of the targets are those of collision-free configurations, as far as such are found; the others come from
+    configurations that overlap something, and are often impossible.
+    """
+    rng = np.random.default_rng(seed)
+    robot = _random_robot(rng)
+    unit, base = robot.mean_length, robot.base[:3, 3]
+    obstacles = [_random_obstacle(robot, rng) for _ in range(rng.integers(2, 25))]
+    if rng.random() < 0.5:
+        room = unit * rng.uniform(0.9, 2.0, 3)
+        obstacles.append(sn.Box(base + 0.1 * unit * in_ball(rng), room, _rotation(rng), inside=True))
+    scene = sn.Scene(obstacles)
+    drawn = random_configurations(robot, 2 * count, rng)
+    hit = np.array(Body(robot, scene).overlaps(drawn))
+    free = drawn[~hit]
+    q = np.concatenate([free[: count // 2], drawn[hit], free[count // 2 :]])[:count]
+    targets = [_random_target(tip, rng) for tip in tip_poses(robot, q)]
+    return ProblemSet(robot, targets, scene, sn.Tolerance().for_robot(robot))
+
+
+def _random_target(tip: Floats, rng: Generator) -> sn.Target:
+    """Ask for the position of a tip, and for nothing more, its direction, or its rotation."""
+    asked: dict[str, Any] = rng.choice(np.array([{}, {"direction": tip[:3, 2]}, {"rotation": tip[:3, :3]}]))
+    return sn.Target(tip[:3, 3], **asked)
+
+
+def _random_robot(rng: Generator) -> sn.Robot:
+    """Return a robot somewhere, of equal segments or of different ones, perhaps with a mount or a tool."""
+    count, length = int(rng.integers(3, 7)), rng.uniform(0.05, 0.3)
+    alike = rng.random() < 0.5
+    segments = [_random_segment(length, rng)] * count if alike else [_random_segment(length, rng) for _ in range(count)]
+    mount = rng.uniform(0.0, 0.5) * length if rng.random() < 0.2 else 0.0
+    tool = sn.pose(0.3 * length * in_ball(rng), rotation=_rotation(rng)) if rng.random() < 0.2 else None
+    return sn.Robot(segments, mount=mount, base=sn.pose(rng.normal(size=3), rotation=_rotation(rng)), tool=tool)
+
+
+def _random_segment(length: float, rng: Generator) -> sn.Segment:
+    """Return a segment about as long as `length`; some cannot stretch, some cannot bend, some can vanish."""
+    own = length * rng.uniform(0.7, 1.3)
+    low = rng.choice([own, own / 1.4, 0.0], p=[0.3, 0.6, 0.1])
+    max_bend = rng.choice([rng.uniform(1.0, 3.0), 0.0], p=[0.9, 0.1])
+    max_curvature = rng.uniform(2.0, 4.0) / own if rng.random() < 0.3 else None
+    return sn.Segment((low, own), max_bend, max_curvature, radius=length * rng.uniform(0.015, 0.15))
+
+
+def _random_obstacle(robot: sn.Robot, rng: Generator) -> Obstacle:
+    """Return one of the five kinds, clear of a ball about the base."""
+    unit, base = robot.mean_length, robot.base[:3, 3]
+    while True:
+        obstacle = _draw_obstacle(unit, base, rng)
+        if sn.Scene([obstacle]).distance(base) > max(robot.radii) + 0.05 * unit:
+            return obstacle
+
+
+def _draw_obstacle(unit: float, base: Floats, rng: Generator) -> Obstacle:
+    center, other = base + unit * in_ball(rng), base + unit * in_ball(rng)
+    radius = unit * rng.uniform(0.02, 0.12)
+    kind = rng.choice(["sphere", "box", "capsule", "cylinder", "half_space"], p=[0.3, 0.25, 0.2, 0.2, 0.05])
+    if kind == "sphere":
+        return sn.Sphere(center, radius)
+    if kind == "box":
+        return sn.Box(center, unit * rng.uniform(0.04, 0.4, 3), _rotation(rng))
+    if kind == "capsule":
+        return sn.Capsule(center, other, 0.5 * radius)
+    if kind == "cylinder":
+        return sn.Cylinder(center, other, 0.5 * radius)
+    normal = in_ball(rng)
+    return sn.HalfSpace(base - unit * rng.uniform(0.1, 0.8) * normal / np.linalg.norm(normal), normal)
+
+
+def _rotation(rng: Generator) -> Floats:
+    """Draw a unit quaternion, evenly."""
+    quaternion: Floats = rng.normal(size=4)
+    return quaternion

@@ -117,7 +117,9 @@ def test_values_by_name_are_those_in_order() -> None:
         values = robot.to_actuators(shape)
         named = dict(zip([each.name for each in reversed(robot.actuators)], values.T[::-1], strict=True))
         np.testing.assert_allclose(robot.from_actuators(named), shape, atol=1e-12)
-    refused("actuators", lambda: robot.from_actuators({"feed": 1.0, "left": 0.0}), "feed, s2.t1, s2.t2, s2.t3")
+    refused(
+        "actuators", lambda: robot.from_actuators({"feed": 1.0, "left": 0.0}), "'left'", "feed, s2.t1, s2.t2, s2.t3"
+    )
     refused("actuators", lambda: robot.from_actuators({"feed": 1.0}), "a value for each: s2.t1, s2.t2, s2.t3")
     refused("actuators.feed", lambda: robot.from_actuators(named | {"feed": "far"}), "finite")
     refused("actuators", lambda: robot.from_actuators(named | {"feed": [1.0, 2.0]} | {"s2.t1": [0.0] * 3}), "broadcast")

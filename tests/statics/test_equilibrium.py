@@ -174,6 +174,8 @@ def test_tendons_of_given_lengths_have_the_tensions_that_hold_them() -> None:
     found = robot.shape(q, FORCE)
     pulled = robot.equilibrium(tensions=found.tensions, forces=FORCE, initial=q)
     assert pulled.apart(found) < 1e-9
+    named = dict(zip((each.name for each in robot.actuators), found.tensions.tolist(), strict=True))
+    np.testing.assert_array_equal(robot.equilibrium(tensions=named, forces=FORCE, initial=q).tip, pulled.tip)
     assert found.tensions.min() == 0.0, "no tendon is slack"
     assert robot.equilibrium(robot.to_actuators(q), FORCE, initial=q).apart(found) < 1e-9
     free = robot.changed(segments=[each.changed(tendons=None) for each in robot.segments])

@@ -46,6 +46,9 @@ Batch = HasArray | Sequence[Entry]
 Stack = HasArray | Sequence[Number | Entry]
 """An array with at least one axis."""
 
+ActuatorValues = Stack | Mapping[str, Number | Stack]
+"""Values (..., m) of all actuators in the order of `Robot.actuators`, or (...) under their names."""
+
 Limits = Number | Sequence[Number]
 """A number, or a pair [low, high]."""
 

@@ -1,14 +1,15 @@
 """From the values of actuators back to configurations: least squares, once factored for every robot."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import Batch, Number, Stack
+from sinuous.base.arguments import ActuatorValues, Batch
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, warn_of
+from sinuous.base.errors import InputError, shown, warn_of
 from sinuous.base.frozen import Frozen
 from sinuous.kernels.packing import scales_of
 from sinuous.kernels.tables import MIN_LENGTH
@@ -97,13 +98,13 @@ def some_of(coordinates: Sequence[str]) -> str:
 
 
 def fitting(
-    values: Stack | Mapping[str, Number | Stack] | None, initial: Batch | None, names: Sequence[str], segments: int
+    values: ActuatorValues | None, initial: Batch | None, names: Sequence[str], segments: int
 ) -> tuple[Floats, Floats | None]:
     """Check values (..., m), or (...) for each name, and a reference (..., n, 3) or none.
 
     Their axes in front must broadcast.
     """
-    named = _by_name(values, names) if isinstance(values, Mapping) else values
+    named = in_order("actuators", values, names) if isinstance(values, Mapping) else values
     given = checks.stack("actuators", named, (len(names),))
     if initial is None:
         return given, None
@@ -112,16 +113,16 @@ def fitting(
     return given, near
 
 
-def _by_name(values: Mapping[str, Number | Stack], names: Sequence[str]) -> Floats:
-    """Values (..., m) of values (...) under their names."""
+def in_order(key: str, values: Mapping[str, Any], names: Sequence[str], *, finite: bool = True) -> Floats:
+    """Values (..., m) of all actuators, of values (...) under their names; those that are measured may be NaN."""
     for name in values:
         if name not in names:
-            raise InputError("actuators", "unknown name", name, f"names of the robot's actuators: {few(names)}")
+            raise InputError(key, f"no actuator is called {shown(name)}", name, f"some of {few(names)}")
     missing = [name for name in names if name not in values]
     if missing:
-        raise InputError("actuators", "missing", None, f"a value for each: {few(missing)}")
-    with checks.inside("actuators"):
-        each = [checks.stack(name, values[name], ()) for name in names]
+        raise InputError(key, "missing", None, f"a value for each: {few(missing)}")
+    with checks.inside(key):
+        each = [checks.stack(name, values[name], ()) if finite else np.asarray(values[name], float) for name in names]
         parts = checks.broadcast("", values, *each) if each else []
     return np.stack(parts, axis=-1) if parts else np.zeros(0)
 

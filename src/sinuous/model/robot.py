@@ -10,7 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Which, Whole
+from sinuous.base.arguments import (
+    ActuatorValues,
+    Batch,
+    Limits,
+    Number,
+    OneEach,
+    Rows,
+    SelfCollision,
+    Vector,
+    Which,
+    Whole,
+)
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_document
 from sinuous.base.doors import door
@@ -24,7 +35,7 @@ from sinuous.base.reprs import call, text
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
-from sinuous.model.inverse import Inverse, answer_contradictions, fitting, some_of
+from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
@@ -480,10 +491,10 @@ class Robot(NotebookMixin, Frozen):
 
     def equilibrium(
         self,
-        actuators: Vector | Mapping[str, Number] | None = None,
+        actuators: ActuatorValues | None = None,
         forces: Loads = (),
         *,
-        tensions: Vector | None = None,
+        tensions: ActuatorValues | None = None,
         initial: Batch | None = None,
     ) -> "sn.Equilibrium":
         """Shape of the body under load at these values of the actuators (m,), or at these tensions (m,).
@@ -494,7 +505,7 @@ class Robot(NotebookMixin, Frozen):
             As for `from_actuators`; what they hold, they keep.
         forces : Force, Payload, or list of these
             Beside gravity and payload of the robot.
-        tensions : array_like (m,), optional
+        tensions : array_like (m,) or mapping, optional
             Of tendons and chambers in the order of `actuators`, instead of values; positive pulls.
         initial : array_like (n, 3), optional
             Of what no actuator determines, its configuration without load.
@@ -513,7 +524,9 @@ class Robot(NotebookMixin, Frozen):
             raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
         if tensions is not None:
             q = None if initial is None else checks.array("initial", initial, (len(self), 3))
-            pulled = checks.array("tensions", tensions, (len(self.drive),))
+            names = [each.name for each in self.actuators]
+            ordered = in_order("tensions", tensions, names) if isinstance(tensions, Mapping) else tensions
+            pulled = checks.array("tensions", ordered, (len(self.drive),))
             return self._rest(loads, "tensions", pulled, q)
         self.from_actuators(actuators, initial)  # values that contradict each other are told
         given: Any = actuators
@@ -570,7 +583,7 @@ class Robot(NotebookMixin, Frozen):
 
     def from_actuators(
         self,
-        actuators: Stack | Mapping[str, Number | Stack] | None,
+        actuators: ActuatorValues | None,
         initial: Batch | None = None,
         tolerance: Number | Vector | None = None,
     ) -> Floats:
@@ -612,7 +625,7 @@ class Robot(NotebookMixin, Frozen):
         found = self._inverse.configuration(displacements, reference)
         return found if self.drive.elastic is None else self.drive.elastic.shape(displacements, found)
 
-    def tensions(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> Floats:
+    def tensions(self, actuators: ActuatorValues, initial: Batch | None = None) -> Floats:
         """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
 
         Parameters as for `from_actuators`. Positive pulls; a chamber that pushes has a negative tension. In the unit
@@ -622,7 +635,7 @@ class Robot(NotebookMixin, Frozen):
         values, _ = fitting(actuators, initial, [actuator.name for actuator in self.actuators], len(self))
         return self.drive.tensions(q, self.drive.motors.displacements(values))
 
-    def slack(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> tuple[str, ...]:
+    def slack(self, actuators: ActuatorValues, initial: Batch | None = None) -> tuple[str, ...]:
         """Names of the elastic tendons that are slack at these values (m,)."""
         tensions = self.tensions(actuators, initial)
         if tensions.ndim != 1:

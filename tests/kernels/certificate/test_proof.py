@@ -164,6 +164,18 @@ def test_a_motion_that_is_clear_is_bounded_as_tightly_as_it_is_asked_for() -> No
     assert clear > 30
 
 
+@pytest.mark.parametrize("ends", [(-0.6, 0.6), (-0.3, 0.8), (-1.9, 0.1)])
+@pytest.mark.parametrize("deep", [1e-2, 1e-3, 1e-5])
+def test_who_touches_a_wall_only_on_the_way_is_not_clear(ends: tuple[float, float], deep: float) -> None:
+    """The tip of an arc that swings past its straight shape is accelerated as much as the bound of that says."""
+    robot = sn.Robot.uniform(1, 1.0, 2.0, radius=0.05)
+    q0, q1 = (np.array([[bend, 0.0, 1.0]]) for bend in ends)
+    for gap in (-deep, deep):
+        wall = Scene([sn.HalfSpace((0.0, 0.0, 1.05 + gap), (0.0, 0.0, -1.0))])
+        for slack in (1.0, SLACK):
+            assert (prove(Case(robot, wall, q0, q1), slack)[0, VERDICT] == CLEAR) == (gap > 0.0)
+
+
 def test_the_part_within_the_mount_may_touch_what_it_stands_in() -> None:
     floor = Scene([sn.HalfSpace((0, 0, 0.25), (0, 0, 1))])
     robot = sn.Robot.uniform(2, (0.5, 1.0), 0.8, radius=0.05, mount=0.32)

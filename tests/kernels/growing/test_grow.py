@@ -97,6 +97,15 @@ def test_no_chain_crosses_a_wall() -> None:
         assert ROBOT.backbone(q, 50)[:, 2].max() < 1.5
 
 
+def test_of_the_chains_none_ends_as_another_one_does_and_few_begin_alike() -> None:
+    chains = grown(ROBOT, Scene([]), [Target((1.2, 0.0, -2.0))], [BEHIND], count=8)
+    tips = np.stack([ROBOT.tip(q) for q in chains])
+    ends = np.concatenate([tips[:, :3, 3], tips[:, :3, 2]], axis=1)
+    assert len(chains) == 8
+    assert (np.abs(ends[:, None] - ends).max(axis=-1) + np.eye(8) > 1e-9).all()
+    assert len({tuple(q[0]) for q in chains.round(6)}) > 1
+
+
 @pytest.mark.parametrize("unit", [0.01, 50.0])
 def test_the_unit_of_length_does_not_matter(unit: float) -> None:
     robot = Robot.uniform(6, length=unit, max_bend=1.6, radius=unit * RADIUS)

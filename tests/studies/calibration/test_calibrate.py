@@ -348,3 +348,16 @@ def test_a_table_of_measurements(tmp_path: Path) -> None:
         read_table(file, ["a"])
     file.write_text("a,x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6,7\n")
     assert read_table(file, ["a"]).measured.shape == (1, 2, 3)
+
+
+def test_values_may_stand_under_the_names_of_the_actuators() -> None:
+    values = settings(DRAWN, 24)
+    tips = measured(DRAWN.changed(base=POSE), values)
+    values[3, 1] = np.nan  # a row without a value is left out
+    found = sn.studies.calibrate(DRAWN, values, tips, fit=["base"])
+    named = dict(zip((each.name for each in DRAWN.actuators), values.T, strict=True))
+    again = sn.studies.calibrate(DRAWN, named, tips, fit=["base"])
+    assert again.robot.equals(found.robot)
+    first = {name: column[0] for name, column in named.items()}
+    np.testing.assert_array_equal(again.predict(first), found.predict(values[0]))
+    assert again.for_motion(named, tips, level=0.8).equals(found.for_motion(values, tips, level=0.8))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import HasArray, Names, Number, Rows, Stack, Whole
+from sinuous.base.arguments import ActuatorValues, HasArray, Names, Number, Rows, Stack, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot, Uncertainty
@@ -76,7 +76,7 @@ BEND_FRACTION = 0.7
 
 def calibrate(
     robot: Robot,
-    actuators: Stack,
+    actuators: ActuatorValues,
     measured: Stack,
     *,
     fit: Names | None = None,
@@ -98,8 +98,8 @@ def calibrate(
     ----------
     robot : Robot
         As drawn.
-    actuators : array_like (N, m)
-        Values of the actuators, in the order of `robot.actuators`, in the units of their motors.
+    actuators : array_like (N, m), or mapping from names to array_like (N,)
+        Values of the actuators, in the order of `robot.actuators` or by name, in the units of their motors.
     measured : array_like (N, 3), (N, 4, 4) or (N, k, 3)
         Positions of the tool, its poses, or k points of the body, in the frame of the measuring device. NaN: not seen.
     fit : list of str, optional

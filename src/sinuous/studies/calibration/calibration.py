@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.arguments import HasArray, Number, Rows, Stack
+from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.reprs import ShortRepr, call
+from sinuous.model.inverse import fitting
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import at_rest
 from sinuous.studies.calibration.measurements import Measurements, read
@@ -172,7 +173,7 @@ class Calibration(ShortRepr):
 
     def for_motion(
         self,
-        actuators: Stack,
+        actuators: ActuatorValues,
         measured: Stack,
         *,
         level: Number = LEVEL,
@@ -204,7 +205,7 @@ class Calibration(ShortRepr):
             the length of the robot.
         """
         share = checks.number("level", level, above=0.0, high=1.0)
-        rows = read(self.robot, actuators, measured, places, markers, ["motion"] * len(np.asarray(actuators)), unit)
+        rows = read(self.robot, actuators, measured, places, markers, ["motion"] * len(np.asarray(measured)), unit)
         count = len(rows.rows)
         if share * (count + 1) > count:
             needed = f"at least {math.ceil(share / (1.0 - share))} rows" if share < 1.0 else "a level below 1"
@@ -218,7 +219,7 @@ class Calibration(ShortRepr):
             raise InputError("measured", problem, points[0].tolist(), wanted)
         return self.robot.changed(uncertainty=Uncertainty(bounds_of(len(self.robot), off, rows, share), share))
 
-    def predict(self, actuators: Stack) -> Floats:
+    def predict(self, actuators: ActuatorValues) -> Floats:
         """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight.
 
         Raises
@@ -226,7 +227,7 @@ class Calibration(ShortRepr):
         InputError
             When the robot cannot hold its load at some of these values.
         """
-        values = checks.stack("actuators", actuators, (len(self.robot.drive),))
+        values, _ = fitting(actuators, None, [each.name for each in self.robot.actuators], len(self.robot))
         return at_rest(self.robot, values.reshape(-1, values.shape[-1])).tips().reshape(*values.shape[:-1], 4, 4)
 
     def save(self, file: str | Path) -> None:

@@ -1,17 +1,17 @@
 """Measurements: rows of actuator values, and where places of the body were then."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.arguments import HasArray, Number, Rows, Stack
+from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.model.inverse import some_of
+from sinuous.model.inverse import in_order, some_of
 from sinuous.model.robot import Robot
 
 AXIS_LEVER = 0.1
@@ -96,7 +96,7 @@ def refuse_loose(robot: Robot) -> None:
 
 def read(
     robot: Robot,
-    actuators: Stack,
+    actuators: ActuatorValues,
     measured: Stack,
     places: Sequence[Number] | HasArray | None,
     markers: Rows | None,
@@ -105,7 +105,9 @@ def read(
 ) -> Measurements:
     """Check what was measured; see `sinuous.studies.calibrate`."""
     refuse_loose(robot)
-    values = _numbers("actuators", actuators, (None, len(robot.drive)))
+    names = [each.name for each in robot.actuators]
+    ordered = in_order("actuators", actuators, names, finite=False) if isinstance(actuators, Mapping) else actuators
+    values = _numbers("actuators", ordered, (None, len(names)))
     given = _numbers("measured", measured, None)
     factor = checks.number("unit", unit, above=0.0)
     if len(given) != len(values):

@@ -13,11 +13,10 @@ import sinuous as sn
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
-from sinuous.view.pictures.animate import palette_of
 from sinuous.view.pictures.diagrams import tidy
+from sinuous.view.pictures.figures import new_figure, palette_of
 from sinuous.view.pictures.plot import still
-from sinuous.view.pictures.report import write_picture
-from sinuous.view.pictures.space import new_figure
+from sinuous.view.pictures.reports import write_picture
 
 ROOT = Path(__file__).parent.parent
 IMAGES, EXAMPLES = ROOT / "docs" / "images", ROOT / "examples"

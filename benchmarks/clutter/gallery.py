@@ -14,11 +14,10 @@ from benchmarks.places import FAMILIES, make
 from sinuous.base import checks
 from sinuous.cli.options import check_writable
 from sinuous.view.display.bounds import best_view
-from sinuous.view.display.captions import caption
 from sinuous.view.display.contents import gather
-from sinuous.view.pictures.files import check_picture
+from sinuous.view.display.results import caption
+from sinuous.view.pictures.figures import axes_box, check_picture, fill, new_figure
 from sinuous.view.pictures.plot import draw_contents
-from sinuous.view.pictures.space import axes_box, fill, new_figure
 
 SHOWN = {
     **{"spheres 40": 6, "pipe 1.3": 1, "plates": 16, "drum": 1, "shelf": 1, "duct": 1},

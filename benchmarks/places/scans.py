@@ -12,7 +12,7 @@ from benchmarks.places.parts.surfaces import Faces, Surface, joined, solid
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.display.obstacles import arc, obstacle_surface
+from sinuous.view.display.surfaces import arc, obstacle_surface
 
 THICKNESS = 0.15
 """Radius of a point."""

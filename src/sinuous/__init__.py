@@ -83,7 +83,7 @@ sys.meta_path.insert(0, MovedModules(_MOVED_MODULES))
 
 
 def _html(noun: Any) -> str:
-    return import_module("sinuous.view.pictures.html").html(noun)
+    return import_module("sinuous.view.pictures.reports").html(noun)
 
 
 NotebookMixin._html_renderer = _html

@@ -115,9 +115,9 @@ def test_a_path_moves(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("matplotlib")
     from PIL import Image
 
-    from sinuous.view.pictures import report
+    from sinuous.view.pictures import reports
 
-    monkeypatch.setattr(report, "animate", partial(sn.view.animate, seconds=0.4))
+    monkeypatch.setattr(reports, "animate", partial(sn.view.animate, seconds=0.4))
     run("track path.yaml --plot motion.gif")
     with Image.open("motion.gif") as image:
         assert image.n_frames == 6  # type: ignore[attr-defined]

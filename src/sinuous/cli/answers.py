@@ -168,7 +168,7 @@ def _draw(file: Path, answer: Answer) -> None:
 
         show(*(answer.solutions or [answer.best] if isinstance(answer, Alternatives) else [answer]), path=file)
     else:
-        from sinuous.view.pictures.report import write_picture  # noqa: PLC0415
+        from sinuous.view.pictures.reports import write_picture  # noqa: PLC0415
 
         drawn = (answer.solutions[:MOST_DRAWN] or answer.best) if isinstance(answer, Alternatives) else answer
         write_picture(file, drawn)

@@ -17,7 +17,7 @@ def design_file(asked: Design) -> int:
     """Find a robot for the tasks of a file; return the exit code."""
     check_outputs([asked.file], out=asked.out, csv=asked.csv, plot=asked.plot)
     if asked.plot is not None:
-        from sinuous.view.pictures.files import check_picture  # noqa: PLC0415
+        from sinuous.view.pictures.figures import check_picture  # noqa: PLC0415
 
         check_picture("--plot", asked.plot)
     task, solving = read_design(asked.file), asked.solving

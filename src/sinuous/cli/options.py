@@ -246,7 +246,7 @@ class Output:
 
             check_page("--plot", self.plot)
         elif self.plot is not None:
-            from sinuous.view.pictures.files import check_picture  # noqa: PLC0415
+            from sinuous.view.pictures.figures import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
 

@@ -68,7 +68,7 @@ def reach_file(asked: Reach) -> int:
     if out is not None and out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(out), "a name that ends in .npz")
     if asked.plot is not None:
-        from sinuous.view.pictures.workspace import check_map  # noqa: PLC0415
+        from sinuous.view.pictures.charts import check_map  # noqa: PLC0415
 
         check_map("--plot", asked.plot)
     grid: dict[str, Any] = {key: getattr(asked, key) for key in ("spacing", "directions", "workers")}
@@ -77,7 +77,7 @@ def reach_file(asked: Reach) -> int:
         given = solving.arguments(setting.tolerance, setting.prefer)
         found = reach(setting.robot, setting.scene, **grid, out=out, progress=True, **given)
     if asked.plot is not None:
-        from sinuous.view.pictures.workspace import plot_reach  # noqa: PLC0415
+        from sinuous.view.pictures.charts import plot_reach  # noqa: PLC0415
 
         plot_reach(found, asked.plot)
     say(asked.file, found, json=asked.json)

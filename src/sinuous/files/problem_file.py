@@ -41,13 +41,6 @@ DEMANDS = ("clearance", "self_clearance")
 KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times", *DEMANDS)
 
 
-class Waypoints(NamedTuple):
-    """Targets to be met one after the other, and the times of a file of them."""
-
-    targets: tuple[tuple[Target, ...], ...]
-    times: Floats | None
-
-
 class ProblemFile(Frozen):
     """What a problem file says.
 
@@ -373,21 +366,22 @@ def read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[s
         return {"target": (read_target(value, robot),) if key == "target" else read_targets(value, robot)}
 
 
-def _read_path(value: Any, robot: Robot, folder: Path) -> Waypoints:
+def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[list[tuple[Target, ...]], Floats | None]:
+    """Read targets to be met one after the other, and the times of a file of them."""
     if isinstance(value, str):
         file = folder / value
         text = read_text(file, "path")
         with checks.in_file(file):
             table = parse_path(text)
-        return Waypoints(tuple((target,) for target in table.targets), table.times)
+        return [(target,) for target in table.targets], table.times
     if not isinstance(value, list) or not value:
         raise InputError("path", "", value, "a list of targets or the name of a CSV file")
     together = targets_together(value)
     if together:
-        return Waypoints(tuple((target,) for target in together), None)
+        return [(target,) for target in together], None
 
     def read(entry: Any) -> tuple[Target, ...]:
         return read_targets(entry, robot) if isinstance(entry, list) else (read_target(entry, robot),)
 
     with checks.inside("path"):
-        return Waypoints(tuple(each(read, value)), None)
+        return each(read, value), None

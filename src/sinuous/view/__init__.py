@@ -5,9 +5,8 @@ from sinuous.base.entrance import entrance
 __getattr__, __dir__, __all__ = entrance(
     __name__,
     {
-        "sinuous.view.pictures.animate": "animate",
-        "sinuous.view.pictures.charts": "plot_assessment plot_calibration plot_design",
+        "sinuous.view.pictures.plot": "animate",
         "sinuous.view.pictures.diagrams": "diagram",
-        "sinuous.view.pictures.workspace": "plot_reach",
+        "sinuous.view.pictures.charts": "plot_assessment plot_calibration plot_design plot_reach",
     },
 )

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.view.display.body import BodySurface, ColouredPart
-from sinuous.view.display.obstacles import as_triangles
+from sinuous.view.display.surfaces import BodySurface, ColouredPart, as_triangles
 from sinuous.view.pictures.paint import normals
 from tests.helpers import random_pose
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.view.display.captions import told_apart
+from sinuous.view.display.results import told_apart
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2)
 

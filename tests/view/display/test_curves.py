@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.view.display.curves import clearances
+from sinuous.view.display.results import clearances
 
 
 def test_a_loaded_body_is_where_its_load_bends_it() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
-from sinuous.view.display.obstacles import MOST_POINTS, Dotted, dots
+from sinuous.view.display.surfaces import MOST_POINTS, Dotted, dots
 from tests.helpers import Floats
 
 SHAPE = (15, 16, 17)

@@ -4,7 +4,7 @@ import numpy as np
 
 import sinuous as sn
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.display.obstacles import obstacle_surface
+from sinuous.view.display.surfaces import obstacle_surface
 from sinuous.view.pictures.paint import normals
 from tests.cases import with_each
 from tests.scene.shapes import cube

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from sinuous.view.page.fields import Fields
+from sinuous.view.page.panel import Fields
 
 
 class Handle:

@@ -13,10 +13,11 @@ import sinuous as sn
 from sinuous.answer.remedies import Remedy
 from sinuous.base.errors import InputError
 from sinuous.model.segment import straight
-from sinuous.view.display.curves import speeds_of
-from sinuous.view.page.model import History, PageModel, least_of
+from sinuous.view.display.results import speeds_of
+from sinuous.view.page.edits import least_of
+from sinuous.view.page.model import History, PageModel
 from sinuous.view.page.saving import loaded, saved
-from sinuous.view.page.solvers import QUICK, Solvers
+from sinuous.view.page.session import QUICK, Solvers
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")

@@ -3,7 +3,7 @@
 import threading
 from functools import partial
 
-from sinuous.view.page.workers import Worker
+from sinuous.view.page.session import Worker
 
 
 def test_of_one_key_only_the_latest_that_has_not_begun_is_run() -> None:

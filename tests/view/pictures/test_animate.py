@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import Viewpoint
-from sinuous.view.pictures.animate import frames
+from sinuous.view.pictures.plot import frames
 from tests.view.pictures.arms import BALL, PATH, ROBOT
 
 pytest.importorskip("matplotlib")

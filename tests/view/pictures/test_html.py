@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.view.pictures.html import html
+from sinuous.view.pictures.reports import html
 from tests.view.pictures.arms import BALL, PATH, ROBOT, share_of
 
 matplotlib = pytest.importorskip("matplotlib")

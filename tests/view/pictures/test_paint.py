@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
-from sinuous.view.display.obstacles import lathe, obstacle_surface
+from sinuous.view.display.surfaces import lathe, obstacle_surface
 from sinuous.view.pictures.paint import MOST_TRIANGLES, cut, normals, of_mesh, within
 from tests.helpers import Floats
 from tests.scene.shapes import cube

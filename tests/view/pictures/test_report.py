@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.view.pictures.report import write_picture
+from sinuous.view.pictures.reports import write_picture
 from tests.view.pictures.arms import BALL, PATH, ROBOT, share_of
 
 matplotlib = pytest.importorskip("matplotlib")

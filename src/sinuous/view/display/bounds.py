@@ -11,8 +11,8 @@ from sinuous.base.checks import Floats
 from sinuous.scene.extents import box_of
 from sinuous.scene.obstacles import HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.view.display.contents import Contents
-from sinuous.view.display.obstacles import Dotted, dots
 from sinuous.view.display.style import ARROW, Viewpoint, arrows_of
+from sinuous.view.display.surfaces import Dotted, dots
 
 HIDDEN = 0.03
 """Share of a body from which on an obstacle hides it."""

@@ -67,7 +67,9 @@ class Arm(NamedTuple):
     @property
     def segments(self) -> Sequence[int]:
         """Which segment of its robot each segment of the body belongs to, 0 = first."""
-        return segments_of(self.robot, self.owner)
+        if self.owner is None or len(self.owner) == len(self.robot):
+            return range(len(self.robot))
+        return body_of(self.owner).owners.tolist()
 
     @property
     def colours(self) -> list[str]:
@@ -124,34 +126,27 @@ class MovingArm(NamedTuple):
         return interpolate(self.times, values, begin + share * (end - begin))
 
 
-class ShownBody(NamedTuple):
-    """A body in configurations (T, m, 3), and whether it is a ghost."""
-
-    robot: Robot
-    q: Floats
-    ghost: bool = False
+Loaded = tuple[Robot, Floats]
+"""A body of arcs, and its configurations (T, m, 3)."""
 
 
-def bodies_of(robot: Robot, q: Floats, loaded: ShownBody | None = None) -> Iterator[ShownBody]:
-    """Yield what is drawn of a robot in configurations (T, n, 3): first where its body is.
+def bodies_of(robot: Robot, q: Floats, solved: bool, number: int, loaded: Loaded | None = None) -> Iterator[Arm]:
+    """Yield what is drawn of a robot in configurations (T, n, 3), each with its own (T, m, 3): first its body.
 
     Ghosts are the body without its load, and around one that may be elsewhere the room in which it is. `loaded` is the
     body under other loads than gravity and payload. Tools are drawn as if no arc were twisted.
     """
-    body = loaded or ShownBody(*bodies_at(robot, q))
+    body = Arm(*(loaded or bodies_at(robot, q)), solved, False, number, robot)
     yield body
     if body.robot is not robot:
-        yield ShownBody(robot, q, ghost=True)
+        yield body._replace(robot=robot, q=q, ghost=True)
     if robot.uncertainty is not None:
-        yield ShownBody(_thicker(body.robot), body.q, ghost=True)
+        yield body._replace(robot=_thicker(body.robot), ghost=True)
 
 
-def arms_of(
-    robot: Robot, q: Floats, solved: bool = True, number: int = 0, loaded: ShownBody | None = None
-) -> Iterator[Arm]:
-    """Yield the bodies of a robot in a single configuration (n, 3)."""
-    for body in bodies_of(robot, q[None], loaded):
-        yield Arm(body.robot, body.q[0], solved, body.ghost, number, robot)
+def arms_of(robot: Robot, q: Floats, solved: bool = True, number: int = 0, loaded: Loaded | None = None) -> list[Arm]:
+    """Return the bodies of a robot in a single configuration (n, 3)."""
+    return [arm._replace(q=arm.q[0]) for arm in bodies_of(robot, q[None], solved, number, loaded)]
 
 
 def forces_of(robot: Robot, q: Floats, shape: Equilibrium | None = None) -> list[Floats]:
@@ -171,13 +166,6 @@ def _thicker(robot: Robot) -> Robot:
     bounds = np.broadcast_to(robot.uncertainty.bound, len(robot))
     pairs = zip(robot.segments, bounds.tolist(), strict=True)
     return robot.changed(segments=[each.changed(radius=each.radius + bound) for each, bound in pairs], uncertainty=None)
-
-
-def segments_of(body: Robot, robot: Robot | None) -> Sequence[int]:
-    """Which segment of a robot each segment of its body belongs to, 0 = first."""
-    if robot is None or len(body) == len(robot):
-        return range(len(body))
-    return body_of(robot).owners.tolist()
 
 
 Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
@@ -248,18 +236,16 @@ class Contents:
 
         `shape` is its body under other loads than gravity and payload.
         """
-        loaded = None if shape is None else ShownBody(shape.body, shape.arcs[None])
+        loaded = None if shape is None else (shape.body, shape.arcs[None])
         self.arms += arms_of(robot, q, solved, len(self.robots), loaded)
         self.robots.append(robot)
         self.forces += forces_of(robot, q, shape)
 
     def add_way(self, robot: Robot, q: Floats, times: Floats, solved: bool) -> None:
         """Take a robot that moves through configurations (T, n, 3)."""
-        for body in bodies_of(robot, q):
-            begin = Arm(body.robot, body.q[0], solved, body.ghost, len(self.robots), robot)
-            self.moving.append(
-                MovingArm(begin, body.q, times, q if robot.has_external_load and not body.ghost else None)
-            )
+        for body in bodies_of(robot, q, solved, len(self.robots)):
+            drives = q if robot.has_external_load and not body.ghost else None
+            self.moving.append(MovingArm(body._replace(q=body.q[0]), body.q, times, drives))
         self.robots.append(robot)
 
     def add_target(self, target: Target, arm: Arm | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Obstacles that are moved, resized or made new by hand."""
+"""What people change by hand: obstacles that are moved, resized or made new, rates, and other parts of a job."""
 
 import math
 from collections.abc import Callable
@@ -11,6 +11,8 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.plain import pose_arguments
 from sinuous.model.poses import pose
+from sinuous.model.rates import KEYS, Kept, Rates, least, scaled
+from sinuous.motion.job import Job
 from sinuous.scene.extents import box_of
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
@@ -112,3 +114,29 @@ def made(kind: str, center: Floats, size: float) -> Obstacle:
         When there is no such kind.
     """
     return MADE[checks.choice("kind", kind, KINDS)](center, size, np.array([0.0, 0.0, 0.5 * size]))
+
+
+def least_of(rates: Rates | None) -> Floats:
+    """The least speeds of bends, lengths and actuators (3,) that rates allow at most; 0 without a limit."""
+    return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS])
+
+
+def with_least(rates: Rates, wanted: Floats) -> tuple[Kept, Kept, Kept]:
+    """Bounds of bends, lengths and actuators of which these (3,) are the least; 0: no limit."""
+    bend, length, actuator = wanted.tolist()
+    return _with(rates.bend, bend), _with(rates.length, length), _with(rates.actuator, actuator)
+
+
+def _with(own: Kept, most: float) -> Kept:
+    if own is None or isinstance(own, float) or not most:
+        return most or None
+    return own if most == least(own) else scaled(own, most / least(own))
+
+
+def changed(job: Job, **parts: Any) -> Job:
+    """Return a job with other parts: arguments of `Job`."""
+    kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
+    own: dict[str, Any] = {key: getattr(job, key) for key in kept}
+    if job.waypoints:
+        own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
+    return Job(parts.pop("robot", job.robot), **{**own, **parts})

@@ -3,7 +3,7 @@
 import time as clock
 import warnings
 from collections.abc import Hashable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,11 +13,12 @@ from sinuous.answer.explanation import Explanation
 from sinuous.answer.remedies import Remedy
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
+from sinuous.base.arguments import MethodName
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.methods.registry import name_of
 from sinuous.model.poses import least_rotation
-from sinuous.model.rates import KEYS, Kept, Rates, least, scaled
+from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment, straight
 from sinuous.motion.job import Job
@@ -27,9 +28,9 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Mover, Snapshot
+from sinuous.solver.options import TIME
 from sinuous.statics.equilibrium import under_load
 from sinuous.view.page import edits
-from sinuous.view.page.solvers import PageQuestion, Settings
 
 ASKED = ("position", "direction", "rotation")
 """What a target may ask beside its position: nothing, a direction of the tangent, a whole rotation."""
@@ -54,6 +55,51 @@ def pace(duration: float) -> float:
     Times are taken for seconds, unless the whole takes longer than people wait.
     """
     return 1.0 if duration <= LONGEST else duration / SHORTENED
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the page solves.
+
+    Attributes
+    ----------
+    method : str
+    beside : str or None
+        A second method, whose answer stands beside that of the first.
+    seed : int
+    time : float
+        Budget in seconds, when nothing is dragged.
+    """
+
+    method: MethodName = "newton"
+    beside: MethodName | None = None
+    seed: int = 0
+    time: float = TIME
+
+
+@dataclass(frozen=True)
+class PageQuestion:
+    """What is asked of a method at one moment.
+
+    Attributes
+    ----------
+    job : Job
+    scene : Snapshot
+        Its obstacles as they are at that moment, standing still.
+    targets : tuple of Target
+        To be met at once.
+    settings : Settings
+    initial : ndarray (n, 3)
+    number : int
+        Of the state of the page that it is asked in; an answer to an older one is out of date.
+    """
+
+    job: Job
+    scene: Snapshot
+    targets: tuple[Target, ...]
+    settings: Settings
+    initial: Floats
+    number: int
 
 
 class Moment(NamedTuple):
@@ -275,7 +321,7 @@ class PageModel:
 
     def _change(self, **parts: Any) -> None:
         """Ask another question: parts of the job that differ."""
-        self.job = changed(self.job, **parts)
+        self.job = edits.changed(self.job, **parts)
         self._asked_anew()
 
     def _asked_anew(self) -> None:
@@ -463,7 +509,7 @@ class PageModel:
             path = [[moved(target) for target in targets] for targets in self.job.waypoints]
             parts |= {"path": path} if self.job.is_path else {"target": path[0]}
         parts |= {key: q[rows] for key in ("start", "goal") if (q := getattr(self.job, key)) is not None}
-        self.job = changed(self.job, **parts)
+        self.job = edits.changed(self.job, **parts)
         self.q, self._q_beside = self.q[rows], self._q_beside[rows]
         self._asked_anew()
 
@@ -474,10 +520,10 @@ class PageModel:
         A motion among obstacles that stand still goes the same way as fast as they allow.
         """
         own = self.job.rates
-        gains = Rates(*_with_least(own.acceleration or Rates(), acceleration), None)
-        rates = Rates(*_with_least(own, most), gains or None)
+        gains = Rates(*edits.with_least(own.acceleration or Rates(), acceleration), None)
+        rates = Rates(*edits.with_least(own, most), gains or None)
         rates.check(self.robot)
-        self.job = changed(self.job, rates=rates)
+        self.job = edits.changed(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
             self.show_motion(pace_motion(self.motion, rates))
 
@@ -606,29 +652,3 @@ class PageModel:
 
 def _names(scene: Snapshot) -> set[str]:
     return {scene.name(i) for i in range(len(scene))}
-
-
-def least_of(rates: Rates | None) -> Floats:
-    """The least speeds of bends, lengths and actuators (3,) that rates allow at most; 0 without a limit."""
-    return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS])
-
-
-def _with_least(rates: Rates, wanted: Floats) -> tuple[Kept, Kept, Kept]:
-    """Bounds of bends, lengths and actuators of which these (3,) are the least; 0: no limit."""
-    bend, length, actuator = wanted.tolist()
-    return _with(rates.bend, bend), _with(rates.length, length), _with(rates.actuator, actuator)
-
-
-def _with(own: Kept, most: float) -> Kept:
-    if own is None or isinstance(own, float) or not most:
-        return most or None
-    return own if most == least(own) else scaled(own, most / least(own))
-
-
-def changed(job: Job, **parts: Any) -> Job:
-    """Return a job with other parts: arguments of `Job`."""
-    kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
-    own: dict[str, Any] = {key: getattr(job, key) for key in kept}
-    if job.waypoints:
-        own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
-    return Job(parts.pop("robot", job.robot), **{**own, **parts})

@@ -2,12 +2,23 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+import rich
 from numpy.typing import NDArray
-from viser import BatchedMeshHandle, LineSegmentsHandle, MeshHandle, SceneApi, SceneNodeHandle
+from viser import (
+    BatchedMeshHandle,
+    CameraHandle,
+    InitialCameraConfig,
+    LineSegmentsHandle,
+    MeshHandle,
+    SceneApi,
+    SceneNodeHandle,
+    ViserServer,
+)
 from viser.transforms import SO3
 
 from sinuous.base.checks import Floats
@@ -16,11 +27,10 @@ from sinuous.problem.target import Target
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
-from sinuous.view.display.body import BodySurface
 from sinuous.view.display.bounds import Bounds
 from sinuous.view.display.contents import Arm
-from sinuous.view.display.obstacles import Dotted, Triangles, as_triangles, dots, obstacle_surface
 from sinuous.view.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, X, Y, Z, arrows_of, rgb
+from sinuous.view.display.surfaces import BodySurface, Dotted, Triangles, as_triangles, dots, obstacle_surface
 
 NUMBERS = 4
 """Numbers along the longest axis, about."""
@@ -369,3 +379,64 @@ def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], col
     """Draw a line through points (k, 3)."""
     places = np.asarray(points, np.float64)
     scene.add_line_segments(name, np.stack([places[:-1], places[1:]], axis=1), rgb(colour), thickness=LINE * span)
+
+
+FIELD = math.radians(40.0)
+"""Angle that the camera sees, from top to bottom."""
+
+
+MARGIN = 1.1
+"""How far a camera is away, relative to where what is shown fills the view: numbers and names of axes need room."""
+
+
+def aim(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side: Floats) -> None:
+    """Let a camera show all of the bounds from the side that a unit vector (3,) leads to."""
+    right = np.cross((0.0, 0.0, 1.0), side)
+    right = right / np.linalg.norm(right) if right.any() else np.array([1.0, 0.0, 0.0])
+    corners = (np.array(list(np.ndindex(2, 2, 2))) - 0.5) * (bounds.high - bounds.low)
+    across = np.abs(corners @ np.stack([right, np.cross(side, right)], axis=-1)).max(axis=-1)
+    away = MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD)).max()) or 1.0)
+    camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD
+    camera.near, camera.far = 0.01 * away, 100.0 * away
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep viser from printing where it listens and that it stopped."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
+
+
+def open_server(host: str = "127.0.0.1", port: int = 0) -> ViserServer:
+    """Start a server with an empty scene and none of viser's own signs.
+
+    `port` 0: any that is free.
+    """
+    with quiet():
+        server = ViserServer(host=host, port=port, label="Sinuous", verbose=False)
+    server.gui.configure_theme(show_logo=False, show_share_button=False)
+    server.scene.world_axes.visible = False
+    light(server)
+    server.request_share_url = lambda verbose=True: None  # type: ignore[method-assign]  # no page may open a tunnel
+    return server
+
+
+def light(server: ViserServer) -> None:
+    """Light the scene evenly and without shadows: clear colours, and quick where pages are drawn in software."""
+    scene = server.scene
+    scene.configure_environment_map(None)
+    scene.configure_default_lights(False)
+    scene.add_light_ambient("/light/all", intensity=0.6)
+    scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(150, 155, 165), intensity=1.0)
+    for name, side, strength in (("left", (-1.0, -2.0, 3.0), 1.5), ("right", (2.0, 1.0, 1.0), 0.7)):
+        scene.add_light_directional(f"/light/{name}", intensity=strength, position=side)
+
+
+def close_server(server: ViserServer) -> None:
+    """Stop a server."""
+    with quiet():
+        server.stop()

@@ -1,16 +1,230 @@
 """The page of `sinuous view`: what browsers show of a session, and what people do in them."""
 
-from viser import ClientHandle
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from viser import ClientHandle, TransformControlsHandle, ViserServer
 
 from sinuous.answer.solution import Solution
+from sinuous.base.checks import Floats
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
+from sinuous.problem.target import Target
 from sinuous.solver.memory import Memory
+from sinuous.view.display.bounds import best_view, bounds_of, hiding, seen_places, towards
+from sinuous.view.display.contents import Arm, Contents, arms_of, forces_of
+from sinuous.view.display.results import clearances
+from sinuous.view.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
+from sinuous.view.page import nodes
+from sinuous.view.page.model import PageModel
 from sinuous.view.page.panel import Action, Panel
-from sinuous.view.page.scenery import Scenery
-from sinuous.view.page.server import close_server, light, open_server
 from sinuous.view.page.session import Session
-from sinuous.view.page.status import judge, nearest, notice, status_of
+from sinuous.view.page.status import Near, judge, nearest, notice, status_of
+from sinuous.view.page.tabs import PARTS
+
+BESIDE, GHOST = 0.5, 0.3
+"""Opacity of the shape of a second method, and of other solutions."""
+
+FINE, STEPS = 4, 3
+"""Pieces of a segment that are coloured by their clearance, and steps along each at which it is measured."""
+
+FAR = 0.15
+"""Clearance, in mean lengths of the robot, at the end of the scale of colours."""
+
+GIZMO = 0.16
+"""Size of a gizmo, in spans of the page."""
+
+NEAR = rgb("#333a42")
+"""Colour of the line to the nearest place."""
+
+HAND = 3
+"""Which of the pairs of tones a body has that was bent by hand."""
+
+MOST_GIZMOS = 8
+"""Targets with a gizmo."""
+
+Moved = Callable[[Floats, Floats, bool], None]
+"""Told of a gizmo: its position (3,), its rotation (3, 3), and whether it was let go."""
+
+
+class Scenery:
+    """The scene of the page."""
+
+    def __init__(self, server: ViserServer, session: Session) -> None:
+        self._server, self._session = server, session
+        self._model = model = session.model
+        contents = _contents(model)
+        self.bounds = bounds_of(contents)
+        nodes.aim(server.initial_camera, self.bounds, towards(best_view(contents)))
+        self._axes = nodes.show_axes(server.scene, self.bounds)
+        self._obstacles = nodes.Obstacles(server.scene, self.bounds, session.choose_obstacle)
+        self._bodies: dict[str, nodes.BodyNode] = {}
+        self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
+        self._near = nodes.LinesNode(server.scene, "/near", NEAR, self.bounds.span)
+        self._forces = nodes.LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
+        self._hiding: frozenset[int] = frozenset()
+        self.look()
+        if model.job.is_path:
+            self._show_path()
+
+    def fit(self, client: ClientHandle) -> None:
+        """Let a browser show all that is on the page, from the side that it looks from."""
+        away = client.camera.position - client.camera.look_at
+        bounds = bounds_of(_contents(self._model))
+        self._axes = nodes.show_axes(self._server.scene, bounds)
+        with client.atomic():
+            nodes.aim(client.camera, bounds, away / np.linalg.norm(away))
+
+    def look(self) -> None:
+        """Make see-through what hides the body from somebody."""
+        clients = self._server.get_clients().values()
+        eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
+        body = Contents(arms=arms_of(self._model.robot, self._model.shown))
+        self._hiding = hiding(self._model.there.obstacles, seen_places(body), np.array(eyes))
+
+    def show(self, near: Near | None) -> None:
+        """Show the model as it is."""
+        with self._server.atomic():
+            self._show_bodies()
+            forces = forces_of(self._model.robot, self._model.shown)
+            self._forces.show(np.stack(forces) if forces else None)
+            self._obstacles.show(self._model.there.obstacles, self._model.grasped, self._hiding)
+            self._axes.visible = self._session.axes
+            self._show_gizmos()
+            self._near.show(None if near is None else np.stack([near.body, near.surface])[None])
+
+    def _show_bodies(self) -> None:
+        wanted = list(self._wanted_bodies())
+        for name in self._bodies.keys() - {name for name, *_ in wanted}:
+            self._bodies.pop(name).remove()
+        for name, look, arm, colours in wanted:
+            body = self._bodies.get(name)
+            if body is None or body.robot is not arm.robot or body.look != look:
+                if body is not None:
+                    body.remove()
+                body = self._bodies[name] = nodes.BodyNode(self._server.scene, f"/{name}", arm.robot, look)
+            body.show(arm.q, colours)
+
+    def _wanted_bodies(self) -> Iterator[tuple[str, nodes.Look, Arm, list[Rgb]]]:
+        """Yield the bodies on the page: a name, how it is drawn, the body, a colour for each of its pieces."""
+        model, robot, span = self._model, self._model.robot, self.bounds.span
+        body, *around = arms_of(robot, model.shown, self._good(), HAND if model.by_hand else 0)
+        pieces = max(1, FINE * len(robot) // len(body.robot)) if self._session.colouring == "clearance" else 1
+        yield "body", nodes.Look(span, pieces), body, self._colours(body, pieces)
+        others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
+        if model.beside is not None and model.motion is None:
+            others["second"] = arms_of(robot, model.beside.q, model.beside.solved, 1)[0]
+        shapes = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
+        if model.job.goal is not None:
+            shapes["goal"] = model.job.goal
+        others |= {name: arms_of(robot, q, number=i)[0] for i, (name, q) in enumerate(shapes.items(), 1)}
+        for name, arm in others.items():
+            yield name, nodes.Look(span, opacity=BESIDE if name == "second" else GHOST), arm, nodes.colours_of(arm)
+
+    def _colours(self, body: Arm, pieces: int) -> list[Rgb]:
+        """One colour a piece of the body."""
+        model = self._model
+        if self._session.colouring == "bending":
+            own = by_bending(model.robot, model.shown)
+            return [own[k] for k in body.segments]
+        if self._session.colouring == "clearance" and len(model.scene):
+            places = clearances(body.robot, model.there, body.q, pieces * STEPS)
+            least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
+            return by_clearance(least, FAR * model.robot.mean_length)
+        return [colour for colour in nodes.colours_of(body) for _ in range(pieces)]
+
+    def _good(self) -> bool:
+        """Whether the shape meets what is asked; of a motion, whether it is proved clear there."""
+        model = self._model
+        if model.motion is not None:
+            return model.step_is_proved
+        return model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
+
+    def gizmo(self, name: str) -> TransformControlsHandle | None:
+        """The gizmo of a target, `targets/0`, or of the chosen obstacle, `grip`, where there is one."""
+        return self._gizmos[name][1] if name in self._gizmos else None
+
+    def _show_gizmos(self) -> None:
+        wanted = {name: (kind, frame, moved) for name, kind, frame, moved in self._wanted_gizmos()}
+        for name, (kind, gizmo) in list(self._gizmos.items()):
+            if name not in wanted or wanted[name][0] != kind:
+                gizmo.remove()
+                del self._gizmos[name]
+        for name, (kind, frame, moved) in wanted.items():
+            if name not in self._gizmos:
+                self._gizmos[name] = kind, self._make_gizmo(f"/{name}", kind, moved)
+            _place(self._gizmos[name][1], frame)
+
+    def _wanted_gizmos(self) -> Iterator[tuple[str, str, Floats, Moved]]:
+        """Yield the gizmos on the page: a name, what each can do, its frame (4, 4), and who is told that it moves."""
+        for i, target in enumerate(self._model.targets[:MOST_GIZMOS]):
+            kind, frame = _kind_of(target), self._model.target_frame(i)
+            if kind == "position":  # the axes of the world; those of the tip would turn in the hand
+                frame[:3, :3] = np.eye(3)
+            yield f"targets/{i}", kind, frame, partial(self._target_moved, i)
+        if self._model.grip is not None:
+            yield "grip", "pose", self._model.grip, self._session.move_obstacle
+
+    def _target_moved(self, index: int, position: Floats, rotation: Floats, let_go: bool) -> None:
+        self._session.move_target(index, position, rotation)
+
+    def _make_gizmo(self, name: str, kind: str, moved: Moved) -> TransformControlsHandle:
+        endless = ((-1e9, 1e9),) * 3
+        gizmo = self._server.scene.add_transform_controls(
+            name,
+            scale=GIZMO * self.bounds.span,
+            disable_rotations=kind == "position",
+            disable_axes=kind == "turn",
+            disable_sliders=kind == "turn",
+            translation_limits=(endless[0], endless[1], endless[2]),
+            depth_test=False,
+        )
+
+        @gizmo.on_update
+        async def _(event: Any) -> None:
+            moved(np.array(gizmo.position), nodes.rotation_of(np.array(gizmo.wxyz)), event.phase == "end")
+
+        return gizmo
+
+    def _show_path(self) -> None:
+        places = [target.position for targets in self._model.job.waypoints for target in targets[:1]]
+        known = [place for place in places if place is not None]
+        if len(known) > 1:
+            nodes.show_line(self._server.scene, "/path", known, TIP_PATH, self.bounds.span)
+
+
+def _kind_of(target: Target) -> str:
+    """What the gizmo of a target can do: `position`, `turn`, or `pose`, which is both."""
+    turned = target.direction is not None or target.rotation is not None
+    return "position" if not turned else "turn" if target.position is None else "pose"
+
+
+def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
+    """Put a gizmo where the model has it, unless it is there: it may be in somebody's hand."""
+    off = float(np.abs(gizmo.position - frame[:3, 3]).max())
+    if off > 1e-12 + 1e-9 * float(np.abs(frame[:3, 3]).max()):
+        gizmo.position = frame[:3, 3]
+    if float(np.abs(_axis(gizmo.wxyz) - frame[:3, 2]).max()) > 1e-6:
+        gizmo.wxyz = nodes.wxyz(frame[:3, :3])
+
+
+def _axis(quaternion: Floats) -> Floats:
+    """The z axis (3,) of a frame whose rotation is this quaternion wxyz."""
+    w, x, y, z = quaternion.tolist()
+    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def _contents(model: PageModel) -> Contents:
+    """What must be on the page: the robot, its goal, and the targets of all waypoints."""
+    contents = Contents(obstacles=list(model.scene.obstacles))
+    for q in [model.shown] if model.job.goal is None else [model.shown, model.job.goal]:
+        contents.add_robot(model.robot, q)
+    for targets in model.job.waypoints:
+        for target in targets:
+            contents.add_target(target)
+    return contents
 
 
 class Page(Session):
@@ -37,7 +251,7 @@ class Page(Session):
         memory: Memory | None = None,
     ) -> None:
         super().__init__(job, answer, memory)
-        self.server = open_server(host, port)
+        self.server = nodes.open_server(host, port)
         self.server.on_client_connect(self._watch)
         self._build()
         self.do("begin", lambda: None)
@@ -50,7 +264,7 @@ class Page(Session):
     def stop(self) -> None:
         """Close the page."""
         super().stop()
-        close_server(self.server)
+        nodes.close_server(self.server)
 
     def _actions(self) -> tuple[Action, ...]:
         return (
@@ -63,9 +277,10 @@ class Page(Session):
         self._answer_quickly()  # so that the camera looks at where the robot first gets to
         self.server.gui.reset()
         self.server.scene.reset()
-        light(self.server)
+        nodes.light(self.server)
         self.scenery = Scenery(self.server, self)
-        self._panel = Panel(self.server.gui, self, self._actions())
+        parts = [part for part in PARTS if part[0] != "Target" or self.model.targets]
+        self._panel = Panel(self.server.gui, self, self._actions(), parts)
 
     def _draw(self) -> None:
         model = self.model

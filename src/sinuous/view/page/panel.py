@@ -1,16 +1,210 @@
 """The panel beside the scene: what holds of the shape, and tabs with everything that can be changed."""
 
+import html as markup
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from viser import GuiApi
+import numpy as np
+from viser import GuiApi, uplot
 
-from sinuous.view.display.style import CONTACT, SCALE
-from sinuous.view.page import tabs
-from sinuous.view.page.fields import Fields
+from sinuous.base.checks import Floats
+from sinuous.view.display.results import Curves
+from sinuous.view.display.style import CONTACT, CURVES, SCALE
 from sinuous.view.page.session import Session
 from sinuous.view.page.status import STYLE, framed, scale
+
+PLOT = 220
+"""Height of a plot, in pixels."""
+
+DIGITS = 4
+"""How many more digits than its step a field takes."""
+
+MOST_NAMED = 12
+"""Curves that a legend has a name for."""
+
+
+class Fields:
+    """The fields and buttons of a part of the panel.
+
+    A field shows what the model says. What a person puts there, and a button that is pressed, are events of the
+    session, keyed by their labels.
+    """
+
+    def __init__(self, gui: GuiApi, session: Session) -> None:
+        self.gui, self._session = gui, session
+        self._bound: list[_Bound] = []
+        self._conditions: list[tuple[Any, Callable[[], bool]]] = []
+        self._handles: list[Any] = []
+
+    def field(
+        self, handle: Any, get: Callable[[], Any], put: Callable[[Any], object], *, at_once: bool = False
+    ) -> None:
+        """Show `get()` in a field; `put` is called with what a person puts there, and changes the model.
+
+        With `at_once` it is called on the loop of the server, where it must return at once, not as an event.
+        """
+        bound = _Bound(handle, get)
+        self._bound.append(bound)
+        self._handles.append(handle)
+
+        def change(value: Any) -> None:
+            bound.known = value
+            put(value)
+
+        @handle.on_update  # type: ignore[untyped-decorator]
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                act = partial(change, handle.value)
+                act() if at_once else self._session.do(handle.label, act)
+
+    def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
+        """Add a field for a number. Return its handle."""
+        handle = _finer(self.gui.add_number(label, get(), **look))
+        self.field(handle, get, put)
+        return handle
+
+    def vector(self, label: str, get: Callable[[], Floats], put: Any, step: float, hint: str | None = None) -> None:
+        """Add three fields for a vector (3,)."""
+
+        def shown() -> tuple[float, float, float]:
+            x, y, z = get().tolist()
+            return x, y, z
+
+        handle = _finer(self.gui.add_vector3(label, shown(), step=step, hint=hint))
+        self.field(handle, shown, lambda value: put(np.array(value)))
+
+    def slider(self, label: str, ends: Sequence[float], get: Callable[[], Any], put: Any, step: Any = None) -> None:
+        """Add a slider with a number, from one end to the other; it is longer while its value is beyond an end."""
+        step = step_of(ends[1] - ends[0]) if step is None else step
+        digits = max(0, round(-math.log10(step)))
+
+        def shown() -> Any:
+            value = type(step)(round(float(get()), digits))
+            low, high = min(ends[0], value), max(ends[1], value)
+            if (handle.min, handle.max) != (low, high):
+                handle.min, handle.max = low, high
+            return value
+
+        handle = self.gui.add_slider(label, ends[0], ends[1], step, ends[0])
+        self.field(handle, shown, put)
+
+    def choice(
+        self, label: str, options: Sequence[str], get: Callable[[], str], put: Any, hint: str | None = None
+    ) -> None:
+        """Add a list of which one entry is chosen."""
+        self.field(self.gui.add_dropdown(label, options, hint=hint), get, put)
+
+    def index(
+        self, label: str, names: Callable[[], tuple[str, ...]], get: Callable[[], int], put: Any, hint: str
+    ) -> Any:
+        """Add a list of `names()`, which may change; `get` and `put` count its entries. Return its handle."""
+        handle = self.gui.add_dropdown(label, names(), hint=hint)
+
+        def chosen() -> str:
+            if tuple(handle.options) != names():
+                handle.options = names()
+            return names()[get()]
+
+        def choose(name: str) -> None:
+            if name in names():
+                put(names().index(name))
+
+        self.field(handle, chosen, choose)
+        return handle
+
+    def text(self, text: str) -> None:
+        """Add a sentence."""
+        self._handles.append(self.gui.add_html(framed(markup.escape(text))))
+
+    def plot(self, curves: Curves) -> None:
+        """Add a plot of curves over time, with numbers where the mouse points."""
+        colours = itertools.cycle(CURVES)
+        series = [uplot.Series(label=name, stroke=next(colours), width=1.5) for name in curves.names]
+        few = len(curves.names) <= MOST_NAMED
+        self._handles.append(
+            self.gui.add_uplot(
+                (curves.times, *curves.values.T),
+                (uplot.Series(label="time"), *series),
+                title=f"{curves.title}, {curves.unit}",
+                scales={"x": uplot.Scale(time=False)},
+                legend=uplot.Legend(show=few),
+                height=PLOT,
+            )
+        )
+
+    def button(self, label: str, act: Callable[[], object], hint: str | None = None, color: Any = "gray") -> Any:
+        """Add a button; `act` is what happens in the session when it is pressed. Return its handle."""
+        return self.answer(label, lambda _: act(), hint, color)
+
+    def answer(self, label: str, act: Callable[[Any], object], hint: str | None = None, color: Any = "gray") -> Any:
+        """Add a button; `act` is told the browser in which it is pressed. Return its handle."""
+        handle = self.gui.add_button(label, hint=hint, color=color)
+        self._handles.append(handle)
+
+        @handle.on_click
+        async def _(event: Any) -> None:
+            self._session.do((label, object()), partial(act, event.client))  # none takes the place of another one
+
+        return handle
+
+    def file(self, label: str, name: str, content: Callable[[], str], hint: str) -> Any:
+        """Add a button that sends a file of that content to the browser. Return its handle."""
+
+        def send(client: Any) -> None:
+            client.send_file_download(name, content().encode(), save_immediately=True)
+
+        return self.answer(label, send, hint)
+
+    def refresh(self) -> None:
+        """Show what the model says now; what was refused vanishes from the page so."""
+        for bound in self._bound:
+            bound.refresh()
+        for handle, holds in self._conditions:
+            if handle.visible != holds():
+                handle.visible = holds()
+
+    def only_while(self, holds: Callable[[], bool], *handles: Any) -> None:
+        """Show fields and buttons only while something holds."""
+        self._conditions += [(handle, holds) for handle in handles]
+
+    def clear(self) -> None:
+        """Take all fields and buttons from the panel."""
+        for handle in self._handles:
+            handle.remove()
+        self._bound, self._conditions, self._handles = [], [], []
+
+
+class _Bound:
+    """A field that shows `get()`.
+
+    `known` is what it shows as far as the model knows: not yet what a person has put there since, which would be
+    taken back if the field were compared with the model before that event is handled.
+    """
+
+    def __init__(self, handle: Any, get: Callable[[], Any]) -> None:
+        self.handle, self.known, self._get = handle, handle.value, get
+
+    def refresh(self) -> None:
+        """Show what the model says, where that has changed."""
+        value = self._get()
+        if self.known != value:
+            self.handle.value = self.known = value
+
+
+def _finer(handle: Any) -> Any:
+    """Let a field take more digits than its step has: what is typed beyond them would be cut off."""
+    if handle.precision:
+        handle.precision += DIGITS
+    return handle
+
+
+def step_of(size: float) -> float:
+    """A step to type and drag lengths of this size in: a thousandth, rounded to a power of ten."""
+    return float(10.0 ** math.floor(math.log10(max(size, 1e-300) / 300.0)))
+
 
 WIDTH = 440.0
 """Width of the panel, in pixels: all tabs stand in one row."""
@@ -65,16 +259,20 @@ class Action(NamedTuple):
     act: Callable[[Any], object]
 
 
-class Panel:
-    """The panel of a page; `actions` are its first row."""
+Part = tuple[str, Callable[[Session, Fields], None], Callable[[Session], object]]
+"""The name of a tab, what puts fields into it, and what tells what these are made for."""
 
-    def __init__(self, gui: GuiApi, session: Session, actions: Sequence[Action]) -> None:
+
+class Panel:
+    """The panel of a page; `actions` are its first row, and `parts` stand below each other in its tabs."""
+
+    def __init__(self, gui: GuiApi, session: Session, actions: Sequence[Action], parts: Sequence[Part]) -> None:
         self._session = session
         _add_actions(gui, actions)
         self._status = gui.add_html("")
         group = gui.add_tab_group()
         self._sections, places = [], dict[str, Any]()
-        for name, build, made_for in (part for part in PARTS if part[0] != "Target" or session.model.targets):
+        for name, build, made_for in parts:
             tab = places[name] = places.get(name) or group.add_tab(name)
             own = Fields(gui, session), partial(build, session), partial(made_for, session)
             self._sections.append(Section(tab, *own))
@@ -112,33 +310,3 @@ def _add_actions(gui: GuiApi, actions: Sequence[Action]) -> None:
         @command.on_trigger
         async def _(event: Any, act: Callable[[Any], object] = action.act) -> None:
             act(event.client)
-
-
-def _asked(session: Session) -> object:
-    asked = ((t.position is None, t.direction is None, t.rotation is None, t.segment) for t in session.model.targets)
-    return session.model.job.is_path, *asked
-
-
-def _limits(session: Session) -> object:
-    robot = session.model.robot
-    limits = tuple((segment.max_bend, segment.length) for segment in robot.segments)
-    return limits, robot.actuators, session.first_segment, session.sliders
-
-
-def _plot(session: Session) -> object:
-    return session.model.motion, session.plotted, session.model.job.rates or None
-
-
-PARTS: list[tuple[str, Callable[[Session, Fields], None], Callable[[Session], object]]] = [
-    ("Target", tabs.target_tab, _asked),
-    ("Target", tabs.remedy_fields, lambda own: (own.unsolved, own.explaining, own.model.explanation)),
-    ("Motion", tabs.motion_tab, lambda own: own.model.job.is_path),
-    ("Motion", tabs.plot_fields, _plot),
-    ("Shape", tabs.shape_tab, _limits),
-    ("Scene", tabs.scene_tab, lambda own: None),
-    ("Scene", tabs.size_fields, lambda own: (own.model.grasped, *tabs.chosen_sizes(own))),
-    ("Robot", tabs.robot_tab, lambda own: own.model.robot.segment_names),
-    ("Solve", tabs.solve_tab, lambda own: None),
-    ("File", tabs.file_tab, lambda own: None),
-]
-"""What stands below each other in the tabs, and what it is made for."""

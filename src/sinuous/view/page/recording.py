@@ -14,12 +14,11 @@ from sinuous.base.checks import Floats
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.bounds import best_view, bounds_of, hiding, seen_places, towards
-from sinuous.view.display.captions import told_apart, words_of
 from sinuous.view.display.contents import Arm, Contents, MovingArm
+from sinuous.view.display.results import told_apart, words_of
 from sinuous.view.display.style import FORCE, ROUTE, TIP_PATH, tones
+from sinuous.view.page import nodes
 from sinuous.view.page.model import pace
-from sinuous.view.page.nodes import BodyNode, Look, Obstacles, colours_of, show_axes, show_line, show_target
-from sinuous.view.page.server import aim, close_server, open_server
 
 GHOST = 0.4
 """Opacity of a ghost."""
@@ -44,29 +43,29 @@ STYLE = """<style>
 def record(contents: Contents) -> str:
     """Return a page that shows `contents`, as one HTML text that needs nothing else."""
     bounds = bounds_of(contents)
-    server = open_server()
+    server = nodes.open_server()
     try:
-        aim(server.initial_camera, bounds, towards(best_view(contents)))
-        show_axes(server.scene, bounds)
+        nodes.aim(server.initial_camera, bounds, towards(best_view(contents)))
+        nodes.show_axes(server.scene, bounds)
         there, eye = contents.obstacles_at(0.0), np.array(server.initial_camera.position)
         in_front = hiding(there, seen_places(contents), eye[None])
-        obstacles = Obstacles(server.scene, bounds)
+        obstacles = nodes.Obstacles(server.scene, bounds)
         obstacles.show(there, hiding=in_front)
         for i, (target, place) in enumerate(contents.targets):
-            show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
+            nodes.show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
         for i, path in enumerate(contents.paths):
-            show_line(server.scene, f"/paths/{i}", path, TIP_PATH, bounds.span)
+            nodes.show_line(server.scene, f"/paths/{i}", path, TIP_PATH, bounds.span)
         _show_forces(server, "forces", contents.forces, bounds.span)
         for i, route in enumerate(contents.routes):
-            show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
+            nodes.show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
-            body = BodyNode(
-                server.scene, f"/robots/{i}", arm.robot, Look(bounds.span, opacity=GHOST if ghost else None)
+            body = nodes.BodyNode(
+                server.scene, f"/robots/{i}", arm.robot, nodes.Look(bounds.span, opacity=GHOST if ghost else None)
             )
-            body.show(arm.q, colours_of(arm))
+            body.show(arm.q, nodes.colours_of(arm))
         page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))
     finally:
-        close_server(server)
+        nodes.close_server(server)
     return _finished(page, contents)
 
 
@@ -98,9 +97,9 @@ def _show_moving(
     for i, moving in enumerate(contents.moving):
         robot = moving.begin.robot
         opacity = GHOST if moving.ghost else None
-        look = Look(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
-        colours = colours_of(moving.begin)
-        body = BodyNode(server.scene, f"/motions/{i}", robot, look)
+        look = nodes.Look(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
+        colours = nodes.colours_of(moving.begin)
+        body = nodes.BodyNode(server.scene, f"/motions/{i}", robot, look)
         bodies.append((body, *frames_of(moving), colours))
         body.show(bodies[i][1][0], colours)
         _show_forces(server, f"forces of {i}", moving.forces_at(0.0), span)
@@ -122,7 +121,7 @@ def _show_moving(
 
 def _show_forces(server: ViserServer, name: str, forces: Sequence[Floats], span: float) -> None:
     for i, force in enumerate(forces):
-        show_line(server.scene, f"/{name}/{i}", force, FORCE, 2.0 * span)
+        nodes.show_line(server.scene, f"/{name}/{i}", force, FORCE, 2.0 * span)
 
 
 def _finished(page: str, contents: Contents) -> str:

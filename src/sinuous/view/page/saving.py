@@ -12,7 +12,8 @@ from sinuous.files.documents import join, parse
 from sinuous.files.problem_file import problem_of
 from sinuous.motion.job import Job
 from sinuous.motion.tables import write_motion
-from sinuous.view.page.model import PageModel, changed
+from sinuous.view.page.edits import changed
+from sinuous.view.page.model import PageModel
 
 LARGEST = 50_000_000
 """Bytes of a problem file that are read."""

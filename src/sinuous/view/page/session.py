@@ -3,28 +3,30 @@
 import logging
 import threading
 import time as clock
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
 from functools import partial
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 from sinuous.answer.explanation import Explanation
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.model.poses import pose
+from sinuous.model.robot import Robot
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import TIME
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solver.memory import Memory
+from sinuous.solver.options import SolveOptions
+from sinuous.solver.solver import Solver
 from sinuous.view.display.style import Colouring
 from sinuous.view.page.edits import is_quick
-from sinuous.view.page.model import History, Moment, PageModel, pace
+from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, pace
 from sinuous.view.page.saving import loaded
-from sinuous.view.page.solvers import QUICK, PageQuestion, Solvers, serving
-from sinuous.view.page.workers import Worker
 
 PATIENCE = 0.15
 """Seconds that a question must stand before a whole budget is spent on it."""
@@ -35,11 +37,147 @@ DETAILS = 0.1
 TICK = 1.0 / 30.0
 """Seconds between two pictures of what is played."""
 
+QUICK = 0.01
+"""Budget, in seconds, of a solve while something is dragged."""
 
 Found = TypeVar("Found")
 
 Sliders = Literal["bends and lengths", "actuators"]
 """What the sliders of the shape move."""
+
+Event = Callable[[], object]
+"""What is to be done; it runs in the thread of the worker."""
+
+IDLE = 0.08
+"""Seconds without a new event after which a worker is idle."""
+
+
+def _nothing() -> None:
+    """Do nothing."""
+
+
+class Worker:
+    """A thread that handles events in the order in which they were posted.
+
+    An event replaces one under the same key that has not begun; so of many moves of a target only the latest is
+    handled.
+
+    Parameters
+    ----------
+    name : str
+    failed : callable
+        Called with every exception of an event.
+    after : callable, optional
+        Called when all events that were in the queue are handled.
+    idle : callable, optional
+        Called once when no event came for a while after that.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        failed: Callable[[Exception], object],
+        after: Event = _nothing,
+        idle: Event = _nothing,
+    ) -> None:
+        self._failed, self._after, self._idle = failed, after, idle
+        self._queue: dict[Hashable, Event] = {}
+        self._condition = threading.Condition()
+        self._stopped = False
+        self._thread = threading.Thread(target=self._run, name=f"sinuous-{name}", daemon=True)
+        self._thread.start()
+
+    def post(self, key: Hashable, event: Event) -> None:
+        """Put an event at the end of the queue; returns at once."""
+        with self._condition:
+            self._queue.pop(key, None)
+            self._queue[key] = event
+            self._condition.notify()
+
+    def stop(self) -> None:
+        """End after the event that is handled now; wait for that."""
+        with self._condition:
+            self._stopped = True
+            self._condition.notify()
+        if threading.current_thread() is not self._thread:
+            self._thread.join()
+
+    def _run(self) -> None:
+        busy = False
+        while True:
+            with self._condition:
+                if not self._queue and not self._stopped:
+                    self._condition.wait(IDLE if busy else None)
+                if self._stopped:
+                    return
+                events, self._queue = list(self._queue.values()), {}
+            if events:
+                for event in events:
+                    self._try(event)
+                self._try(self._after)
+            elif busy:
+                self._try(self._idle)
+            busy = bool(events)
+
+    def _try(self, event: Event) -> None:
+        try:
+            event()
+        except Exception as error:
+            self._failed(error)
+
+
+def serving(memory: Memory | None, robot: Robot) -> Memory | None:
+    """Return a memory as long as it is of this robot: people change robots."""
+    return memory if memory is not None and memory._serves(robot) else None
+
+
+class Solvers:
+    """Answers questions, one after the other, in one thread.
+
+    Parameters
+    ----------
+    routes : bool
+        Whether to search for routes where the first starts fail.
+    memory : Memory, optional
+        Shapes to begin from, as long as the robot is theirs; what is solved is added.
+    """
+
+    def __init__(self, routes: bool, memory: Memory | None = None) -> None:
+        self._routes, self._memory = routes, memory
+        self._known: tuple[Any, ...] | None = None
+        self._solver: Solver | None = None
+
+    def solver(self, question: PageQuestion) -> Solver:
+        """Return a solver for what is asked.
+
+        Raises
+        ------
+        InputError
+            When the method does not handle the robot, or what is preferred.
+        """
+        job, own, snapshot = question.job, question.settings, question.scene
+        place = len(snapshot) if own.method == "newton" else snapshot  # others sample the scene once
+        known = (job.robot, job.tolerance, job.prefer, own.method, own.seed, own.time, place)
+        if self._solver is None or known != self._known:
+            options = SolveOptions(
+                tolerance=job.tolerance,
+                method=own.method,
+                prefer=job.prefer,
+                time=own.time,
+                seed=own.seed,
+                routes=self._routes,
+                memory=serving(self._memory, job.robot),
+            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it
+                self._solver = Solver._for_one_query(job.robot, Scene.of(snapshot), **vars(options))
+            self._known = known
+        self._solver.scene.become(snapshot)
+        return self._solver
+
+    def solve(self, question: PageQuestion, time: float | None = None) -> Solution:
+        """Meet the targets from the shape on the page; `time` in seconds, by default that of the question."""
+        return self.solver(question).solve(question.targets, question.initial, time=time)
 
 
 class Session(ABC):

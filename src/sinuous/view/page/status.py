@@ -18,8 +18,7 @@ from sinuous.problem.body_question import ask_body
 from sinuous.problem.target import Target
 from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.statics.rest import bodies_at
-from sinuous.view.display.captions import STARTS, number, rows_of, words_of
-from sinuous.view.display.curves import lengths_along, radii_along
+from sinuous.view.display.results import STARTS, lengths_along, number, radii_along, rows_of, words_of
 from sinuous.view.page.model import PageModel
 
 SAMPLES = 16

@@ -17,12 +17,11 @@ from sinuous.methods.registry import METHODS
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance
-from sinuous.view.display.captions import told_apart
-from sinuous.view.display.curves import Curves, actuators_of, bends_of, lengths_of, speeds_of
+from sinuous.view.display.results import Curves, actuators_of, bends_of, lengths_of, speeds_of, told_apart
 from sinuous.view.display.style import Colouring, largest_bends
-from sinuous.view.page.edits import KINDS, sizes_of
-from sinuous.view.page.fields import Fields, step_of
-from sinuous.view.page.model import ASKED, MOST_SECONDS, least_of
+from sinuous.view.page.edits import KINDS, least_of, sizes_of
+from sinuous.view.page.model import ASKED, MOST_SECONDS
+from sinuous.view.page.panel import Fields, Part, step_of
 from sinuous.view.page.saving import saved, table
 from sinuous.view.page.session import Session, Sliders
 
@@ -130,7 +129,8 @@ def motion_tab(session: Session, fields: Fields) -> None:
         return 0.0 if first == last else float(np.clip(100.0 * (model.time - first) / (last - first), 0.0, 100.0))
 
     fields.slider("moment, %", (0.0, 100.0), moment, lambda value: session.go_to(0.01 * value), 0.1)
-    fields.bind(fields.gui.add_checkbox("play", False), lambda: session.playing, session.play)
+    play = fields.gui.add_checkbox("play", False)
+    fields.field(play, lambda: session.playing, session.play, at_once=True)
     _rate_fields(session, fields)
 
 
@@ -344,3 +344,33 @@ def file_tab(session: Session, fields: Fields) -> None:
     @upload.on_upload
     async def _(_: Any) -> None:
         session.load(upload.value.name, upload.value.content)
+
+
+def _asked(session: Session) -> object:
+    asked = ((t.position is None, t.direction is None, t.rotation is None, t.segment) for t in session.model.targets)
+    return session.model.job.is_path, *asked
+
+
+def _limits(session: Session) -> object:
+    robot = session.model.robot
+    limits = tuple((segment.max_bend, segment.length) for segment in robot.segments)
+    return limits, robot.actuators, session.first_segment, session.sliders
+
+
+def _plot(session: Session) -> object:
+    return session.model.motion, session.plotted, session.model.job.rates or None
+
+
+PARTS: list[Part] = [
+    ("Target", target_tab, _asked),
+    ("Target", remedy_fields, lambda own: (own.unsolved, own.explaining, own.model.explanation)),
+    ("Motion", motion_tab, lambda own: own.model.job.is_path),
+    ("Motion", plot_fields, _plot),
+    ("Shape", shape_tab, _limits),
+    ("Scene", scene_tab, lambda own: None),
+    ("Scene", size_fields, lambda own: (own.model.grasped, *chosen_sizes(own))),
+    ("Robot", robot_tab, lambda own: own.model.robot.segment_names),
+    ("Solve", solve_tab, lambda own: None),
+    ("File", file_tab, lambda own: None),
+]
+"""What stands below each other in the tabs, and what it is made for."""

@@ -14,9 +14,9 @@ from sinuous.base.errors import InputError
 from sinuous.methods.registry import options_of
 from sinuous.motion.motion import Motion
 from sinuous.solver.solver import KeptOptions
-from sinuous.view.display.curves import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
+from sinuous.view.display.results import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
 from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
-from sinuous.view.pictures.files import need_matplotlib
+from sinuous.view.pictures.figures import need_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

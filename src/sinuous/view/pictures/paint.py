@@ -11,12 +11,11 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
-from sinuous.view.display.body import BodySurface
 from sinuous.view.display.bounds import Bounds, towards
 from sinuous.view.display.contents import Arm
-from sinuous.view.display.obstacles import AROUND, Dotted, Surface, obstacle_surface
 from sinuous.view.display.style import METAL, OBSTACLE, THINNEST, Viewpoint
-from sinuous.view.pictures.space import screen
+from sinuous.view.display.surfaces import AROUND, BodySurface, Dotted, Surface, obstacle_surface
+from sinuous.view.pictures.figures import screen
 
 MOST_TRIANGLES = 12_000
 """Triangles of a mesh that are drawn; of more, vertices that fall together on a grid become one."""
@@ -38,18 +37,8 @@ def of_mesh(surface: Surface, both: bool) -> Floats:
     return np.concatenate([facets, facets[:, [2, 1, 0, 0]]]) if both else facets
 
 
-def _thinned(surface: Surface) -> Surface:
-    """Return a mesh of so few triangles that a picture can have them."""
-    cells = FINEST
-    thin = _clustered(surface, cells)
-    while len(thin.faces) > MOST_TRIANGLES and cells > COARSEST:
-        cells = 3 * cells // 4
-        thin = _clustered(surface, cells)
-    return thin
-
-
-def _clustered(surface: Surface, cells: int) -> Surface:
-    """Return a mesh in which all vertices in a cell of a grid have become their mean."""
+def _thinned(surface: Surface, cells: int = FINEST) -> Surface:
+    """Return a mesh of so few triangles that a picture can have them: vertices in a cell of a grid are their mean."""
     vertices = surface.vertices
     low, edge = vertices.min(axis=0), np.ptp(vertices, axis=0).max() / cells
     places = np.floor((vertices - low) / edge).astype(np.int64)
@@ -59,7 +48,8 @@ def _clustered(surface: Surface, cells: int) -> Surface:
     np.add.at(sums, group, vertices)
     faces = group[surface.faces]
     a, b, c, _ = faces.T
-    return Surface(sums / count[:, None], faces[(a != b) & (b != c) & (c != a)])
+    thin = Surface(sums / count[:, None], faces[(a != b) & (b != c) & (c != a)])
+    return _thinned(surface, 3 * cells // 4) if len(thin.faces) > MOST_TRIANGLES and cells > COARSEST else thin
 
 
 def normals(facets: Floats) -> Floats:
@@ -96,25 +86,14 @@ def within(facets: Floats, low: Floats, high: Floats, solid: bool = False) -> Fl
 
     Those of a convex `solid` are closed again where it is cut.
     """
-    if solid:
-        for axis in range(3):
-            for side, limit in ((1.0, low[axis]), (-1.0, high[axis])):
-                facets = _closed(facets, axis, side, limit)
-        return facets
-    whole = ((facets >= low) & (facets <= high)).all(axis=(1, 2))
-    beyond = np.any(np.all(facets < low, axis=1) | np.all(facets > high, axis=1), axis=1)
-    parts = [facets[whole]]
-    for corners in facets[~whole & ~beyond]:
-        polygon = corners
-        for axis in range(3):
-            for side, limit in ((1.0, low[axis]), (-1.0, high[axis])):
-                polygon = _above(polygon, side * (polygon[:, axis] - limit))
-        parts += [_fan(polygon)] if len(polygon) > 2 else []
-    return np.concatenate(parts)
+    for axis in range(3):
+        for side, limit in ((1.0, low[axis]), (-1.0, high[axis])):
+            facets = _cut_off(facets, axis, side, limit, solid)
+    return facets
 
 
-def _closed(facets: Floats, axis: int, side: float, limit: float) -> Floats:
-    """What of a convex solid is on one side of a plane across an axis, with a face in the plane."""
+def _cut_off(facets: Floats, axis: int, side: float, limit: float, solid: bool) -> Floats:
+    """What of facets is on one side of a plane across an axis; of a convex solid with a face in the plane."""
     heights = side * (facets[..., axis] - limit)
     below, above = heights.min(axis=1), heights.max(axis=1)
     if not len(facets) or below.min() >= 0.0:
@@ -124,7 +103,7 @@ def _closed(facets: Floats, axis: int, side: float, limit: float) -> Floats:
     kept = np.concatenate([facets[below >= 0.0], *(_fan(polygon) for polygon in polygons if len(polygon) > 2)])
     corners = kept.reshape(-1, 3)
     rim = corners[np.abs(corners[:, axis] - limit) < ROUNDING * np.ptp(facets, axis=(0, 1)).max()]
-    if len(rim) < 3:
+    if not solid or len(rim) < 3:
         return kept
     across, up = (rim[:, (axis + k) % 3] - rim[:, (axis + k) % 3].mean() for k in (1, 2))
     return np.concatenate([kept, _fan(rim[np.argsort(-side * np.arctan2(up, across), kind="stable")])])

@@ -1,11 +1,25 @@
 """Axes in space: figures for them, the box that they show, and how it fills the room that there is."""
 
+import base64
+import io
 import math
+import shutil
+import subprocess
+from collections.abc import Iterable
+from contextlib import suppress
+from html import escape
+from itertools import chain
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.documents import written
+from sinuous.base.errors import InputError
+from sinuous.view.display import style
 from sinuous.view.display.bounds import Bounds, bounds_of, towards
 from sinuous.view.display.contents import Contents
 from sinuous.view.display.style import GRID, LINE, PALE, SMALL, TEXT, Viewpoint
@@ -135,3 +149,137 @@ def _tidy(axes: Any) -> None:
         axis.set_label_text(label, color=PALE, fontsize=TEXT)
         axis.set_tick_params(labelsize=SMALL, labelcolor=PALE, color=LINE, pad=1.0)
         axis.labelpad = 2.0
+
+
+MOVIES = ("gif", "mp4")
+"""Kinds of moving pictures."""
+
+
+def need_matplotlib(key: str, value: object = None) -> None:
+    """Refuse to draw where there is no Matplotlib.
+
+    Raises
+    ------
+    InputError
+        That names the extra to install.
+    """
+    checks.needed("matplotlib.backend_bases", "plot", key, value, "Matplotlib")
+
+
+def stills() -> tuple[str, ...]:
+    """Endings of still pictures."""
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+
+    return tuple(sorted(FigureCanvasBase.filetypes))
+
+
+def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) -> None:
+    """Refuse a picture that cannot be drawn, before anything is solved.
+
+    `kinds` are the endings that may be meant; by default all that there are.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib or ffmpeg is missing, or the kind of file is another.
+    """
+    need_matplotlib(key, str(file))
+    known = sorted({*stills(), *MOVIES}) if kinds is None else list(kinds)
+    kind = file.suffix.lower().lstrip(".")
+    if kind not in known:
+        raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))
+    if kind == "mp4" and shutil.which("ffmpeg") is None:
+        raise InputError(key, "needs the program ffmpeg", str(file), "ffmpeg installed, or a name that ends in .gif")
+
+
+TIGHT = {"bbox_inches": "tight", "pad_inches": 0.15}
+"""How a figure is saved without its empty border."""
+
+
+def image_in_page(figure: Any, said: str, **options: Any) -> str:
+    """Return the element of a page that holds a figure as a PNG, and a text for those who do not see it."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", **options)
+    return f'<img alt="{escape(said)}" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
+
+
+def save_figure(figure: Any, file: Path) -> None:
+    """Write a figure, without its empty border.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with written(file, "file"):
+        figure.savefig(file, **TIGHT)
+
+
+GIF_COLOURS = 128
+"""Colours of a GIF."""
+
+ALWAYS = ("#ffffff", style.TARGET, style.PATH, style.ROUTE, *style.ARMS[0], *style.UNSOLVED, style.INK)
+"""Colours that every GIF has as they are."""
+
+NEARLY_WHITE = 246
+"""What the mean of white and its neighbours exceeds, of 255: it becomes white."""
+
+HOLD = 1.2
+"""Seconds that a GIF stands at its end before it begins anew."""
+
+Pixels = NDArray[np.uint8]
+
+
+def write_movie(file: Path, frames: Iterable[Pixels], fps: int) -> None:
+    """Write pictures (height, width, 3) of one size; the ending of the file says how.
+
+    Raises
+    ------
+    InputError
+        When ffmpeg fails.
+    OSError
+        When the file cannot be written.
+    """
+    (_write_gif if file.suffix.lower() == ".gif" else _write_mp4)(file, frames, fps)
+
+
+def _write_gif(file: Path, frames: Iterable[Pixels], fps: int) -> None:
+    """Give all pictures the colours of the first and the last: what does not change between two takes no room."""
+    from PIL import Image  # noqa: PLC0415
+
+    images = [Image.fromarray(frame) for frame in frames]
+    palette = palette_of(Image.fromarray(np.concatenate([np.asarray(images[0]), np.asarray(images[-1])])))
+    flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    durations = [round(1000 / fps)] * (len(flat) - 1) + [round(1000 * HOLD)]
+    flat[0].save(file, save_all=True, append_images=flat[1:], duration=durations, loop=0, optimize=True)
+
+
+def palette_of(image: Any, count: int = GIF_COLOURS) -> Any:
+    """Return a palette of so many colours: those of an image, and those that all our pictures have."""
+    from matplotlib.colors import to_rgb  # noqa: PLC0415
+    from PIL import Image  # noqa: PLC0415
+
+    kept = [round(255.0 * part) for colour in ALWAYS for part in to_rgb(colour)]
+    found = np.array(image.quantize(count - len(ALWAYS), method=Image.Quantize.MEDIANCUT).getpalette()).reshape(-1, 3)
+    found[(found > NEARLY_WHITE).all(axis=-1)] = 255
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*found[: count - len(ALWAYS)].ravel().tolist(), *kept])
+    return palette
+
+
+def _write_mp4(file: Path, frames: Iterable[Pixels], fps: int) -> None:
+    """H.264 in the format of colours that every player knows; sides of an odd length lose one row of pixels."""
+    pictures = iter(frames)
+    first = next(pictures)
+    height, width = (side // 2 * 2 for side in first.shape[:2])
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]
+    coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart"]
+    command = ["ffmpeg", "-y", "-loglevel", "error", *raw, *coded, str(file)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as ffmpeg:
+        assert ffmpeg.stdin is not None
+        with suppress(BrokenPipeError):  # it may end before it has them all
+            for frame in chain([first], pictures):
+                ffmpeg.stdin.write(frame[:height, :width].tobytes())
+        said = " ".join(ffmpeg.communicate()[1].decode(errors="replace").split())
+    if ffmpeg.returncode:
+        raise InputError("path", f"ffmpeg: {said}", str(file), "a film that ffmpeg can write")

@@ -13,9 +13,9 @@ import sinuous as sn
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
-from sinuous.view.pictures.diagrams import tidy
+from sinuous.view.pictures.diagrams import finish_axes
 from sinuous.view.pictures.figures import new_figure, palette_of
-from sinuous.view.pictures.plot import still
+from sinuous.view.pictures.plot import draw_still
 from sinuous.view.pictures.reports import write_picture
 
 ROOT = Path(__file__).parent.parent
@@ -48,7 +48,7 @@ def shrink(file: Path, share: float = 1.0) -> None:
 
 def shape(name: str, *things: Any) -> None:
     """Draw things as `--plot` does."""
-    save(still(gather(things)), name)
+    save(draw_still(gather(things)), name)
 
 
 def insertion_room() -> None:
@@ -156,7 +156,7 @@ def arcs() -> None:
     ):
         base = sn.pose((100.0 * i, 0.0, 0.0))
         things += [segment.changed(base=base), np.array([[bend, 0.0, length]])]
-    save(still(gather(things)), "arcs")
+    save(draw_still(gather(things)), "arcs")
 
 
 def proofs() -> None:
@@ -187,7 +187,7 @@ def proofs() -> None:
         )
         axes.plot(*middle[::2], "o", color=TARGET, markersize=3.0)
     axes.set(xlim=(-60, 150), ylim=(-30, 210))
-    tidy(axes, "", x="x", y="z")
+    finish_axes(axes, "", x="x", y="z")
     axes.grid(color=GRID)
     count = len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))
     axes.set_title(f"{count} balls prove this body clear", color=INK)

@@ -15,8 +15,8 @@ from sinuous.base import checks
 from sinuous.cli.options import check_writable
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
-from sinuous.view.display.results import caption
-from sinuous.view.pictures.figures import axes_box, check_picture, fill, new_figure
+from sinuous.view.display.results import caption_of
+from sinuous.view.pictures.figures import axes_box, check_picture, fill_room, new_figure
 from sinuous.view.pictures.plot import draw_contents
 
 SHOWN = {
@@ -46,11 +46,11 @@ def draw(file: Path, shown: dict[str, int]) -> None:
         panels.append((axes, axes_box(contents)))
         draw_contents(axes, contents, panels[-1][1], best_view(contents))
         axes.set_axis_off()
-        axes.set_title(f"{family}\n{caption(contents.answers)}", fontsize=10)
+        axes.set_title(f"{family}\n{caption_of(contents.answers)}", fontsize=10)
     figure.canvas.draw()  # puts the panels in their places
     figure.set_layout_engine("none")
     for axes, box in panels:
-        fill(axes, box)
+        fill_room(axes, box)
     figure.savefig(file)
 
 

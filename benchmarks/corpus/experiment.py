@@ -57,7 +57,8 @@ def answer(problem: Problem) -> tuple[Any, Any]:
         found = problem.ask()
         return found, plain(found)
     except Exception as error:  # that too has to stay as it is
-        return None, {"raises": type(error).__name__, "words": plain(str(error))}
+        kind = "InputError" if isinstance(error, sn.InputError) else type(error).__name__  # some are TypeErrors, too
+        return None, {"raises": kind, "words": plain(str(error))}
 
 
 def written(piece: str) -> tuple[Answers, list[str]]:

@@ -1,23 +1,14 @@
 """Command lines of one function each: `main = command(run, "benchmarks.rooms")`."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
 
 import typer
 
 from sinuous.cli.app import execute
 
 
-class Main(Protocol):
-    """What runs a command with the arguments of the process, or others, and returns its exit code."""
-
-    def __call__(self, arguments: Sequence[str] | None = None) -> int:
-        """Run it."""
-        ...
-
-
-def command(run: Callable[..., None], module: str) -> Main:
-    """Return what runs a function as a command.
+def command(run: Callable[..., None], module: str) -> Callable[..., int]:
+    """Return what runs a function as a command, with the arguments of the process or others, and returns its exit code.
 
     Parameters
     ----------

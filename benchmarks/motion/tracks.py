@@ -1,9 +1,8 @@
-"""Paths: the paper's 180 waypoints behind random spheres, and along a line in every branch; each step is proved."""
+"""Paths: the paper's 180 waypoints behind random spheres; each step is proved."""
 
-import tracemalloc
 from collections.abc import Callable, Iterator
 from functools import partial
-from time import perf_counter, thread_time
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -26,25 +25,6 @@ WORST = "paths: worst time of a waypoint"
 FALSE = "paths: steps called proved in which a judge finds a collision"
 TIP = "paths: tip farther from a waypoint than the tolerance"
 
-LONG, QUICK_LONG, LONG_AMONG = (1_000, 10_000, 100_000), (100, 1_000), 30
-"""Waypoints of long paths, and the spheres that these are behind."""
-
-LINEAR = 1.25
-"""How much more a waypoint of the longest path may take than one of the shortest."""
-
-LONG_TIME = "long paths: time of a waypoint"
-LONG_MEMORY = "long paths: memory of a waypoint"
-TIME_RATIO = "long paths: growth of the time of a waypoint"
-MEMORY_RATIO = "long paths: growth of the memory of a waypoint"
-
-
-class Path(NamedTuple):
-    """A path to follow: which, and among what."""
-
-    segments: int
-    spheres: int
-    seed: int
-
 
 class Followed(NamedTuple):
     """What came of it: seconds of every waypoint; how many were solved, and reached by proved motion; what is wrong."""
@@ -61,7 +41,7 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
     """Follow paths among so many spheres, with one number of segments."""
     for spheres in SPHERES:
         what = f"{segments} segments, {spheres} spheres"
-        paths = [Path(segments, spheres, 1000 * plan.seed + i) for i in range(plan.count(SEEDS, 1))]
+        paths = [(segments, spheres, 1000 * plan.seed + i) for i in range(plan.count(SEEDS, 1))]
         followed = list(plan.track(in_processes(follow, paths, alone=plan.quick), what, len(paths)))
         times = Times.of([second for one in followed for second in one.seconds])
         solved, reached = (sum(each) for each in zip(*((one.solved, one.reached) for one in followed), strict=True))
@@ -75,49 +55,15 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
         yield Line(TIP, what, sum(one.missed for one in followed), "", Goal(0.0, correctness=True))
 
 
-def measure_long(plan: Plan) -> Iterator[Line]:
-    """Follow one path with more and more waypoints on it; time and memory of a waypoint are to stay the same."""
-    problems = path_through(5, LONG_AMONG, np.random.default_rng([1000 * plan.seed, 5, LONG_AMONG]))
-    counts = QUICK_LONG if plan.quick else LONG
-    _track(problems.only(range(3)))
-    found = [_track_long(problems, count) for count in counts]
-    for count, (seconds, memory) in zip(counts, found, strict=True):
-        what = f"5 segments, {LONG_AMONG} spheres, {count:,} waypoints"
-        yield Line(LONG_TIME, what, seconds, "us", note="time of the thread")
-        yield Line(LONG_MEMORY, what, memory / 1e3, "kB", note="of the motion with all its solutions")
-    what = f"{counts[-1]:,} waypoints against {counts[0]:,}"
-    for name, (first, *_, last) in zip((TIME_RATIO, MEMORY_RATIO), zip(*found, strict=True), strict=True):
-        yield Line(name, what, last / first, "times", Goal(LINEAR))
-
-
-def _track_long(problems: ProblemSet, count: int) -> tuple[float, float]:
-    """Seconds and bytes of a waypoint, where so many lie evenly along the original path."""
-    corners = np.array([target.position for target in problems.targets])
-    along = np.linspace(0.0, len(corners) - 1.0, count)
-    positions = np.stack([np.interp(along, np.arange(len(corners)), axis) for axis in corners.T], axis=1)
-    path = [sn.Target(position) for position in positions], problems.scene
-    began = thread_time()
-    sn.track(problems.robot, *path, tolerance=problems.tolerance)
-    seconds = thread_time() - began
-    tracemalloc.start()
-    motion = sn.track(problems.robot, *path, tolerance=problems.tolerance)
-    memory, _ = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert len(motion.solutions) == count
-    return seconds / count, memory / count
-
-
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {
-    **{f"paths, {segments} segments": partial(measure, segments=segments) for segments in SEGMENTS},
-    "long paths": measure_long,
+    f"paths, {segments} segments": partial(measure, segments=segments) for segments in SEGMENTS
 }
 
 
-def follow(path: Path) -> Followed:
-    """Follow one path, and judge every step that is called proved."""
-    problems = path_through(
-        path.segments, path.spheres, np.random.default_rng([path.seed, path.segments, path.spheres])
-    )
+def follow(path: tuple[int, int, int]) -> Followed:
+    """Follow one path, by numbers of segments and spheres and a seed, and judge every step that is called proved."""
+    segments, spheres, seed = path
+    problems = path_through(segments, spheres, np.random.default_rng([seed, segments, spheres]))
     _track(problems.only(range(3)))
     load_trees(problems.robot, problems.scene.snapshot())  # what re-configures the robot is warm, too
     motion, seconds = _track(problems)

@@ -27,28 +27,9 @@ def test_what_is_no_number_is_refused(value: Any) -> None:
     assert error.value is value
 
 
-@pytest.mark.parametrize("value", [-1.0, 3.0])
-def test_bounds_are_named(value: float) -> None:
-    refused("key", lambda: checks.number("key", value, low=0.0, high=2.0), f"{value}", "at least 0", "at most 2")
-
-
-def test_above_excludes_and_low_includes() -> None:
-    assert checks.number("key", 0.0, low=0.0) == 0.0
-    refused("key", lambda: checks.number("key", 0.0, above=0.0), "greater than 0")
-
-
-@with_each("value", [0, 4, 2.0, True, "2", None, math.nan, 10**9, np.float64(2.0)])
+@with_each("value", [0, 4, 2.0, True, "2", None, math.nan, 10**9, np.float64(2.0), 10**5000])
 def test_what_is_no_count_is_refused(value: Any) -> None:
     refused("key", lambda: checks.integer("key", value, 1, 3), "1 to 3")
-
-
-def test_a_count_of_more_digits_than_python_prints_is_refused_too() -> None:
-    refused("key", lambda: checks.integer("key", 10**5000, 1, 3), "1 to 3")
-
-
-def test_counts_become_ints() -> None:
-    assert [checks.integer("key", v, 1, 3) for v in (1, np.int32(3))] == [1, 3]
-    assert type(checks.integer("key", np.int32(3), 1, 3)) is int
 
 
 @with_each("value", NOT_VECTORS)
@@ -70,11 +51,6 @@ def test_any_extent_may_be_left_open() -> None:
     assert checks.array("key", [[1, 2]], (None, 2)).shape == (1, 2)
     assert checks.array("key", np.zeros((0, 2)), (None, 2)).shape == (0, 2)
     refused("key", lambda: checks.array("key", [[1, 2, 3]], (None, 2)), "rows of 2 finite numbers", "(1, 3)")
-
-
-@pytest.mark.parametrize("lead", [(), (4,), (2, 0), (2, 3)])
-def test_stacks_have_any_axes_in_front(lead: tuple[int, ...]) -> None:
-    assert checks.stack("key", np.ones((*lead, 5, 3)), (5, 3)).shape == (*lead, 5, 3)
 
 
 @with_each(
@@ -143,11 +119,6 @@ def test_intervals_name_the_end_that_is_wrong() -> None:
     refused("key[1]", lambda: checks.interval("key", (1.0, math.inf)))
     refused("key[1]", lambda: checks.interval("key", (0.0, True)))
     refused("key", lambda: checks.interval("key", -1.0, low=0.0))
-
-
-def test_texts() -> None:
-    assert checks.text("key", "a") == "a"
-    refused_each("key", ("", 3, None, b"a"), lambda value: checks.text("key", value))
 
 
 def test_outer_keys_are_put_in_front() -> None:

@@ -222,10 +222,10 @@ def main() -> None:
     from sinuous.cli.warm_steps import steps
     from sinuous.scene.prepared import sampling
 
-    failed, sampled = [], {"LEAST": sampling.LEAST, "MOST": sampling.MOST, "CELLS": sampling.CELLS}
+    failed, sampled = [], {name: getattr(sampling, name) for name in ("LEAST", "MOST", "CELLS", "PAD")}
     sampling.THREADS = 1  # threads write into one array, and each call is compared by itself
     sampling.LEAST = sampling.MOST = 2**10  # more say the same, and take most of the time
-    sampling.CELLS = 100
+    sampling.CELLS, sampling.PAD = 100, 1
 
     def run(name: str, use: Callable[[], object]) -> None:
         try:

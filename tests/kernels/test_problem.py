@@ -15,8 +15,6 @@ from sinuous.model.robot import Robot, robot_group
 from sinuous.model.segment import Segment
 from sinuous.problem.problem import Preferences, settings_group
 from sinuous.problem.target import Target, Tolerance, target_table
-from sinuous.scene.obstacles import Sphere
-from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
 
@@ -73,43 +71,6 @@ def test_limits_of_actuators_say_what_their_lines_do(robot: Robot, seed: int) ->
     limited = np.array([math.isfinite(sum(map(abs, each.limits))) for each in robot.actuators], bool)
     np.testing.assert_allclose(seen, robot.to_actuators(q)[limited], atol=1e-12)
     assert list(last) == sorted(last)
-
-
-def test_a_row_points_to_its_own_part_of_the_store() -> None:
-    rng = np.random.default_rng(0)
-    clouds = [PointCloud(rng.normal(size=(count, 3)), 0.1) for count in (1, 5, 30)]
-    table, store = read(Robot.uniform(2, 1.0), scene=[clouds[0], Sphere((0, 0, 9), 1.0), *clouds[1:]]).scene
-    for row, cloud in zip(table[[0, 2, 3]], clouds, strict=True):
-        assert (row[t.KIND], row[t.ITEM_KIND]) == (t.TREE, t.BALLS)
-        balls = store[int(row[t.ITEMS]) :][: int(row[t.ITEM_COUNT]) * t.BALL_SIZE].reshape(-1, t.BALL_SIZE)
-        np.testing.assert_array_equal(np.unique(balls[:, :3], axis=0), np.unique(cloud.points, axis=0))
-        assert (balls[:, 3] == 0.1).all()
-
-
-points = st.tuples(*[st.floats(-9.0, 9.0)] * 3)
-directions = points.filter(lambda p: math.hypot(*p) > 1e-3)
-targets = st.one_of(
-    st.builds(lambda p, k: Target(p, segment=k), points, st.sampled_from([None, 1, 2, 3])),
-    st.builds(lambda p, d, k: Target(p, direction=d, segment=k), points, directions, st.sampled_from([None, 2])),
-    st.builds(lambda d: Target(direction=d), directions),
-    st.builds(lambda p, pose: Target(p, rotation=pose[:3, :3]), st.none() | points, poses),
-)
-
-
-@given(st.lists(targets, min_size=1, max_size=5))
-def test_targets_are_read_back(drawn: list[Target]) -> None:
-    for row, target in zip(read(Robot.uniform(3, 1.0), drawn).targets, drawn, strict=True):
-        assert row[t.TARGET_SEGMENT] == (-1 if target.segment is None else target.segment - 1)
-        assert row[t.HAS_POSITION] == (target.position is not None)
-        kind, goal = t.FREE, np.zeros(0)
-        if target.rotation is not None:
-            kind, goal = t.ROTATION, target.rotation.ravel()
-        elif target.direction is not None:
-            kind, goal = t.DIRECTION, target.direction
-        assert row[t.ORIENTATION] == kind
-        np.testing.assert_array_equal(row[t.GOAL :][: goal.size], goal)
-        if target.position is not None:
-            np.testing.assert_array_equal(row[t.TARGET_POSITION : t.TARGET_POSITION + 3], target.position)
 
 
 @given(robots, st.tuples(*[st.floats(1e-6, 1.0)] * 5), st.lists(st.floats(-9.0, 9.0), max_size=4))

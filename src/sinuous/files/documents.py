@@ -8,6 +8,8 @@ Why not ruamel.yaml, which follows YAML 1.2: it lets aliases multiply without a 
 of `2001-01-01` and numbers of `0x10` and `1_000`, allows keys that are no names, and names a duplicate key without its
 place among the others; each of these would need code here again. Its constructors in C take 11 times as long as this
 module for a path of 20,000 waypoints, those in Python 27 times (ruamel.yaml 0.19.1 against PyYAML 6.0.4 with libyaml).
+Why not PyYAML's composer, whose nodes are read by the same rules: it refuses an anchor that is given twice, which YAML
+allows, takes a fifth longer for that path, and saves 24 lines here.
 """
 
 import json

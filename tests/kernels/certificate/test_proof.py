@@ -21,7 +21,7 @@ from sinuous.kernels.certificate.sweep import (
 from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
-from tests.kernels.certificate.motions import Case, random_case, sampled_case, shape
+from tests.kernels.certificate.motions import Case, random_case, sampled, sampled_case, shape
 from tests.scene import shapes
 
 ITSELF = CLEARANCES + CLEARANCES_WIDTH
@@ -174,6 +174,16 @@ def test_who_touches_a_wall_only_on_the_way_is_not_clear(ends: tuple[float, floa
         wall = Scene([sn.HalfSpace((0.0, 0.0, 1.05 + gap), (0.0, 0.0, -1.0))])
         for slack in (1.0, SLACK):
             assert (prove(Case(robot, wall, q0, q1), slack)[0, VERDICT] == CLEAR) == (gap > 0.0)
+
+
+@pytest.mark.parametrize("seed", [1, 349, 1203, 1287, 2383])
+def test_who_runs_through_itself_only_on_the_way_is_not_clear(seed: int) -> None:
+    """Of random motions those, among others, that a bound without what moves meanwhile takes for clear."""
+    robot, rng = sn.Robot.uniform(5, 1.0, 4.5, radius=0.08), np.random.default_rng(seed)
+    case = Case(robot, Scene(), shape(robot, rng), shape(robot, rng))
+    assert min(sampled(case._replace(q0=q, q1=q))[1] for q in (case.q0, case.q1)) > 0.0
+    assert sampled(case)[1] < -0.01
+    assert prove(case, 1.0)[0, VERDICT] != CLEAR
 
 
 def test_the_part_within_the_mount_may_touch_what_it_stands_in() -> None:

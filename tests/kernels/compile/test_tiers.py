@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -136,7 +137,7 @@ def test_an_interpreted_call_is_abandoned_and_made_again_with_its_code(
             with tiers.code_first():
                 compiling.entry(fill)(np.zeros(5), 1.0)  # as a helper
         else:
-            monkeypatch.setattr(tiers.time, "thread_time", lambda: 1e9)
+            monkeypatch.setattr(time, "thread_time", lambda: 1e9)
         ends.append(end())
         raise AbandonedError
 
@@ -152,7 +153,7 @@ def test_where_interpreted_calls_took_long_code_is_waited_for(orders: Orders, mo
     """Helpers may never come to their turn: an answer is later by a share at most, and those that follow are soon."""
     entry: Any = compiling.entry(half)
     cpu = [0.0]
-    monkeypatch.setattr(tiers.time, "thread_time", lambda: cpu.__setitem__(0, cpu[0] + 9.0) or cpu[0])
+    monkeypatch.setattr(time, "thread_time", lambda: cpu.__setitem__(0, cpu[0] + 9.0) or cpu[0])
     calls = 0
     while not entry.signatures:
         assert entry(3.0) == 1.5

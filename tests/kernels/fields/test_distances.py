@@ -170,17 +170,6 @@ def test_a_distance_changes_by_at_most_the_distance_moved(inside: bool) -> None:
         assert (change <= np.linalg.norm(a - b, axis=1) + 1e-14).all()
 
 
-@pytest.mark.parametrize("kind", ["sphere", "box", "cylinder"])
-def test_inside_out_is_the_negative(kind: str) -> None:
-    outer, _, _ = draw(kind, np.random.default_rng(40))
-    inner, _, _ = draw(kind, np.random.default_rng(40), inside=True)
-    points = around(outer, np.random.default_rng(41), 200)
-    values, gradients = ask(outer, points)
-    flipped, turned = ask(inner, points)
-    np.testing.assert_array_equal(flipped, -values)
-    np.testing.assert_array_equal(turned, -gradients)
-
-
 def test_delicate_places_have_unit_gradients_too() -> None:
     """Centers, axes, faces, edges and corners, where several answers are right and NaN is none."""
     obstacles: list[Primitive] = [

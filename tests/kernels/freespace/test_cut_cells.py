@@ -49,7 +49,7 @@ def test_sides_are_told_apart_and_nothing_leads_across(seed: int) -> None:
         assert float(scene.distance(np.array(there))) == pytest.approx(0.7, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(12))
 def test_links_lead_wherever_two_finest_cells_do(seed: int) -> None:
     scene = Scene([plate(seed)])
     one, other = (3, 0, 0, -1), ((3, 0, 0, 0), (2, 2, 1, -1), (0, 8, 3, -2), (3, -1, -1, -2))[seed % 4]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +36,11 @@ def flip(file: Path) -> None:
 
 
 def rewrite(change: Callable[[Floats], object], key: str = VALUES) -> Callable[[Path], None]:
-    return lambda file: np.savez(file, **{key: np.asarray(change(np.load(file)[VALUES]))})
+    def damage(file: Path) -> None:
+        arrays: dict[str, Any] = {key: change(np.load(file)[VALUES])}
+        np.savez(file, **arrays)
+
+    return damage
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """A batch that is quick to solve: three segments beside a ball, some rows of which are no targets."""
 
 import csv
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ def write_csv(file: Path, rows: Floats, header: str = "x,y,z") -> Path:
     return file
 
 
+@cache
 def loop(count: int) -> tuple[sn.Solutions, list[int]]:
     """What `solve_many` says of the rows that are targets, and their numbers, 0 = first."""
     rows = [row for row in range(count) if row not in BAD]

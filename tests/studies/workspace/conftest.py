@@ -8,4 +8,4 @@ from tests.studies.workspace.maps import made
 
 @pytest.fixture(scope="session")
 def found() -> sn.studies.Reach:
-    return made()
+    return made(workers=3)

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.view.display.surfaces import BodySurface, ColouredPart, as_triangles
-from sinuous.view.pictures.paint import normals
+from sinuous.view.pictures.paint import normals_of
 from tests.helpers import random_pose
 
 RNG = np.random.default_rng(1)
@@ -56,7 +56,7 @@ def test_fittings_are_behind_the_base_around_the_mount_and_at_the_tool() -> None
     assert np.hypot(sleeve[..., 0], sleeve[..., 1])[sleeve[..., 2] < 3.9] == pytest.approx(1.25)
     for own in (flange, sleeve, tool):  # seen from outside
         middles = own.mean(axis=1)
-        assert (np.einsum("mx,mx->m", (middles - middles.mean(axis=0))[:, :2], normals(own)[:, :2]) > -1e-9).all()
+        assert (np.einsum("mx,mx->m", (middles - middles.mean(axis=0))[:, :2], normals_of(own)[:, :2]) > -1e-9).all()
     assert len(BodySurface(robot, 0.1, AROUND, fittings=False).parts) == 2
 
 

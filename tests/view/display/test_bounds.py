@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.display.bounds import best_view, bounds_of, hidden, seen_places, towards
+from sinuous.view.display.bounds import best_view, bounds_of, direction_of, find_hidden, seen_places
 from sinuous.view.display.contents import gather
 from tests.helpers import random_pose
 
@@ -41,7 +41,7 @@ def test_the_view_is_across_the_plane_that_the_robot_reaches_out_in() -> None:
     for angle in (0.0, 1.0, -2.0):
         q = np.array([[np.cos(angle), np.sin(angle), 1.0]])
         reach = robot.tip(q)[:2, 3] / np.linalg.norm(robot.tip(q)[:2, 3])
-        side = towards(best_view(gather([robot, q])))
+        side = direction_of(best_view(gather([robot, q])))
         assert side[2] > 0.0
         assert 0.3 < abs(float(side[:2] @ reach)) < 0.5
 
@@ -49,14 +49,14 @@ def test_the_view_is_across_the_plane_that_the_robot_reaches_out_in() -> None:
 def test_the_view_begins_where_the_robot_is_hidden_least() -> None:
     robot = sn.Robot.uniform(2, 1.0, max_bend=2)
     q = np.array([[0.5, 0.0, 1.0], [0.5, 0.0, 1.0]])
-    alone = towards(best_view(gather([robot, q])))
+    alone = direction_of(best_view(gather([robot, q])))
     place = 0.7 * alone * np.array([1, 1, 0]) + [0.3, 0, 1], (0.4, 0.4, 4)
     pillar, room = sn.Box(*place), sn.Box(*place, inside=True)
     contents = gather([robot, q, pillar])
     seen, middle = seen_places(contents), bounds_of(contents).middle
-    assert hidden([pillar], seen, (middle + 9 * alone)[None]).mean() > 0.3
-    assert hidden([pillar], seen, (middle + 9 * towards(best_view(contents)))[None]).mean() < 0.05
-    np.testing.assert_array_equal(towards(best_view(gather([robot, q, room]))), alone)
+    assert find_hidden([pillar], seen, (middle + 9 * alone)[None]).mean() > 0.3
+    assert find_hidden([pillar], seen, (middle + 9 * direction_of(best_view(contents)))[None]).mean() < 0.05
+    np.testing.assert_array_equal(direction_of(best_view(gather([robot, q, room]))), alone)
 
 
 RNG = np.random.default_rng(0)
@@ -78,7 +78,7 @@ def meets(obstacle: Obstacle, begin: np.ndarray, end: np.ndarray) -> bool:
 def test_lines_of_sight_meet_what_is_on_them(obstacle: Obstacle) -> None:
     points, eyes = RNG.uniform(-1, 1, (12, 3)), RNG.uniform(-2, 2, (6, 3))
     points = points[sn.Scene([obstacle]).distance(points) > 0.0]
-    found = hidden([obstacle], points, eyes)[0]
+    found = find_hidden([obstacle], points, eyes)[0]
     expected = [[meets(obstacle, point, eye) for point in points] for eye in eyes]
     assert 0 < found.sum() < found.size
     assert (found == expected).mean() > 0.95  # lines that graze an edge
@@ -95,7 +95,7 @@ def test_lines_of_sight_meet_what_is_on_them(obstacle: Obstacle) -> None:
 )
 def test_the_box_around_others_hides_no_less(obstacle: Obstacle) -> None:
     points, eyes = RNG.uniform(-1, 1, (12, 3)), RNG.uniform(-2, 2, (6, 3))
-    found = hidden([obstacle], points, eyes)[0]
+    found = find_hidden([obstacle], points, eyes)[0]
     for e, eye in enumerate(eyes):
         for p, point in enumerate(points):
             assert found[e, p] or not meets(obstacle, point, eye)

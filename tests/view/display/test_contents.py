@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.view.display.contents import gather
 from sinuous.view.page.model import PageModel
-from sinuous.view.page.status import judge, nearest
+from sinuous.view.page.status import find_nearest, judge_shape
 from tests.cases import with_each
 
 pytest.importorskip("matplotlib").use("agg")
@@ -129,10 +129,10 @@ def test_a_motion_is_of_the_loaded_body_with_its_ghosts(tmp_path: Path) -> None:
 def test_the_page_tells_what_holds_of_the_loaded_body() -> None:
     shape = HANGING.shape(Q)
     (targets,) = sn.Job(HANGING, sn.Target(shape.tip[:3, 3], rotation=shape.tip[:3, :3])).waypoints
-    judged = judge(HANGING, targets, Q)
+    judged = judge_shape(HANGING, targets, Q)
     assert judged.position_error == pytest.approx(0.0, abs=1e-9)
     assert judged.angle_error == pytest.approx(0.0, abs=1e-7)
-    near = nearest(HANGING, sn.Scene([NEAR_BALL]).snapshot(), Q)
+    near = find_nearest(HANGING, sn.Scene([NEAR_BALL]).snapshot(), Q)
     assert near is not None
     least = (np.linalg.norm(shape.backbone(16) - [0.35, 0.0, -0.2], axis=-1)).min() - 0.05 - 0.012
     assert near.distance == pytest.approx(least, abs=1e-4)

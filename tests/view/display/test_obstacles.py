@@ -5,7 +5,7 @@ import numpy as np
 import sinuous as sn
 from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.surfaces import obstacle_surface
-from sinuous.view.pictures.paint import normals
+from sinuous.view.pictures.paint import normals_of
 from tests.cases import with_each
 from tests.scene.shapes import cube
 
@@ -31,7 +31,7 @@ def test_vertices_lie_on_the_surface_and_faces_towards_free_space(obstacle: Obst
     surface = obstacle_surface(obstacle, np.zeros(3), 5.0, pieces=pieces)
     scene = sn.Scene([obstacle])
     assert np.abs(scene.distance(surface.vertices[np.unique(surface.faces)])).max() < 1e-12
-    outward, middles = normals(surface.facets), surface.facets.mean(axis=1)
+    outward, middles = normals_of(surface.facets), surface.facets.mean(axis=1)
     alike = (scene.gradient(middles + 1e-6 * outward) * outward).sum(axis=-1)
     assert alike[np.linalg.norm(outward, axis=-1) > 0.5].min() > 0.99
 
@@ -44,4 +44,4 @@ def test_triangles_and_faces_have_the_same_area_and_turned_ones_the_other_side(o
     facets = surface.facets
     of_faces = 0.5 * np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1]).sum(axis=0)
     np.testing.assert_allclose(of_triangles, of_faces, atol=1e-9)
-    np.testing.assert_allclose(normals(surface.turned().facets), -normals(facets), atol=1e-12)
+    np.testing.assert_allclose(normals_of(surface.turned().facets), -normals_of(facets), atol=1e-12)

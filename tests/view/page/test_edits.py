@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.errors import InputError
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.page.edits import KINDS, carried, made, place_of, resized, sizes_of
+from sinuous.view.page.edits import KINDS, make_obstacle, move_obstacle, pose_of, resize_obstacle, sizes_of
 from tests.helpers import Floats, random_pose
 
 RNG = np.random.default_rng(0)
@@ -31,7 +31,7 @@ def distance(obstacle: Obstacle, points: Floats) -> Floats:
 @pytest.mark.parametrize("obstacle", SOLIDS, ids=lambda obstacle: obstacle.kind)
 def test_a_rigid_motion_carries_the_distances_along(obstacle: Obstacle) -> None:
     motion, points = random_pose(RNG, 2.0), RNG.normal(size=(50, 3))
-    moved = carried(obstacle, motion)
+    moved = move_obstacle(obstacle, motion)
     there = points @ motion[:3, :3].T + motion[:3, 3]
     np.testing.assert_allclose(distance(moved, there), distance(obstacle, points), atol=1e-9)
     assert moved.name == obstacle.name
@@ -41,7 +41,7 @@ def test_a_rigid_motion_carries_the_distances_along(obstacle: Obstacle) -> None:
 def test_what_is_from_a_file_stays_from_there(tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", RNG.normal(size=(20, 3)))
     cloud = sn.PointCloud.load(tmp_path / "scan.npy", 0.1, scale=2.0, position=(1, 0, 0))
-    moved = carried(cloud, random_pose(RNG))
+    moved = move_obstacle(cloud, random_pose(RNG))
     assert moved.source is not None
     again = sn.PointCloud.load(moved.source.file, **moved.source.arguments)
     assert again.equals(moved)
@@ -51,24 +51,24 @@ def test_grids_move_unless_a_file_says_where_they_are(tmp_path: Path) -> None:
     values = np.ones((3, 3, 3), bool)
     shift = np.eye(4)
     shift[:3, 3] = 5.0
-    grid = carried(sn.Grid(values, (0, 0, 0), 1.0), shift)
+    grid = move_obstacle(sn.Grid(values, (0, 0, 0), 1.0), shift)
     assert isinstance(grid, sn.Grid)
     np.testing.assert_array_equal(grid.origin, (5, 5, 5))
     np.savez(tmp_path / "grid.npz", values=values, origin=np.zeros(3), spacing=1.0)
     fixed = sn.Grid.load(tmp_path / "grid.npz")
-    assert place_of(fixed) is None
+    assert pose_of(fixed) is None
     with pytest.raises(InputError, match="cannot be moved"):
-        carried(fixed, shift)
+        move_obstacle(fixed, shift)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_new_obstacle_is_of_its_kind_and_its_sizes_can_be_set(kind: str) -> None:
-    obstacle = made(kind, np.array([1.0, 2.0, 3.0]), 0.5)
+    obstacle = make_obstacle(kind, np.array([1.0, 2.0, 3.0]), 0.5)
     assert obstacle.kind == kind
     for label, value in sizes_of(obstacle).items():
-        other = resized(obstacle, **{label.replace(" ", "_"): 2.0 * value})
+        other = resize_obstacle(obstacle, **{label.replace(" ", "_"): 2.0 * value})
         assert sizes_of(other) == pytest.approx(sizes_of(obstacle) | {label: 2.0 * value})
-        before, after = place_of(obstacle), place_of(other)
+        before, after = pose_of(obstacle), pose_of(other)
         assert before is not None
         assert after is not None
         np.testing.assert_allclose(after, before, atol=1e-12)
@@ -76,10 +76,10 @@ def test_a_new_obstacle_is_of_its_kind_and_its_sizes_can_be_set(kind: str) -> No
 
 def test_what_cannot_be_meant_is_refused_in_one_line() -> None:
     with pytest.raises(InputError, match="kind: expected one of sphere, box"):
-        made("cow", np.zeros(3), 1.0)
+        make_obstacle("cow", np.zeros(3), 1.0)
     with pytest.raises(InputError, match="radius"):
-        resized(SOLIDS[0], radius=-1.0)
+        resize_obstacle(SOLIDS[0], radius=-1.0)
     with pytest.raises(InputError, match="no size of its own"):
-        resized(SOLIDS[4], radius=1.0)
+        resize_obstacle(SOLIDS[4], radius=1.0)
     with pytest.raises(InputError, match="cannot be moved"):
-        carried(sn.Field(lambda p: p[:, 2], (0, 0, 0), (1, 1, 1), 0.5), np.eye(4))
+        move_obstacle(sn.Field(lambda p: p[:, 2], (0, 0, 0), (1, 1, 1), 0.5), np.eye(4))

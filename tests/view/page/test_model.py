@@ -14,10 +14,10 @@ from sinuous.answer.remedies import Remedy
 from sinuous.base.errors import InputError
 from sinuous.model.segment import straight
 from sinuous.view.display.results import speeds_of
-from sinuous.view.page.edits import least_of
+from sinuous.view.page.edits import least_rates
 from sinuous.view.page.model import History, PageModel
-from sinuous.view.page.saving import loaded, saved
-from sinuous.view.page.session import QUICK, Solvers
+from sinuous.view.page.saving import problem_text, read_problem
+from sinuous.view.page.session import QUICK_SECONDS, Solvers
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")
@@ -57,7 +57,7 @@ def test_answers_to_questions_of_before_are_dropped() -> None:
     assert not page.accept(old.number, solvers.solve(old))
     assert page.answer is None
     new = page.question()
-    solution = solvers.solve(new, QUICK)
+    solution = solvers.solve(new, QUICK_SECONDS)
     assert page.accept(new.number, solution)
     assert page.answer is solution
     np.testing.assert_array_equal(page.shown, solution.q)
@@ -253,7 +253,7 @@ def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
     page = model(rates=sn.Rates(bend={"s2": 0.3, "s1": 0.6}, length=(1, 2, 3)))
     page.set_rates(np.array([0.1, 1.0, 4.0]), np.array([2.0, 0.0, 0.0]))
     wanted = sn.Rates({"s2": 0.1, "s1": 0.2}, (1, 2, 3), 4.0, sn.Rates(bend=2.0))
-    assert least_of(page.job.rates).tolist() == pytest.approx([0.1, 1.0, 4.0])
+    assert least_rates(page.job.rates).tolist() == pytest.approx([0.1, 1.0, 4.0])
     assert page.job.rates.spread(page.robot).bend.tolist() == pytest.approx(wanted.spread(page.robot).bend.tolist())
     np.testing.assert_array_equal(page.job.rates.length, wanted.length)
     assert page.job.rates.acceleration is not None
@@ -311,11 +311,11 @@ def test_a_goal_asks_no_target_and_stays() -> None:
     assert page.job.start[0].tolist() == [0.1, 0.0, 1.0]
     page.show_motion(page.job.plan())
     np.testing.assert_array_equal(page.shown, page.job.start)
-    again = loaded("goal.yaml", saved(page).encode(), Path())
+    again = read_problem("goal.yaml", problem_text(page).encode(), Path())
     assert again.goal is not None
     np.testing.assert_array_equal(again.goal, page.job.goal)
     np.testing.assert_array_equal(again.start, page.job.start)
-    assert saved(page).startswith("# sinuous plan ")
+    assert problem_text(page).startswith("# sinuous plan ")
     with pytest.raises(InputError, match="goes nowhere"):
         page.show_motion(sn.track(page.robot, [sn.Target((0, 0, 99.0))]))
 
@@ -375,9 +375,9 @@ def test_motions_begin_in_the_shape_and_at_the_time_on_the_page(tmp_path: Path) 
     page.play(1.5)
     page.begin_here()
     assert page.begin == 1.5
-    text = saved(page)
+    text = problem_text(page)
     assert text.startswith("# sinuous plan FILE --method newton --seed 0 --time 1 --begin 1.5\n")
-    again = loaded("saved.yaml", text.encode(), tmp_path)
+    again = read_problem("saved.yaml", text.encode(), tmp_path)
     assert again.equals(page.job)
     motion = again.plan(begin=page.begin)
     assert motion.solved

@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.errors import InputError
 from sinuous.view.page.model import PageModel
-from sinuous.view.page.saving import loaded, saved
+from sinuous.view.page.saving import problem_text, read_problem
 from tests.scene.shapes import cube
 
 PROBLEM = b"robot: {segments: {count: 3, length: [0.8, 1.2]}}\ntarget: {position: [1, 0, 2]}\n"
@@ -24,9 +24,9 @@ def test_a_saved_problem_is_what_is_on_the_page(tmp_path: Path) -> None:
     page.tolerate(0.003, 0.004)
     page.bend(0, 0.1, 0.2, 0.9)
     page.set_method("dls", None, 3, 0.5)
-    text = saved(page)
+    text = problem_text(page)
     assert text.startswith("# sinuous solve FILE --method dls --seed 3 --time 0.5\n")
-    again = loaded("saved.yaml", text.encode(), tmp_path)
+    again = read_problem("saved.yaml", text.encode(), tmp_path)
     assert again.robot.equals(page.robot)
     assert again.scene.snapshot().equals(page.scene)
     assert again.waypoints[0][0].equals(page.targets[0])
@@ -48,7 +48,7 @@ def test_obstacles_that_were_moved_are_saved_where_they_are() -> None:
         for shift in ((0.1, 0.2, 0.3), (0.1, 0.1, 0.1)):
             turn = sn.pose(shift, rotation=(1, 2, 3, 4) if index < 2 else None)
             page.carry(turn @ page.grip)
-    again = loaded("moved.yaml", saved(page).encode(), Path()).scene.snapshot()
+    again = read_problem("moved.yaml", problem_text(page).encode(), Path()).scene.snapshot()
     assert again.equals(page.scene)
     points = np.random.default_rng(0).normal(size=(200, 3))
     np.testing.assert_allclose(again.distance(points), page.scene.distance(points), atol=1e-9)
@@ -56,10 +56,10 @@ def test_obstacles_that_were_moved_are_saved_where_they_are() -> None:
 
 def test_a_path_keeps_all_its_waypoints(tmp_path: Path) -> None:
     text = PROBLEM.replace(b"target: {position: [1, 0, 2]}", b"path: [{position: [1, 0, 2]}, {position: [1, 0.1, 2]}]")
-    page = PageModel(loaded("path.yaml", text, tmp_path))
+    page = PageModel(read_problem("path.yaml", text, tmp_path))
     page.go_to_waypoint(1)
     page.place_target(0, np.array([1.0, 0.4, 2.0]))
-    again = loaded("path.yaml", saved(page).encode(), tmp_path)
+    again = read_problem("path.yaml", problem_text(page).encode(), tmp_path)
     assert again.equals(page.job)
     assert again.start is None
 
@@ -81,6 +81,6 @@ def test_a_path_keeps_all_its_waypoints(tmp_path: Path) -> None:
 )
 def test_what_is_no_problem_is_refused_in_one_line(name: str, content: bytes, expected: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
-        loaded(name, content, tmp_path)
+        read_problem(name, content, tmp_path)
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.view.page.status import judge, nearest
+from sinuous.view.page.status import find_nearest, judge_shape
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 SCENE = sn.Scene([sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball"), sn.Box((-1, 0, 1), (0.5, 0.5, 0.5), name="crate")])
@@ -12,7 +12,7 @@ SCENE = sn.Scene([sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball"), sn.Box((-1,
 def test_the_line_to_the_nearest_place_ends_on_both_surfaces() -> None:
     for seed in range(20):
         q = np.random.default_rng(seed).uniform((-1, -1, 0.8), (1, 1, 1.2), (3, 3))
-        near = nearest(ROBOT, SCENE.snapshot(), q)
+        near = find_nearest(ROBOT, SCENE.snapshot(), q)
         assert near is not None
         assert abs(float(SCENE.distance(near.surface))) < 1e-6
         if near.distance > 0.0:  # deep within a box, its other side may be nearer to the surface of the body
@@ -23,9 +23,9 @@ def test_the_line_to_the_nearest_place_ends_on_both_surfaces() -> None:
 
 def test_there_is_no_nearest_place_without_obstacles_or_within_the_mount() -> None:
     q = np.array([[0.0, 0.0, 1.0]] * 3)
-    assert nearest(ROBOT, sn.Scene().snapshot(), q) is None
-    free = nearest(ROBOT, SCENE.snapshot(), q)
-    mounted = nearest(ROBOT.changed(mount=2.5), SCENE.snapshot(), q)
+    assert find_nearest(ROBOT, sn.Scene().snapshot(), q) is None
+    free = find_nearest(ROBOT, SCENE.snapshot(), q)
+    mounted = find_nearest(ROBOT.changed(mount=2.5), SCENE.snapshot(), q)
     assert free is not None
     assert mounted is not None
     assert mounted.distance > free.distance
@@ -34,12 +34,12 @@ def test_there_is_no_nearest_place_without_obstacles_or_within_the_mount() -> No
 def test_errors_and_violations_are_those_of_the_shape() -> None:
     targets = (sn.Target((1, 0, 2), direction=(0, 0, 1)),)
     solution = sn.solve(ROBOT, targets, SCENE)
-    judged = judge(ROBOT, targets, solution.q)
+    judged = judge_shape(ROBOT, targets, solution.q)
     assert judged.violations == ()
     assert judged.position_error is not None
     assert solution.position_error is not None
     assert np.isclose(judged.position_error, solution.position_error, atol=1e-9)
     beyond = np.array(solution.q)
     beyond[1, 2] = 2.0
-    assert ("length", 2) in [violation[:2] for violation in judge(ROBOT, targets, beyond).violations]
-    assert judge(ROBOT, (sn.Target(direction=(0, 0, 1)),), solution.q).position_error is None
+    assert ("length", 2) in [violation[:2] for violation in judge_shape(ROBOT, targets, beyond).violations]
+    assert judge_shape(ROBOT, (sn.Target(direction=(0, 0, 1)),), solution.q).position_error is None

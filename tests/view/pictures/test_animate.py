@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import Viewpoint
-from sinuous.view.pictures.plot import frames
+from sinuous.view.pictures.plot import draw_frames
 from tests.view.pictures.arms import BALL, PATH, ROBOT
 
 pytest.importorskip("matplotlib")
@@ -41,7 +41,7 @@ def test_a_gif_of_a_motion(track: sn.Motion, tmp_path: Path) -> None:
 
 def test_what_has_no_motion_turns() -> None:
     bent = np.array([[0.9, 0.0, 1.0]] * 3)
-    seen = [frame.astype(np.float64) for frame in frames(gather([ROBOT, bent]), Viewpoint(), 4, area=2.0)]
+    seen = [frame.astype(np.float64) for frame in draw_frames(gather([ROBOT, bent]), Viewpoint(), 4, area=2.0)]
     assert len({frame.shape for frame in seen}) == 1
     for one, other in pairwise(seen):
         assert (np.abs(one - other).max(axis=-1) > 60).mean() > 0.001

@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
-from sinuous.view.display.surfaces import lathe, obstacle_surface
-from sinuous.view.pictures.paint import MOST_TRIANGLES, cut, normals, of_mesh, within
+from sinuous.view.display.surfaces import obstacle_surface, revolve_profile
+from sinuous.view.pictures.paint import MOST_TRIANGLES, clip_facets, facets_of_mesh, normals_of, split_facets
 from tests.helpers import Floats
 from tests.scene.shapes import cube
 
-BALL = lathe(np.stack([np.sin(a := np.linspace(0.0, np.pi, 30)), -np.cos(a)], axis=-1), 40).facets
+BALL = revolve_profile(np.stack([np.sin(a := np.linspace(0.0, np.pi, 30)), -np.cos(a)], axis=-1), 40).facets
 
 
 def area(facets: Floats) -> float:
@@ -21,10 +21,10 @@ def area(facets: Floats) -> float:
 
 
 def test_cutting_in_four_keeps_the_area_and_the_side() -> None:
-    pieces = cut(BALL, 0.05)
+    pieces = split_facets(BALL, 0.05)
     assert np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=-1).max() <= 0.05
     assert area(pieces) == pytest.approx(area(BALL), rel=1e-3)
-    assert (np.einsum("mx,mx->m", pieces.mean(axis=1), normals(pieces)) > -1e-12).all()
+    assert (np.einsum("mx,mx->m", pieces.mean(axis=1), normals_of(pieces)) > -1e-12).all()
 
 
 def volume(facets: Floats) -> float:
@@ -36,9 +36,9 @@ def volume(facets: Floats) -> float:
 @pytest.mark.parametrize("limit", [-0.3, 0.0, 0.123, 0.7])
 def test_a_solid_that_is_cut_is_closed_again(limit: float) -> None:
     low, far = np.array([-0.8, -2.0, -2.0]), np.array([2.0, 0.5, 2.0])
-    whole, (x, y, z) = within(BALL, low, far, solid=True), far
-    left = within(BALL, low, np.array([limit, y, z]), solid=True)
-    right = within(BALL, np.array([limit, -2.0, -2.0]), np.array([x, y, z]), solid=True)
+    whole, (x, y, z) = clip_facets(BALL, low, far, solid=True), far
+    left = clip_facets(BALL, low, np.array([limit, y, z]), solid=True)
+    right = clip_facets(BALL, np.array([limit, -2.0, -2.0]), np.array([x, y, z]), solid=True)
     assert volume(left) + volume(right) == pytest.approx(volume(whole), rel=1e-9)
     assert 0.0 < volume(whole) < volume(BALL)
     flat = np.abs(left[..., 0] - limit).max(axis=1) < 1e-9
@@ -46,11 +46,11 @@ def test_a_solid_that_is_cut_is_closed_again(limit: float) -> None:
     across = np.cross(left[flat][:, 2] - left[flat][:, 0], left[flat][:, 3] - left[flat][:, 1])[:, 0]
     assert (across > -1e-12).all()
     edge = 0.2 * np.ones(3)
-    assert volume(within(BALL, -edge, edge, solid=True)) == pytest.approx(0.4**3)
+    assert volume(clip_facets(BALL, -edge, edge, solid=True)) == pytest.approx(0.4**3)
 
 
 def drawn(mesh: sn.Mesh) -> Floats:
-    return of_mesh(obstacle_surface(mesh, np.zeros(3), 5.0), not mesh.watertight)
+    return facets_of_mesh(obstacle_surface(mesh, np.zeros(3), 5.0), not mesh.watertight)
 
 
 def test_meshes_are_cut_into_small_facets_that_face_outwards() -> None:
@@ -58,7 +58,7 @@ def test_meshes_are_cut_into_small_facets_that_face_outwards() -> None:
     facets = drawn(mesh)
     assert np.linalg.norm(np.roll(facets, -1, axis=1) - facets, axis=-1).max() <= 0.2
     assert np.abs(measure(mesh, facets[::3].reshape(-1, 3))).max() < 1e-12
-    assert (measure(mesh, (facets.mean(axis=1) + 1e-3 * normals(facets))[::9]) > 0.0).all()
+    assert (measure(mesh, (facets.mean(axis=1) + 1e-3 * normals_of(facets))[::9]) > 0.0).all()
     assert area(facets) == pytest.approx(24.0)
 
 

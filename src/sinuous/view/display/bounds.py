@@ -11,14 +11,14 @@ from sinuous.base.checks import Floats
 from sinuous.scene.extents import box_of
 from sinuous.scene.obstacles import HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.view.display.contents import Contents
-from sinuous.view.display.style import ARROW, Viewpoint, arrows_of
-from sinuous.view.display.surfaces import Dotted, dots
+from sinuous.view.display.style import ARROW_SHARE, Viewpoint, arrows_of
+from sinuous.view.display.surfaces import Dotted, points_of
 
-HIDDEN = 0.03
+HIDING_SHARE = 0.03
 """Share of a body from which on an obstacle hides it."""
 
 
-def hidden(obstacles: Sequence[Obstacle], points: Floats, eyes: Floats) -> NDArray[np.bool_]:
+def find_hidden(obstacles: Sequence[Obstacle], points: Floats, eyes: Floats) -> NDArray[np.bool_]:
     """Which obstacles stand between points (m, 3) and eyes (e, 3): truth values (k, e, m).
 
     What a body must stay inside of never does: pages draw its far side alone. Obstacles stand still.
@@ -30,12 +30,12 @@ def hidden(obstacles: Sequence[Obstacle], points: Floats, eyes: Floats) -> NDArr
     return found
 
 
-def hiding(obstacles: Sequence[Obstacle], points: Floats, eyes: Floats) -> frozenset[int]:
+def find_hiding(obstacles: Sequence[Obstacle], points: Floats, eyes: Floats) -> frozenset[int]:
     """Indices of the obstacles that hide more than a small part of the points (m, 3) from one of the eyes (e, 3)."""
     if not (len(points) and len(eyes)):
         return frozenset()
-    shares = hidden(obstacles, points, eyes).mean(axis=-1).max(axis=-1)
-    return frozenset(np.flatnonzero(shares > HIDDEN).tolist())
+    shares = find_hidden(obstacles, points, eyes).mean(axis=-1).max(axis=-1)
+    return frozenset(np.flatnonzero(shares > HIDING_SHARE).tolist())
 
 
 def _between(obstacle: Obstacle, points: Floats, eyes: Floats) -> NDArray[np.bool_]:
@@ -68,13 +68,13 @@ def _turned_box(obstacle: Obstacle) -> tuple[Floats, Floats, Floats]:
     return center, rotation, np.maximum(half, 1e-9 * (1.0 + np.abs(center).max()))
 
 
-REACH = 0.25
+REACH_SHARE = 0.25
 """How far beyond robots and targets obstacles are shown, as a share of the extent of these."""
 
-SAMPLES = 12
+PLACES_PER_WAY = 12
 """Places of a robot on its way that must be seen."""
 
-FOOT = 1.6
+FOOT_RADII = 1.6
 """How far behind its base a robot reaches, with the plate that it stands on, in radii of its first segment."""
 
 
@@ -83,13 +83,13 @@ ELEVATIONS = (20.0, 40.0, 65.0)
 """Views that are tried: how far they are turned about z from the best one where nothing hides the robot, and how far
 above the xy plane they are, in degrees."""
 
-EFFORT = 0.3
+TURNING_COST = 0.3
 """Share of the robot that may be hidden before a view is turned by 180 degrees; by less for smaller turns."""
 
-FAR = 2.0
+VIEWER_SPANS = 2.0
 """How far away the viewer is, in spans of what is shown."""
 
-SIGHTED = 72
+PLACES_PER_ROBOT = 72
 """Places along a robot that a viewer looks for."""
 
 
@@ -126,11 +126,11 @@ def bounds_of(contents: Contents) -> Bounds:
     boxes = [box for obstacle in contents.obstacles if (box := _box(obstacle)) is not None]
     if not len(points):
         points = np.concatenate(boxes) if boxes else np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
-    arrow = ARROW * float(np.ptp(points, axis=0).max())
+    arrow = ARROW_SHARE * float(np.ptp(points, axis=0).max())
     ends = [place + arrow * axis for target, place in contents.targets for axis, _ in arrows_of(target)]
     points = np.concatenate([points, np.array(ends).reshape(-1, 3)])
     bounds = Bounds(points.min(axis=0), points.max(axis=0))
-    reach = REACH * max(float((bounds.high - bounds.low).max()), 1e-9)
+    reach = REACH_SHARE * max(float((bounds.high - bounds.low).max()), 1e-9)
     return _with_obstacles(bounds, reach, [*boxes, *_feet(contents.obstacles, bounds, reach)])
 
 
@@ -150,7 +150,7 @@ def _with_obstacles(bounds: Bounds, reach: float, boxes: Sequence[Floats]) -> Bo
 
 def _box(obstacle: Obstacle) -> Floats | None:
     if isinstance(obstacle, Dotted):
-        points = dots(obstacle)
+        points = points_of(obstacle)
         return np.stack([points.min(axis=0), points.max(axis=0)]) if len(points) else None
     return box_of(obstacle)
 
@@ -171,10 +171,10 @@ def _places(contents: Contents) -> Floats:
     """Points (m, 3) that must be seen: whole bodies with their bases, targets, paths."""
     found: list[Floats] = [place[None] for _, place in contents.targets]
     found += contents.paths + contents.forces_at(0.0) + contents.forces_at(1.0)
-    for arm in contents.arms_at(*np.linspace(0.0, 1.0, SAMPLES).tolist()):
+    for arm in contents.arms_at(*np.linspace(0.0, 1.0, PLACES_PER_WAY).tolist()):
         robot, q = arm.robot, arm.q
         points, radius = robot.backbone(q), max(robot.radii)
-        behind = robot.base[:3, 3] - FOOT * robot.radii[0] * robot.base[:3, 2]
+        behind = robot.base[:3, 3] - FOOT_RADII * robot.radii[0] * robot.base[:3, 2]
         found += [points - radius, points + radius, robot.tip(q)[None, :3, 3], behind[None]]
     return np.concatenate(found) if found else np.empty((0, 3))
 
@@ -191,20 +191,20 @@ def best_view(contents: Contents) -> Viewpoint:
         azimuth = math.degrees(math.atan2(reach[1], reach[0])) - 65.0
     obstacles, bounds = contents.obstacles_at(1.0), bounds_of(contents)
     views = [Viewpoint(e, azimuth + turn) for turn in TURNS for e in ELEVATIONS]
-    eyes = bounds.middle + FAR * bounds.span * np.stack([towards(view) for view in views])
-    lost = hidden(obstacles, seen_places(contents), eyes).any(axis=0).mean(axis=-1)
+    eyes = bounds.middle + VIEWER_SPANS * bounds.span * np.stack([direction_of(view) for view in views])
+    lost = find_hidden(obstacles, seen_places(contents), eyes).any(axis=0).mean(axis=-1)
     effort = [abs(turn) / 180.0 + (e - ELEVATIONS[0]) / 90.0 for turn in TURNS for e in ELEVATIONS]
-    return views[int((lost + EFFORT * np.array(effort)).argmin())]
+    return views[int((lost + TURNING_COST * np.array(effort)).argmin())]
 
 
 def seen_places(contents: Contents) -> Floats:
     """Places (m, 3) that a viewer looks for: along the robots, also on their way."""
     bodies = [arm for arm in contents.arms_at(0.0, 0.5, 1.0) if not arm.ghost]
-    found = [arm.robot.backbone(arm.q, max(1, SIGHTED // len(arm.robot))) for arm in bodies]
+    found = [arm.robot.backbone(arm.q, max(1, PLACES_PER_ROBOT // len(arm.robot))) for arm in bodies]
     return np.concatenate(found) if found else np.empty((0, 3))
 
 
-def towards(view: Viewpoint) -> Floats:
+def direction_of(view: Viewpoint) -> Floats:
     """Return the unit vector (3,) towards the viewer."""
     e, a = math.radians(view.elevation), math.radians(view.azimuth)
     return np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])

@@ -30,12 +30,12 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import Equilibrium, under_load
 from sinuous.statics.rest import bodies_at
-from sinuous.view.display.style import tones
+from sinuous.view.display.style import arm_tones
 
-KEPT = 16
+MOST_THICKENED = 16
 """Robots whose thicker bodies are kept."""
 
-FORCE_LENGTH = 0.25
+FORCE_SHARE = 0.25
 """Length of the line of the largest force, in lengths of the robot."""
 
 
@@ -74,7 +74,7 @@ class Arm(NamedTuple):
     @property
     def colours(self) -> list[str]:
         """Colours of the segments of the body."""
-        pair = tones(self.solved, self.number)
+        pair = arm_tones(self.solved, self.number)
         return [pair[k % 2] for k in self.segments]
 
     def end(self, segment: int | None) -> Floats:
@@ -156,10 +156,10 @@ def forces_of(robot: Robot, q: Floats, shape: Equilibrium | None = None) -> list
     largest = max((float(np.linalg.norm(force)) for _, force in forces), default=0.0)
     if largest == 0.0:
         return []
-    return [np.stack([place - force * (FORCE_LENGTH * robot.mean_length / largest), place]) for place, force in forces]
+    return [np.stack([place - force * (FORCE_SHARE * robot.mean_length / largest), place]) for place, force in forces]
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MOST_THICKENED)
 def _thicker(robot: Robot) -> Robot:
     """The robot with a body that has the room in which it may be."""
     assert robot.uncertainty is not None
@@ -175,7 +175,7 @@ Things = Thing | Sequence[Thing | Sequence[Thing]]
 MOST_ARMS = 100
 """Robots in a picture."""
 
-STRAIGHT = 0.03
+STRAIGHTNESS = 0.03
 """How far a tip may be off a straight line that is drawn as its way, as a share of its length."""
 
 EXPECTED = "a robot, scene, obstacle, target, problem, solution, equilibrium or motion, or a list of them"
@@ -401,7 +401,7 @@ def _goes_straight(motion: Motion) -> bool:
             continue
         leg, between = tips[end] - tips[begin], tips[begin:end] - tips[begin]
         aside = np.linalg.norm(np.cross(between, leg), axis=-1)  # times the length of the leg
-        if (aside > STRAIGHT * (leg @ leg)).any():
+        if (aside > STRAIGHTNESS * (leg @ leg)).any():
             return False
     return True
 

@@ -26,30 +26,30 @@ STARTS = {
 """What sentences call the kinds of starts."""
 
 
-def words_of(status: str) -> str:
+def status_in_words(status: str) -> str:
     """A status in words: `out of reach`."""
     return str(status).replace("_", " ")
 
 
-def caption(answers: Sequence[Solution | Motion]) -> str:
+def caption_of(answers: Sequence[Solution | Motion]) -> str:
     """What answers say, in one line."""
     if len(answers) > 1:
         return f"{sum(answer.solved for answer in answers)} of {len(answers)} solved"
     answer = answers[0]
-    clear = "" if answer.clearance is None else f", clearance at least {answer.clearance:.3g}{certainty(answer)}"
+    clear = "" if answer.clearance is None else f", clearance at least {answer.clearance:.3g}{confidence_of(answer)}"
     if isinstance(answer, Solution) or not answer.solutions:
-        return f"{words_of(answer.status)}{clear}, {duration(answer.seconds)}"
-    begun = "" if answer.solved else f"{words_of(answer.status)}: "
+        return f"{status_in_words(answer.status)}{clear}, {duration(answer.seconds)}"
+    begun = "" if answer.solved else f"{status_in_words(answer.status)}: "
     return f"{begun}{reached_in_words(answer)}{clear}"
 
 
-def certainty(answer: Solution | Motion) -> str:
+def confidence_of(answer: Solution | Motion) -> str:
     """At which level a clearance is proved: ` at 95 %`; nothing where the body is where the model says."""
     unsure = answer.robot.uncertainty
     return "" if unsure is None else f" {unsure}"
 
 
-def told_apart(solutions: Sequence[Solution]) -> list[str]:
+def describe_solutions(solutions: Sequence[Solution]) -> list[str]:
     """A line for each of several solutions, by which people tell them apart: `2: bends 1.2 rad, clearance 0.3`.
 
     It says how much a body bends in all, how long it is where lengths differ, its clearance, and where its middle is
@@ -59,7 +59,7 @@ def told_apart(solutions: Sequence[Solution]) -> list[str]:
     lines = []
     for solution, length in zip(solutions, lengths, strict=True):
         bends = f"bends {np.hypot(solution.q[:, 0], solution.q[:, 1]).sum():.3g} rad"
-        clear = number(solution.clearance, before="clearance ")
+        clear = format_number(solution.clearance, before="clearance ")
         lines.append(", ".join(filter(None, [bends, f"length {length}" if len({*lengths}) > 1 else "", clear])))
     found = []
     for i, (solution, line) in enumerate(zip(solutions, lines, strict=True), 1):
@@ -75,7 +75,7 @@ def rows_of(answer: Solution | Motion) -> dict[str, str]:
     return {label: value for label, value in rows.items() if value}
 
 
-def number(value: float | None, behind: str = "", before: str = "") -> str:
+def format_number(value: float | None, behind: str = "", before: str = "") -> str:
     """A number with three digits between two texts; nothing where there is none, or it is infinite."""
     return "" if value is None or value == float("inf") else f"{before}{value:.3g}{behind}"
 
@@ -86,10 +86,10 @@ def _of_solution(solution: Solution) -> dict[str, str]:
     return {
         "because": "" if solution.solved else solution.sentence,
         "worst": "" if solution.worst is None else str(solution.worst),
-        "position error": number(solution.position_error, f" (tolerance {tolerance.position:.3g})"),
-        "angle error": number(solution.angle_error, f" rad (tolerance {tolerance.angle:.3g})"),
-        "clearance": number(solution.clearance, f", proved{certainty(solution)}", "at least "),
-        "self-clearance": number(solution.self_clearance, ", proved", "at least "),
+        "position error": format_number(solution.position_error, f" (tolerance {tolerance.position:.3g})"),
+        "angle error": format_number(solution.angle_error, f" rad (tolerance {tolerance.angle:.3g})"),
+        "clearance": format_number(solution.clearance, f", proved{confidence_of(solution)}", "at least "),
+        "self-clearance": format_number(solution.self_clearance, ", proved", "at least "),
         "tensions": _tensions(solution),
         "effort": f"{effort}, {duration(solution.seconds)}",
     }
@@ -113,7 +113,7 @@ def _of_motion(motion: Motion) -> dict[str, str]:
         "worst": "" if motion.worst is None else str(motion.worst),
         "between": between if moves else "",
         "time": times,
-        "clearance": number(motion.clearance, certainty(motion)),
+        "clearance": format_number(motion.clearance, confidence_of(motion)),
         "largest step": f"{bend:.3g} rad, {length:.3g} of length",
         "effort": duration(motion.seconds),
     }
@@ -130,7 +130,7 @@ def radii_along(robot: Robot, samples: int) -> Floats:
     return np.append(np.repeat(robot.radii, samples), robot.radii[-1])
 
 
-def clearances(robot: Robot, scene: Snapshot, q: Floats, samples: int, times: Floats | None = None) -> Floats:
+def clearances_along(robot: Robot, scene: Snapshot, q: Floats, samples: int, times: Floats | None = None) -> Floats:
     """Distances (..., n * samples + 1) of the surface of the body from obstacles in configurations (..., n, 3).
 
     Those within the mount are infinite. Where obstacles move, configurations (k, n, 3) are those at `times` (k,). Of a
@@ -138,7 +138,7 @@ def clearances(robot: Robot, scene: Snapshot, q: Floats, samples: int, times: Fl
     """
     if robot.has_external_load:
         loaded, arcs = bodies_at(robot, q.reshape(-1, len(robot), 3))
-        own = clearances(loaded, scene, arcs, samples, times)
+        own = clearances_along(loaded, scene, arcs, samples, times)
         ends = samples * np.cumsum(body_of(robot).counts)
         parts = [each.reshape(len(own), samples, -1).min(axis=-1) for each in np.split(own[:, :-1], ends[:-1], axis=1)]
         return np.concatenate([*parts, own[:, -1:]], axis=1).reshape(*q.shape[:-2], -1)

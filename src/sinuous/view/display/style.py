@@ -31,19 +31,19 @@ ARMS = (
 CURVES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#7a7a7a", "#b3a300")
 """Colours of curves, in turn."""
 
-SCALE = ("#00204d", "#31446b", "#666970", "#958f78", "#cbba69", "#ffea46")
+COLOUR_SCALE = ("#00204d", "#31446b", "#666970", "#958f78", "#cbba69", "#ffea46")
 """Colours of a value from little to much: cividis (Nunez et al. 2018), which the colour-blind read as all others do."""
 
 CONTACT = "#d55e00"
 """Colour of a place of the body that touches an obstacle."""
 
-SMALL, TEXT, TITLE = 8.0, 9.5, 11.0
+SMALL_PT, TEXT_PT, TITLE_PT = 8.0, 9.5, 11.0
 """Sizes of letters, in points."""
 
-THINNEST = 0.006
+THINNEST_SHARE = 0.006
 """Least radius with which a body is drawn, as a share of what is shown."""
 
-ARROW = 0.13
+ARROW_SHARE = 0.13
 """Length of the arrows of targets, as a share of what is shown."""
 
 Rgb = tuple[int, int, int]
@@ -73,23 +73,23 @@ def rgb(colour: str) -> Rgb:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
-def tones(solved: bool = True, number: int = 0) -> tuple[str, str]:
+def arm_tones(solved: bool = True, number: int = 0) -> tuple[str, str]:
     """Two tones for the segments of a robot in turn; `number` counts the robots of a picture."""
     return ARMS[number % len(ARMS)] if solved else UNSOLVED
 
 
-def scaled(share: float) -> Rgb:
+def map_colour(share: float) -> Rgb:
     """Colour of a value, 0 (little) to 1 (much)."""
-    stops = np.array([rgb(colour) for colour in SCALE], np.float64)
+    stops = np.array([rgb(colour) for colour in COLOUR_SCALE], np.float64)
     places = np.linspace(0.0, 1.0, len(stops))
     red, green, blue = (round(float(np.interp(share, places, stops[:, i]))) for i in range(3))
     return red, green, blue
 
 
-def by_bending(robot: Robot, q: Floats) -> list[Rgb]:
+def colour_by_bending(robot: Robot, q: Floats) -> list[Rgb]:
     """Colours of the segments in a configuration (n, 3): how much of its largest bend each one has."""
     bends = np.hypot(q[:, 0], q[:, 1])
-    return [scaled(float(share)) for share in np.minimum(1.0, bends / np.maximum(largest_bends(robot), 1e-300))]
+    return [map_colour(float(share)) for share in np.minimum(1.0, bends / np.maximum(largest_bends(robot), 1e-300))]
 
 
 def largest_bends(robot: Robot) -> Floats:
@@ -97,9 +97,9 @@ def largest_bends(robot: Robot) -> Floats:
     return np.array([min(s.max_bend, c * s.length[1]) for s, c in zip(robot.segments, robot.curvatures, strict=True)])
 
 
-def by_clearance(clearances: Sequence[float], far: float) -> list[Rgb]:
+def colour_by_clearance(clearances: Sequence[float], far: float) -> list[Rgb]:
     """Colours of places with these clearances; `far` and beyond is the end of the scale."""
-    return [rgb(CONTACT) if value <= 0.0 else scaled(min(1.0, value / far)) for value in clearances]
+    return [rgb(CONTACT) if value <= 0.0 else map_colour(min(1.0, value / far)) for value in clearances]
 
 
 def arrows_of(target: Target) -> Iterator[tuple[Floats, str]]:

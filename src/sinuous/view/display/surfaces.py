@@ -22,7 +22,7 @@ from sinuous.scene.point_cloud import PointCloud
 Faces = NDArray[np.int64]
 Triangles = NDArray[np.uint32]
 
-ARC = 6
+ARC_BANDS = 6
 """Bands of a quarter of a circle, from the equator to a pole."""
 
 
@@ -66,7 +66,7 @@ def as_triangles(faces: Faces) -> Triangles:
     return np.concatenate([faces[:, [0, 1, 2]], second[:, [0, 2, 3]]]).astype(np.uint32)
 
 
-def joined(*surfaces: Surface) -> Surface:
+def join_surfaces(*surfaces: Surface) -> Surface:
     """Put several surfaces together."""
     starts = np.cumsum([0, *(len(each.vertices) for each in surfaces[:-1])])
     faces = [each.faces + start for each, start in zip(surfaces, starts, strict=True)]
@@ -92,7 +92,7 @@ def arc(radius: float, begin: float, end: float, bands: int) -> Floats:
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
-def lathe(profile: Floats, around: int) -> Surface:
+def revolve_profile(profile: Floats, around: int) -> Surface:
     """A surface of revolution about z; `profile` (p, 2): distance from the axis, and height, upwards."""
     rings = np.empty((len(profile), around, 3))
     rings[..., :2] = profile[:, None, :1] * circle(around)
@@ -102,22 +102,22 @@ def lathe(profile: Floats, around: int) -> Surface:
 
 def sphere(radius: float, around: int) -> Surface:
     """A ball about the origin."""
-    return lathe(arc(radius, -0.5 * math.pi, 0.5 * math.pi, 2 * ARC + 1), around)
+    return revolve_profile(arc(radius, -0.5 * math.pi, 0.5 * math.pi, 2 * ARC_BANDS + 1), around)
 
 
 def capsule(radius: float, half: float, around: int, pieces: int) -> Surface:
     """All points within `radius` of the z axis from -half to half; its wall is cut into so many pieces."""
     shift = np.array([0.0, half])
-    low, high = arc(radius, -0.5 * math.pi, 0.0, ARC) - shift, arc(radius, 0.0, 0.5 * math.pi, ARC) + shift
+    low, high = arc(radius, -0.5 * math.pi, 0.0, ARC_BANDS) - shift, arc(radius, 0.0, 0.5 * math.pi, ARC_BANDS) + shift
     wall = np.linspace(low[-1], high[0], pieces + 1)[1:-1]
-    return lathe(np.concatenate([low, wall, high]), around)
+    return revolve_profile(np.concatenate([low, wall, high]), around)
 
 
 def cylinder(radius: float, half: float, around: int, pieces: int) -> Surface:
     """A cylinder with flat ends about z, from -half to half; its wall is cut into so many pieces."""
     wall = np.linspace([radius, -half], [radius, half], pieces + 1)
     bottom, top = np.array([[0.0, -half], [radius, -half]]), np.array([[radius, half], [0.0, half]])
-    return joined(*(lathe(profile, around) for profile in (bottom, wall, top)))
+    return join_surfaces(*(revolve_profile(profile, around) for profile in (bottom, wall, top)))
 
 
 def box(half: Floats, pieces: int) -> Surface:
@@ -129,7 +129,7 @@ def box(half: Floats, pieces: int) -> Surface:
             side.vertices[:, 2] = height
             facing = side if height > 0.0 else side.turned()
             sides.append(Surface(np.roll(facing.vertices, axis + 1, axis=-1) * half, facing.faces))
-    return joined(*sides)
+    return join_surfaces(*sides)
 
 
 def square(half: float, pieces: int) -> Surface:
@@ -143,10 +143,10 @@ def square(half: float, pieces: int) -> Surface:
     )
 
 
-AROUND = 32
+FACES_AROUND = 32
 """Faces around what is round."""
 
-PIECES = 12
+FACES_ALONG = 12
 """Faces along an edge or a wall: pictures sort faces by the distance of their middles, so that none may be long."""
 
 MOST_POINTS = 20_000
@@ -157,7 +157,7 @@ Dotted = PointCloud | Grid | Field
 
 
 def obstacle_surface(
-    obstacle: Obstacle, middle: Floats, span: float, around: int = AROUND, pieces: int = PIECES
+    obstacle: Obstacle, middle: Floats, span: float, around: int = FACES_AROUND, pieces: int = FACES_ALONG
 ) -> Surface:
     """Return the surface of an obstacle in the world. It faces the side where the body may be.
 
@@ -198,7 +198,7 @@ def obstacle_surface(
     return surface.turned() if obstacle.inside else surface
 
 
-def dots(obstacle: Dotted) -> Floats:
+def points_of(obstacle: Dotted) -> Floats:
     """Points (m, 3) of a cloud, or on the surface of a grid or field."""
     if isinstance(obstacle, PointCloud):
         points = obstacle.points
@@ -232,22 +232,22 @@ def _crossings(values: Floats) -> Floats:
     return np.concatenate(found)
 
 
-ALONG = 12
+BANDS_PER_SEGMENT = 12
 """Bands along a segment; each segment of a robot of many has fewer."""
 
-MOST_ALONG = 240
+MOST_BANDS = 240
 """Bands along the whole body, but for robots with more segments than that, which have one a segment."""
 
-CAP = 6
+CAP_BANDS = 6
 """Bands of the half balls in which the body ends."""
 
-FLANGE, PLATE = 1.6, 0.5
+FLANGE_RADII, PLATE_RADII = 1.6, 0.5
 """Radius and thickness of the plate that the robot stands on, in radii of its first segment."""
 
-SLEEVE = 1.25
+SLEEVE_RADII = 1.25
 """Radius of the sleeve over the mount, in radii of the first segment."""
 
-TOOL = 0.3
+TOOL_RADII = 0.3
 """Radius of the tool, which has no body, in radii of the last segment."""
 
 
@@ -315,7 +315,7 @@ class BodySurface:
         fittings: bool = True,
         share: float = 1.0,
     ) -> None:
-        wanted = max(1, min(ALONG, MOST_ALONG // len(robot))) if along is None else along
+        wanted = max(1, min(BANDS_PER_SEGMENT, MOST_BANDS // len(robot))) if along is None else along
         steps = max(1, -(-wanted // pieces))
         self.robot, self.per_segment, self.parts = robot, pieces * steps, list[ColouredPart]()
         self._around, self._circle, self._rings = around, circle(around), list[Ring]()
@@ -333,7 +333,7 @@ class BodySurface:
     def _add_piece(self, segment: int, radius: float, first: int, last: int) -> None:
         """Add a tube about these frames; the body ends in half balls."""
         rings = [Ring(i, radius, 0.0) for i in range(first, last + 1)]
-        angles = [0.5 * math.pi * i / CAP for i in range(1, CAP + 1)]
+        angles = [0.5 * math.pi * i / CAP_BANDS for i in range(1, CAP_BANDS + 1)]
         if first == 0:
             rings = [Ring(0, radius * math.cos(a), -radius * math.sin(a)) for a in reversed(angles)] + rings
         if last == self._last:
@@ -342,17 +342,18 @@ class BodySurface:
 
     def _add_fittings(self, first: float, last: float) -> None:
         """Add the flange behind the half ball of the base, the sleeve and the tool; two equal rings make an edge."""
-        behind, before = Ring(0, FLANGE * first, -(1.0 + PLATE) * first), Ring(0, FLANGE * first, -first)
+        before = Ring(0, FLANGE_RADII * first, -first)
+        behind = before._replace(ahead=-(1.0 + PLATE_RADII) * first)
         ends = behind._replace(radius=0.0), before._replace(radius=0.0)
         self._add(None, [ends[0], behind, behind, before, before, ends[1]])
         frame = self._last + 1
         if self._mounted:
-            sleeve = [Ring(frame + i, SLEEVE * first, 0.0) for i in range(self._mounted * self.per_segment + 1)]
+            sleeve = [Ring(frame + i, SLEEVE_RADII * first, 0.0) for i in range(self._mounted * self.per_segment + 1)]
             self._add(None, [*sleeve, sleeve[-1], sleeve[-1]._replace(radius=0.0)])
             frame += len(sleeve)
         if self._reach > 0.0:
             outline = ((1.0, 0.0), (0.8, 0.7), (0.0, 1.0))
-            self._add(None, [Ring(frame, TOOL * last * size, self._reach * share) for size, share in outline])
+            self._add(None, [Ring(frame, TOOL_RADII * last * size, self._reach * share) for size, share in outline])
 
     def _add(self, segment: int | None, rings: list[Ring]) -> None:
         band = np.array([ring != following for ring, following in pairwise(rings)])

@@ -32,7 +32,7 @@ MADE: dict[str, Callable[[Floats, float, Floats], Obstacle]] = {
 KINDS = tuple(MADE)
 
 
-def place_of(obstacle: Obstacle) -> Floats | None:
+def pose_of(obstacle: Obstacle) -> Floats | None:
     """Pose (4, 4) that an obstacle is grasped at; None for one that cannot be moved."""
     if isinstance(obstacle, Primitive):
         return pose(obstacle.frame.center, rotation=obstacle.frame.rotation)
@@ -47,7 +47,7 @@ def is_quick(obstacle: Obstacle) -> bool:
     return isinstance(obstacle, Primitive)
 
 
-def carried(obstacle: Obstacle, motion: Floats) -> Obstacle:
+def move_obstacle(obstacle: Obstacle, motion: Floats) -> Obstacle:
     """Return the obstacle after a rigid motion (4, 4); a grid is translated alone.
 
     One that was read from a file is read from there again, to the last digit as a saved problem will have it.
@@ -57,7 +57,7 @@ def carried(obstacle: Obstacle, motion: Floats) -> Obstacle:
     InputError
         When it cannot be moved, or its file cannot be read any more.
     """
-    if place_of(obstacle) is None:
+    if pose_of(obstacle) is None:
         expected = "an obstacle that stands still and is no function and no grid from a file"
         raise InputError("obstacle", "cannot be moved", obstacle, expected)
     if isinstance(obstacle, Mesh | PointCloud) and obstacle.source is not None and obstacle.source.parts == 1:
@@ -85,7 +85,7 @@ def sizes_of(obstacle: Obstacle) -> dict[str, float]:
     return {}
 
 
-def resized(obstacle: Obstacle, **sizes: float) -> Obstacle:
+def resize_obstacle(obstacle: Obstacle, **sizes: float) -> Obstacle:
     """Return the obstacle about the same center with other lengths, called as in `sizes_of` with `_` for spaces.
 
     Raises
@@ -105,7 +105,7 @@ def resized(obstacle: Obstacle, **sizes: float) -> Obstacle:
     raise InputError("obstacle", "has no size of its own", obstacle, "a sphere, box, capsule or cylinder")
 
 
-def made(kind: str, center: Floats, size: float) -> Obstacle:
+def make_obstacle(kind: str, center: Floats, size: float) -> Obstacle:
     """Return a new obstacle at a place (3,), about as large as `size`.
 
     Raises
@@ -116,7 +116,7 @@ def made(kind: str, center: Floats, size: float) -> Obstacle:
     return MADE[checks.choice("kind", kind, KINDS)](center, size, np.array([0.0, 0.0, 0.5 * size]))
 
 
-def least_of(rates: Rates | None) -> Floats:
+def least_rates(rates: Rates | None) -> Floats:
     """The least speeds of bends, lengths and actuators (3,) that rates allow at most; 0 without a limit."""
     return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS])
 
@@ -133,7 +133,7 @@ def _with(own: Kept, most: float) -> Kept:
     return own if most == least(own) else scaled(own, most / least(own))
 
 
-def changed(job: Job, **parts: Any) -> Job:
+def change_job(job: Job, **parts: Any) -> Job:
     """Return a job with other parts: arguments of `Job`."""
     kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
     own: dict[str, Any] = {key: getattr(job, key) for key in kept}

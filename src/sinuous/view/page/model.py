@@ -49,7 +49,7 @@ LONGEST, SHORTENED = 30.0, 20.0
 """A motion that takes longer than the first is played in so many seconds as the second."""
 
 
-def pace(duration: float) -> float:
+def playing_speed(duration: float) -> float:
     """Return how much of a motion's time passes in a second of playing.
 
     Times are taken for seconds, unless the whole takes longer than people wait.
@@ -321,7 +321,7 @@ class PageModel:
 
     def _change(self, **parts: Any) -> None:
         """Ask another question: parts of the job that differ."""
-        self.job = edits.changed(self.job, **parts)
+        self.job = edits.change_job(self.job, **parts)
         self._asked_anew()
 
     def _asked_anew(self) -> None:
@@ -509,7 +509,7 @@ class PageModel:
             path = [[moved(target) for target in targets] for targets in self.job.waypoints]
             parts |= {"path": path} if self.job.is_path else {"target": path[0]}
         parts |= {key: q[rows] for key in ("start", "goal") if (q := getattr(self.job, key)) is not None}
-        self.job = edits.changed(self.job, **parts)
+        self.job = edits.change_job(self.job, **parts)
         self.q, self._q_beside = self.q[rows], self._q_beside[rows]
         self._asked_anew()
 
@@ -523,7 +523,7 @@ class PageModel:
         gains = Rates(*edits.with_least(own.acceleration or Rates(), acceleration), None)
         rates = Rates(*edits.with_least(own, most), gains or None)
         rates.check(self.robot)
-        self.job = edits.changed(self.job, rates=rates)
+        self.job = edits.change_job(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
             self.show_motion(pace_motion(self.motion, rates))
 
@@ -581,7 +581,7 @@ class PageModel:
         """Choose an obstacle, or none."""
         self.grasped = None if index is None else checks.integer("obstacle", index, 0, len(self.scene) - 1)
         obstacle = self.chosen
-        self.grip = None if obstacle is None else edits.place_of(obstacle)
+        self.grip = None if obstacle is None else edits.pose_of(obstacle)
         self._held = None if obstacle is None or self.grip is None else (obstacle, self.grip)
 
     @property
@@ -594,11 +594,11 @@ class PageModel:
         self.put(place, self.carried(place))
 
     def carried(self, place: Floats) -> Obstacle:
-        """Return the chosen obstacle as it is when its pose becomes `place`; see `edits.carried`."""
+        """Return the chosen obstacle as it is when its pose becomes `place`; see `edits.move_obstacle`."""
         if self._held is None:
             raise InputError("obstacle", "cannot be moved", self.chosen, "an obstacle that can")
         obstacle, before = self._held
-        return edits.carried(obstacle, place @ np.linalg.inv(before))
+        return edits.move_obstacle(obstacle, place @ np.linalg.inv(before))
 
     def put(self, place: Floats, obstacle: Obstacle) -> None:
         """Put an obstacle into the place of the chosen one, whose pose is `place` now."""
@@ -606,10 +606,10 @@ class PageModel:
         self.grip = place
 
     def resize(self, **sizes: float) -> None:
-        """Change lengths of the chosen obstacle; see `edits.resized`."""
+        """Change lengths of the chosen obstacle; see `edits.resize_obstacle`."""
         if self.chosen is None:
             raise InputError("obstacle", "", None, "one that is chosen")
-        self._replace_obstacle(edits.resized(self.chosen, **sizes))
+        self._replace_obstacle(edits.resize_obstacle(self.chosen, **sizes))
         self.grasp(self.grasped)
 
     def add(self, kind: str) -> None:
@@ -618,7 +618,7 @@ class PageModel:
         side = self.robot.base[:3, 3] + self.robot.base[:3, 2] * 0.5 * self.robot.mean_length
         center = side + self.robot.base[:3, 0] * 2.0 * size
         named = [each.named(self.scene.name(i)) for i, each in enumerate(self.scene.obstacles)]
-        self._change(scene=Scene([*named, edits.made(kind, center, size).named(self._free_name(kind))]))
+        self._change(scene=Scene([*named, edits.make_obstacle(kind, center, size).named(self._free_name(kind))]))
         self.grasp(len(self.scene) - 1)
 
     def delete(self) -> None:

@@ -27,10 +27,11 @@ from sinuous.problem.target import Target
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
+from sinuous.view.display import style
 from sinuous.view.display.bounds import Bounds
 from sinuous.view.display.contents import Arm
-from sinuous.view.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, X, Y, Z, arrows_of, rgb
-from sinuous.view.display.surfaces import BodySurface, Dotted, Triangles, as_triangles, dots, obstacle_surface
+from sinuous.view.display.style import Rgb, arrows_of, rgb
+from sinuous.view.display.surfaces import BodySurface, Dotted, Triangles, as_triangles, obstacle_surface, points_of
 
 NUMBERS = 4
 """Numbers along the longest axis, about."""
@@ -45,7 +46,7 @@ LETTERS = 0.6
 def show_axes(scene: SceneApi, bounds: Bounds) -> SceneNodeHandle:
     """Draw axes from the lowest corner of the bounds; return the node that holds them."""
     root, span, low = scene.add_frame("/axes", show_axes=False), bounds.span, bounds.low
-    for k, (name, colour) in enumerate(zip("xyz", (X, Y, Z), strict=True)):
+    for k, (name, colour) in enumerate(zip("xyz", (style.X, style.Y, style.Z), strict=True)):
         along, aside = np.eye(3)[k], TICK * span * np.eye(3)[1 if k == 0 else 0]
         numbers = round_numbers(low[k], bounds.high[k], span / NUMBERS)
         places = [low + (number - low[k]) * along for number in numbers]
@@ -66,7 +67,7 @@ def round_numbers(low: float, high: float, apart: float) -> list[float]:
     return [i * step for i in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
 
 
-GREY, CHOSEN = rgb(OBSTACLE), rgb("#cc79a7")
+GREY, CHOSEN = rgb(style.OBSTACLE), rgb("#cc79a7")
 """Colours of obstacles, and of the one that is chosen."""
 
 SEE_THROUGH = 0.35
@@ -91,7 +92,7 @@ UNITS: dict[type[Obstacle], Callable[[bool], Obstacle]] = {
 """Kinds of which all are one solid, scaled; so hundreds of them are one node."""
 
 
-def wxyz(rotation: Floats) -> Floats:
+def quaternion_of(rotation: Floats) -> Floats:
     """Quaternion (4,) of a rotation (3, 3)."""
     return np.asarray(SO3.from_matrix(rotation).wxyz, np.float64)
 
@@ -106,7 +107,7 @@ def colours_of(arm: Arm) -> list[Rgb]:
     return [rgb(colour) for colour in arm.colours]
 
 
-class Look(NamedTuple):
+class BodyStyle(NamedTuple):
     """How a body is drawn.
 
     Attributes
@@ -142,12 +143,12 @@ class BodyNode:
     look : Look
     """
 
-    def __init__(self, scene: SceneApi, name: str, robot: Robot, look: Look) -> None:
+    def __init__(self, scene: SceneApi, name: str, robot: Robot, look: BodyStyle) -> None:
         self.robot, self.look = robot, look
         solid = look.opacity is None
         self.surface = BodySurface(
             robot,
-            THINNEST * look.span,
+            style.THINNEST_SHARE * look.span,
             BODY_AROUND,
             pieces=look.pieces,
             along=look.along,
@@ -166,7 +167,7 @@ class BodyNode:
         vertices = [own[0] for own in self.surface.vertices(q[None])]
         if self.look.grain:
             vertices = [np.round(own / self.look.grain) * self.look.grain for own in vertices]
-        every = [*colours, *[rgb(METAL)] * (len(vertices) - len(colours))]
+        every = [*colours, *[rgb(style.METAL)] * (len(vertices) - len(colours))]
         if not self._nodes:
             self._nodes = [self._mesh(i, vertices[i], every[i]) for i in range(len(vertices))]
         for node, own, colour in zip(self._nodes, vertices, every, strict=True):
@@ -295,7 +296,7 @@ class Obstacles:
             size = 2.0 * float(obstacle.radii.min()) if isinstance(obstacle, PointCloud) else obstacle.spacing
             yield self._scene.add_point_cloud(
                 name,
-                dots(obstacle),
+                points_of(obstacle),
                 colour,
                 point_size=max(size, 0.004 * self._bounds.span),
                 point_shape="circle" if is_cloud else "square",
@@ -326,7 +327,7 @@ def _move_nodes(known: _Single, obstacle: Obstacle) -> bool:
         return False
     motion = now @ np.linalg.inv(before)
     for node in known.nodes:
-        node.position, node.wxyz = motion[:3, 3], wxyz(motion[:3, :3])
+        node.position, node.wxyz = motion[:3, 3], quaternion_of(motion[:3, :3])
     return True
 
 
@@ -343,15 +344,15 @@ def _linear(colour: Rgb) -> NDArray[np.uint8]:
 def _scaled(obstacle: Any) -> tuple[Floats, Floats, Floats]:
     """Place, quaternion and scale of the unit solid that an obstacle is."""
     center, rotation, half, rounding = obstacle.frame
-    return center, wxyz(rotation), half + rounding
+    return center, quaternion_of(rotation), half + rounding
 
 
 def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span: float) -> None:
     """Draw a point at `place` (3,), an arrow where a direction is asked, three where a whole rotation is."""
-    scene.add_icosphere(name, DOT * span, color=rgb(TARGET), position=place, **SHADOWLESS)  # type: ignore[arg-type]
+    scene.add_icosphere(name, DOT * span, color=rgb(style.TARGET), position=place, **SHADOWLESS)  # type: ignore[arg-type]
     arrows = list(arrows_of(target))
     if arrows:
-        ends = np.stack([np.zeros((len(arrows), 3)), ARROW * span * np.stack([axis for axis, _ in arrows])], axis=1)
+        ends = np.array([(np.zeros(3), style.ARROW_SHARE * span * axis) for axis, _ in arrows])
         shades = np.array([rgb(colour) for _, colour in arrows], np.uint8)
         thin, wide, long = 0.003 * span, 0.008 * span, 0.025 * span
         scene.add_arrows(f"{name}/arrow", ends, shades, shaft_radius=thin, head_radius=wide, head_length=long)
@@ -381,7 +382,7 @@ def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], col
     scene.add_line_segments(name, np.stack([places[:-1], places[1:]], axis=1), rgb(colour), thickness=LINE * span)
 
 
-FIELD = math.radians(40.0)
+FIELD_OF_VIEW = math.radians(40.0)
 """Angle that the camera sees, from top to bottom."""
 
 
@@ -389,19 +390,19 @@ MARGIN = 1.1
 """How far a camera is away, relative to where what is shown fills the view: numbers and names of axes need room."""
 
 
-def aim(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side: Floats) -> None:
+def aim_camera(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side: Floats) -> None:
     """Let a camera show all of the bounds from the side that a unit vector (3,) leads to."""
     right = np.cross((0.0, 0.0, 1.0), side)
     right = right / np.linalg.norm(right) if right.any() else np.array([1.0, 0.0, 0.0])
     corners = (np.array(list(np.ndindex(2, 2, 2))) - 0.5) * (bounds.high - bounds.low)
     across = np.abs(corners @ np.stack([right, np.cross(side, right)], axis=-1)).max(axis=-1)
-    away = MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD)).max()) or 1.0)
-    camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD
+    away = MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD_OF_VIEW)).max()) or 1.0)
+    camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD_OF_VIEW
     camera.near, camera.far = 0.01 * away, 100.0 * away
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
+def silence_console() -> Iterator[None]:
     """Keep viser from printing where it listens and that it stopped."""
     console = rich.get_console()
     before, console.quiet = console.quiet, True
@@ -416,16 +417,16 @@ def open_server(host: str = "127.0.0.1", port: int = 0) -> ViserServer:
 
     `port` 0: any that is free.
     """
-    with quiet():
+    with silence_console():
         server = ViserServer(host=host, port=port, label="Sinuous", verbose=False)
     server.gui.configure_theme(show_logo=False, show_share_button=False)
     server.scene.world_axes.visible = False
-    light(server)
+    light_scene(server)
     server.request_share_url = lambda verbose=True: None  # type: ignore[method-assign]  # no page may open a tunnel
     return server
 
 
-def light(server: ViserServer) -> None:
+def light_scene(server: ViserServer) -> None:
     """Light the scene evenly and without shadows: clear colours, and quick where pages are drawn in software."""
     scene = server.scene
     scene.configure_environment_map(None)
@@ -438,5 +439,5 @@ def light(server: ViserServer) -> None:
 
 def close_server(server: ViserServer) -> None:
     """Stop a server."""
-    with quiet():
+    with silence_console():
         server.stop()

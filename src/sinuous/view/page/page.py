@@ -13,15 +13,15 @@ from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.problem.target import Target
 from sinuous.solver.memory import Memory
-from sinuous.view.display.bounds import best_view, bounds_of, hiding, seen_places, towards
+from sinuous.view.display.bounds import best_view, bounds_of, direction_of, find_hiding, seen_places
 from sinuous.view.display.contents import Arm, Contents, arms_of, forces_of
-from sinuous.view.display.results import clearances
-from sinuous.view.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
+from sinuous.view.display.results import clearances_along
+from sinuous.view.display.style import FORCE, TIP_PATH, Rgb, colour_by_bending, colour_by_clearance, rgb
 from sinuous.view.page import nodes
 from sinuous.view.page.model import PageModel
 from sinuous.view.page.panel import Action, Panel
 from sinuous.view.page.session import Session
-from sinuous.view.page.status import Near, judge, nearest, notice, status_of
+from sinuous.view.page.status import NearestPlace, find_nearest, judge_shape, notice_html, status_html
 from sinuous.view.page.tabs import PARTS
 
 BESIDE, GHOST = 0.5, 0.3
@@ -57,7 +57,7 @@ class Scenery:
         self._model = model = session.model
         contents = _contents(model)
         self.bounds = bounds_of(contents)
-        nodes.aim(server.initial_camera, self.bounds, towards(best_view(contents)))
+        nodes.aim_camera(server.initial_camera, self.bounds, direction_of(best_view(contents)))
         self._axes = nodes.show_axes(server.scene, self.bounds)
         self._obstacles = nodes.Obstacles(server.scene, self.bounds, session.choose_obstacle)
         self._bodies: dict[str, nodes.BodyNode] = {}
@@ -75,16 +75,16 @@ class Scenery:
         bounds = bounds_of(_contents(self._model))
         self._axes = nodes.show_axes(self._server.scene, bounds)
         with client.atomic():
-            nodes.aim(client.camera, bounds, away / np.linalg.norm(away))
+            nodes.aim_camera(client.camera, bounds, away / np.linalg.norm(away))
 
     def look(self) -> None:
         """Make see-through what hides the body from somebody."""
         clients = self._server.get_clients().values()
         eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
         body = Contents(arms=arms_of(self._model.robot, self._model.shown))
-        self._hiding = hiding(self._model.there.obstacles, seen_places(body), np.array(eyes))
+        self._hiding = find_hiding(self._model.there.obstacles, seen_places(body), np.array(eyes))
 
-    def show(self, near: Near | None) -> None:
+    def show(self, near: NearestPlace | None) -> None:
         """Show the model as it is."""
         with self._server.atomic():
             self._show_bodies()
@@ -107,12 +107,12 @@ class Scenery:
                 body = self._bodies[name] = nodes.BodyNode(self._server.scene, f"/{name}", arm.robot, look)
             body.show(arm.q, colours)
 
-    def _wanted_bodies(self) -> Iterator[tuple[str, nodes.Look, Arm, list[Rgb]]]:
+    def _wanted_bodies(self) -> Iterator[tuple[str, nodes.BodyStyle, Arm, list[Rgb]]]:
         """Yield the bodies on the page: a name, how it is drawn, the body, a colour for each of its pieces."""
         model, robot, span = self._model, self._model.robot, self.bounds.span
         body, *around = arms_of(robot, model.shown, self._good(), HAND if model.by_hand else 0)
         pieces = max(1, FINE * len(robot) // len(body.robot)) if self._session.colouring == "clearance" else 1
-        yield "body", nodes.Look(span, pieces), body, self._colours(body, pieces)
+        yield "body", nodes.BodyStyle(span, pieces), body, self._colours(body, pieces)
         others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
         if model.beside is not None and model.motion is None:
             others["second"] = arms_of(robot, model.beside.q, model.beside.solved, 1)[0]
@@ -121,18 +121,18 @@ class Scenery:
             shapes["goal"] = model.job.goal
         others |= {name: arms_of(robot, q, number=i)[0] for i, (name, q) in enumerate(shapes.items(), 1)}
         for name, arm in others.items():
-            yield name, nodes.Look(span, opacity=BESIDE if name == "second" else GHOST), arm, nodes.colours_of(arm)
+            yield name, nodes.BodyStyle(span, opacity=BESIDE if name == "second" else GHOST), arm, nodes.colours_of(arm)
 
     def _colours(self, body: Arm, pieces: int) -> list[Rgb]:
         """One colour a piece of the body."""
         model = self._model
         if self._session.colouring == "bending":
-            own = by_bending(model.robot, model.shown)
+            own = colour_by_bending(model.robot, model.shown)
             return [own[k] for k in body.segments]
         if self._session.colouring == "clearance" and len(model.scene):
-            places = clearances(body.robot, model.there, body.q, pieces * STEPS)
+            places = clearances_along(body.robot, model.there, body.q, pieces * STEPS)
             least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
-            return by_clearance(least, FAR * model.robot.mean_length)
+            return colour_by_clearance(least, FAR * model.robot.mean_length)
         return [colour for colour in nodes.colours_of(body) for _ in range(pieces)]
 
     def _good(self) -> bool:
@@ -207,7 +207,7 @@ def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
     if off > 1e-12 + 1e-9 * float(np.abs(frame[:3, 3]).max()):
         gizmo.position = frame[:3, 3]
     if float(np.abs(_axis(gizmo.wxyz) - frame[:3, 2]).max()) > 1e-6:
-        gizmo.wxyz = nodes.wxyz(frame[:3, :3])
+        gizmo.wxyz = nodes.quaternion_of(frame[:3, :3])
 
 
 def _axis(quaternion: Floats) -> Floats:
@@ -277,14 +277,14 @@ class Page(Session):
         self._answer_quickly()  # so that the camera looks at where the robot first gets to
         self.server.gui.reset()
         self.server.scene.reset()
-        nodes.light(self.server)
+        nodes.light_scene(self.server)
         self.scenery = Scenery(self.server, self)
         parts = [part for part in PARTS if part[0] != "Target" or self.model.targets]
         self._panel = Panel(self.server.gui, self, self._actions(), parts)
 
     def _draw(self) -> None:
         model = self.model
-        self.near = nearest(model.robot, model.there, model.shown)
+        self.near = find_nearest(model.robot, model.there, model.shown)
         self.scenery.show(self.near)
 
     def _watch(self, client: ClientHandle) -> None:
@@ -296,6 +296,6 @@ class Page(Session):
 
     def _refresh(self, busy: bool, refused: str) -> None:
         model = self.model
-        judged = judge(model.robot, model.targets, model.q) if model.by_hand else None
+        judged = judge_shape(model.robot, model.targets, model.q) if model.by_hand else None
         with self.server.atomic():
-            self._panel.refresh(status_of(model, self.near, judged, busy), notice(refused))
+            self._panel.refresh(status_html(model, self.near, judged, busy), notice_html(refused))

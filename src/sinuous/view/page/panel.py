@@ -12,11 +12,11 @@ from viser import GuiApi, uplot
 
 from sinuous.base.checks import Floats
 from sinuous.view.display.results import Curves
-from sinuous.view.display.style import CONTACT, CURVES, SCALE
+from sinuous.view.display.style import COLOUR_SCALE, CONTACT, CURVES
 from sinuous.view.page.session import Session
-from sinuous.view.page.status import STYLE, framed, scale
+from sinuous.view.page.status import STYLE, block_html, scale_html
 
-PLOT = 220
+PLOT_PIXELS = 220
 """Height of a plot, in pixels."""
 
 DIGITS = 4
@@ -117,7 +117,7 @@ class Fields:
 
     def text(self, text: str) -> None:
         """Add a sentence."""
-        self._handles.append(self.gui.add_html(framed(markup.escape(text))))
+        self._handles.append(self.gui.add_html(block_html(markup.escape(text))))
 
     def plot(self, curves: Curves) -> None:
         """Add a plot of curves over time, with numbers where the mouse points."""
@@ -131,7 +131,7 @@ class Fields:
                 title=f"{curves.title}, {curves.unit}",
                 scales={"x": uplot.Scale(time=False)},
                 legend=uplot.Legend(show=few),
-                height=PLOT,
+                height=PLOT_PIXELS,
             )
         )
 
@@ -206,7 +206,7 @@ def step_of(size: float) -> float:
     return float(10.0 ** math.floor(math.log10(max(size, 1e-300) / 300.0)))
 
 
-WIDTH = 440.0
+PANEL_PIXELS = 440.0
 """Width of the panel, in pixels: all tabs stand in one row."""
 
 Build = Callable[[Fields], None]
@@ -277,11 +277,11 @@ class Panel:
             own = Fields(gui, session), partial(build, session), partial(made_for, session)
             self._sections.append(Section(tab, *own))
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(WIDTH)
+        gui.main_panel.set_width(PANEL_PIXELS)
 
     def refresh(self, status: str, notice: str) -> None:
         """Show what holds, one line about what was refused, and in every field what the model says."""
-        content = framed(STYLE, status, self._legend(), notice)
+        content = block_html(STYLE, status, self._legend(), notice)
         if self._status.content != content:
             self._status.content = content
         for section in self._sections:
@@ -289,9 +289,9 @@ class Panel:
 
     def _legend(self) -> str:
         if self._session.colouring == "bending":
-            return scale("straight", "bent as far as it can", SCALE)
+            return scale_html("straight", "bent as far as it can", COLOUR_SCALE)
         if self._session.colouring == "clearance":
-            return scale("touches", "clear", (CONTACT, *SCALE))
+            return scale_html("touches", "clear", (CONTACT, *COLOUR_SCALE))
         return ""
 
 

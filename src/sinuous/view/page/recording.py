@@ -13,12 +13,12 @@ from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.display.bounds import best_view, bounds_of, hiding, seen_places, towards
+from sinuous.view.display.bounds import best_view, bounds_of, direction_of, find_hiding, seen_places
 from sinuous.view.display.contents import Arm, Contents, MovingArm
-from sinuous.view.display.results import told_apart, words_of
-from sinuous.view.display.style import FORCE, ROUTE, TIP_PATH, tones
+from sinuous.view.display.results import describe_solutions, status_in_words
+from sinuous.view.display.style import FORCE, ROUTE, TIP_PATH, arm_tones
 from sinuous.view.page import nodes
-from sinuous.view.page.model import pace
+from sinuous.view.page.model import playing_speed
 
 GHOST = 0.4
 """Opacity of a ghost."""
@@ -40,15 +40,15 @@ STYLE = """<style>
 """Hides the tree of nodes, and places the caption."""
 
 
-def record(contents: Contents) -> str:
+def record_page(contents: Contents) -> str:
     """Return a page that shows `contents`, as one HTML text that needs nothing else."""
     bounds = bounds_of(contents)
     server = nodes.open_server()
     try:
-        nodes.aim(server.initial_camera, bounds, towards(best_view(contents)))
+        nodes.aim_camera(server.initial_camera, bounds, direction_of(best_view(contents)))
         nodes.show_axes(server.scene, bounds)
         there, eye = contents.obstacles_at(0.0), np.array(server.initial_camera.position)
-        in_front = hiding(there, seen_places(contents), eye[None])
+        in_front = find_hiding(there, seen_places(contents), eye[None])
         obstacles = nodes.Obstacles(server.scene, bounds)
         obstacles.show(there, hiding=in_front)
         for i, (target, place) in enumerate(contents.targets):
@@ -60,7 +60,7 @@ def record(contents: Contents) -> str:
             nodes.show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
             body = nodes.BodyNode(
-                server.scene, f"/robots/{i}", arm.robot, nodes.Look(bounds.span, opacity=GHOST if ghost else None)
+                server.scene, f"/robots/{i}", arm.robot, nodes.BodyStyle(bounds.span, opacity=GHOST if ghost else None)
             )
             body.show(arm.q, nodes.colours_of(arm))
         page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))
@@ -72,7 +72,7 @@ def record(contents: Contents) -> str:
 def frames_of(moving: MovingArm) -> tuple[Floats, Floats]:
     """Configurations (f, n, 3) of a motion that are shown, and their times (f,) in seconds from its begin."""
     times = np.asarray(moving.times, np.float64) - moving.times[0]
-    times /= pace(float(times[-1]))
+    times /= playing_speed(float(times[-1]))
     count = len(times)
     if FEWEST_FRAMES <= count <= MOST_FRAMES:
         return moving.q, times
@@ -97,7 +97,7 @@ def _show_moving(
     for i, moving in enumerate(contents.moving):
         robot = moving.begin.robot
         opacity = GHOST if moving.ghost else None
-        look = nodes.Look(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
+        look = nodes.BodyStyle(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
         colours = nodes.colours_of(moving.begin)
         body = nodes.BodyNode(server.scene, f"/motions/{i}", robot, look)
         bodies.append((body, *frames_of(moving), colours))
@@ -139,6 +139,6 @@ def _caption(contents: Contents) -> Iterator[str]:
     if len(contents.robots) != len(solutions) or len(solutions) < 2:
         yield from (markup.escape(str(answer).split("\n", maxsplit=1)[0]) for answer in contents.answers)
         return
-    for i, (solution, line) in enumerate(zip(solutions, told_apart(solutions), strict=True)):
-        dot = f'<span style="color:{tones(solution.solved, i)[0]}">\u25cf</span>'
-        yield f"{dot} {markup.escape(f'{line}, {words_of(solution.status)}')}"
+    for i, (solution, line) in enumerate(zip(solutions, describe_solutions(solutions), strict=True)):
+        dot = f'<span style="color:{arm_tones(solution.solved, i)[0]}">\u25cf</span>'
+        yield f"{dot} {markup.escape(f'{line}, {status_in_words(solution.status)}')}"

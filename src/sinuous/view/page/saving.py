@@ -12,7 +12,7 @@ from sinuous.files.documents import join, parse
 from sinuous.files.problem_file import problem_of
 from sinuous.motion.job import Job
 from sinuous.motion.tables import write_motion
-from sinuous.view.page.edits import changed
+from sinuous.view.page.edits import change_job
 from sinuous.view.page.model import PageModel
 
 LARGEST = 50_000_000
@@ -22,7 +22,7 @@ NAMED = ("robot", "scene", "path", "start", "file")
 """Keys under which the name of another file may stand."""
 
 
-def saved(model: PageModel) -> str:
+def problem_text(model: PageModel) -> str:
     """Return a problem file in YAML that says what is on the page; where nothing moves, it starts with its shape.
 
     Its first line is the command that asks the same.
@@ -34,14 +34,14 @@ def saved(model: PageModel) -> str:
     """
     job, own = model.job, model.settings
     moves = job.is_path or job.goal is not None or model.motion is not None or model.scene.moves
-    kept = job if moves else changed(job, start=model.q)
+    kept = job if moves else change_job(job, start=model.q)
     command = "track" if job.is_path else "plan" if moves else "solve"
     begin = f" --begin {model.begin:g}" if command == "plan" and model.begin else ""
     line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}{begin}\n"
     return line + yaml_text(kept.to_dict(model.folder))
 
 
-def table(model: PageModel) -> str:
+def motion_table(model: PageModel) -> str:
     """Return the motion on the page as CSV, or the shape as a single row; columns as of `Motion.to_csv`."""
     q, times = (
         (model.shown[None], np.array([model.time])) if model.motion is None else (model.motion.q, model.motion.times)
@@ -52,7 +52,7 @@ def table(model: PageModel) -> str:
         return file.read_text(encoding="utf-8")
 
 
-def loaded(name: str, content: bytes, folder: Path) -> Job:
+def read_problem(name: str, content: bytes, folder: Path) -> Job:
     """Read a problem file that was brought to the page.
 
     Names of other files in it begin at `folder`, where the problem of the page stands, and must lead to files within

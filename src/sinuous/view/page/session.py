@@ -25,19 +25,19 @@ from sinuous.solver.options import SolveOptions
 from sinuous.solver.solver import Solver
 from sinuous.view.display.style import Colouring
 from sinuous.view.page.edits import is_quick
-from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, pace
-from sinuous.view.page.saving import loaded
+from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, playing_speed
+from sinuous.view.page.saving import read_problem
 
-PATIENCE = 0.15
+PATIENCE_SECONDS = 0.15
 """Seconds that a question must stand before a whole budget is spent on it."""
 
-DETAILS = 0.1
+DETAILS_SECONDS = 0.1
 """Seconds between two changes of texts and fields."""
 
-TICK = 1.0 / 30.0
+TICK_SECONDS = 1.0 / 30.0
 """Seconds between two pictures of what is played."""
 
-QUICK = 0.01
+QUICK_SECONDS = 0.01
 """Budget, in seconds, of a solve while something is dragged."""
 
 Found = TypeVar("Found")
@@ -48,7 +48,7 @@ Sliders = Literal["bends and lengths", "actuators"]
 Event = Callable[[], object]
 """What is to be done; it runs in the thread of the worker."""
 
-IDLE = 0.08
+IDLE_SECONDS = 0.08
 """Seconds without a new event after which a worker is idle."""
 
 
@@ -107,7 +107,7 @@ class Worker:
         while True:
             with self._condition:
                 if not self._queue and not self._stopped:
-                    self._condition.wait(IDLE if busy else None)
+                    self._condition.wait(IDLE_SECONDS if busy else None)
                 if self._stopped:
                     return
                 events, self._queue = list(self._queue.values()), {}
@@ -126,7 +126,7 @@ class Worker:
             self._failed(error)
 
 
-def serving(memory: Memory | None, robot: Robot) -> Memory | None:
+def memory_for(memory: Memory | None, robot: Robot) -> Memory | None:
     """Return a memory as long as it is of this robot: people change robots."""
     return memory if memory is not None and memory._serves(robot) else None
 
@@ -166,7 +166,7 @@ class Solvers:
                 time=own.time,
                 seed=own.seed,
                 routes=self._routes,
-                memory=serving(self._memory, job.robot),
+                memory=memory_for(self._memory, job.robot),
             )
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it
@@ -330,7 +330,7 @@ class Session(ABC):
                 self._answer()
             self.answered(model.number)
         self._draw()
-        if clock.monotonic() - self._refreshed > DETAILS:
+        if clock.monotonic() - self._refreshed > DETAILS_SECONDS:
             self._refresh_now()
 
     def _refresh_now(self) -> None:
@@ -353,11 +353,11 @@ class Session(ABC):
         """Solve for some milliseconds, by the method that needs no more; others may have to be compiled first."""
         question, own = self.model.question(), self.model.settings
         if question.targets and own.method == "newton":
-            self.model.accept(question.number, self._quick.solve(question, min(QUICK, own.time)))
+            self.model.accept(question.number, self._quick.solve(question, min(QUICK_SECONDS, own.time)))
 
     def _stands(self, question: PageQuestion) -> bool:
         """Wait a moment; return whether the question is still asked."""
-        return not self._stopping.wait(PATIENCE) and question.number == self.model.number
+        return not self._stopping.wait(PATIENCE_SECONDS) and question.number == self.model.number
 
     def _solve(self, question: PageQuestion) -> None:
         """Spend the whole budget on a question that stands."""
@@ -443,7 +443,7 @@ class Session(ABC):
         job, own, begin = self.model.job, self.model.settings, self.model.begin
 
         def find() -> Motion:
-            memory = serving(self._memory, job.robot)
+            memory = memory_for(self._memory, job.robot)
             if job.is_path:
                 return job.track(method=own.method, seed=own.seed, time=own.time, memory=memory)
             seconds = max(own.time, TIME)
@@ -466,7 +466,7 @@ class Session(ABC):
         """Show another problem; one that is none changes nothing."""
 
         def read() -> None:
-            job = loaded(name, content, self.model.folder)
+            job = read_problem(name, content, self.model.folder)
             self.do("load", partial(self.replace, job))
 
         self._background.post("load", read)
@@ -496,7 +496,7 @@ class Session(ABC):
     def _run(self) -> None:
         """Move on with the time, until the end."""
         last = clock.monotonic()
-        while self.playing and not self._stopping.wait(TICK):
+        while self.playing and not self._stopping.wait(TICK_SECONDS):
             now = clock.monotonic()
             self._owner.post("tick", partial(self._tick, now - last))
             last = now
@@ -508,7 +508,7 @@ class Session(ABC):
             self.playing = False
         if not self.playing:
             return
-        time = self.model.time + seconds * pace(last - first)
+        time = self.model.time + seconds * playing_speed(last - first)
         if time >= last:
             time, self.playing = last, False
         self.model.play(max(first, time))

@@ -75,9 +75,9 @@ def require_viser(key: str, value: object) -> None:
 
 
 def _page(things: Iterable[Any]) -> str:
-    from sinuous.view.page.recording import record  # noqa: PLC0415
+    from sinuous.view.page.recording import record_page  # noqa: PLC0415
 
-    return record(gather(things))
+    return record_page(gather(things))
 
 
 def _notebook() -> Callable[[str], object] | None:

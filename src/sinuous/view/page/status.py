@@ -18,7 +18,7 @@ from sinuous.problem.body_question import ask_body
 from sinuous.problem.target import Target
 from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.statics.rest import bodies_at
-from sinuous.view.display.results import STARTS, lengths_along, number, radii_along, rows_of, words_of
+from sinuous.view.display.results import STARTS, format_number, lengths_along, radii_along, rows_of, status_in_words
 from sinuous.view.page.model import PageModel
 
 SAMPLES = 16
@@ -49,7 +49,7 @@ Rows = dict[str, Sequence[str]]
 
 
 @dataclass(frozen=True)
-class Near:
+class NearestPlace:
     """Where a body is nearest to the obstacles.
 
     Attributes
@@ -85,7 +85,7 @@ class Judgement:
     violations: tuple[Violation, ...]
 
 
-def judge(robot: Robot, targets: tuple[Target, ...], q: Floats) -> Judgement:
+def judge_shape(robot: Robot, targets: tuple[Target, ...], q: Floats) -> Judgement:
     """Compare a configuration (n, 3) with targets and limits; where it hangs, the body that the targets are for."""
     violations = tuple(robot.violations(q))
     try:
@@ -99,7 +99,7 @@ def judge(robot: Robot, targets: tuple[Target, ...], q: Floats) -> Judgement:
     return Judgement(max(placed, default=None), max(turned, default=None), violations)
 
 
-def nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
+def find_nearest(robot: Robot, scene: Snapshot, q: Floats) -> NearestPlace | None:
     """Where the body beyond its mount is nearest to the obstacles; None without any."""
     if not len(scene):
         return None
@@ -107,7 +107,7 @@ def nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
     return _nearest(body, scene, arcs[0])
 
 
-def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
+def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> NearestPlace | None:
     along = lengths_along(q, SAMPLES)
     free = along >= min(robot.mount, along[-1])
     points, radii = robot.backbone(q, SAMPLES)[free], radii_along(robot, SAMPLES)[free]
@@ -118,10 +118,10 @@ def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
     away = scene.gradient(point)
     size = float(np.linalg.norm(away))
     away = away / size if size > 0.0 else away
-    return Near(found.obstacle, found.distance, point - radius * away, point - (found.distance + radius) * away)
+    return NearestPlace(found.obstacle, found.distance, point - radius * away, point - (found.distance + radius) * away)
 
 
-def status_of(model: PageModel, near: Near | None, judged: Judgement | None, busy: bool) -> str:
+def status_html(model: PageModel, near: NearestPlace | None, judged: Judgement | None, busy: bool) -> str:
     """What holds of the shape on the page, in a table with one column a method; `busy`: a solve goes on."""
     there = {**_of_time(model), **_of_near(near)}
     if model.motion is not None:
@@ -136,7 +136,7 @@ def status_of(model: PageModel, near: Near | None, judged: Judgement | None, bus
     if model.answer is None:
         return _table([_badge("not solved yet", False)], there)
     answers = [model.answer] if model.beside is None else [model.answer, model.beside]
-    badges = [_badge(words_of(each.status), each.solved) for each in answers]
+    badges = [_badge(status_in_words(each.status), each.solved) for each in answers]
     rows = {**_of_answers(answers), **there}
     if busy:
         badges[0] = _badge("not solved yet", False)
@@ -165,8 +165,8 @@ def _of_search(solution: Solution) -> dict[str, str]:
 def _of_judgement(judged: Judgement) -> Rows:
     beyond = [f"{kind} of segment {k} by {amount:.3g}" for kind, k, amount in judged.violations]
     rows = {
-        "position error": number(judged.position_error),
-        "angle error": number(judged.angle_error, " rad"),
+        "position error": format_number(judged.position_error),
+        "angle error": format_number(judged.angle_error, " rad"),
         "violated": "; ".join(beyond[:MOST_NAMED]),
     }
     return {label: [value] for label, value in rows.items() if value}
@@ -178,25 +178,25 @@ def _of_time(model: PageModel) -> Rows:
     return {"at time": [f"{model.time:.2f}, from {first:g} to {last:g}"]} if first < last else {}
 
 
-def _of_near(near: Near | None) -> Rows:
+def _of_near(near: NearestPlace | None) -> Rows:
     if near is None:
         return {}
     where = f"{near.distance:.3g} away" if near.distance >= 0.0 else f"overlap of {-near.distance:.3g}"
     return {"nearest": [f"{near.obstacle}, {where}"]}
 
 
-def notice(text: str) -> str:
+def notice_html(text: str) -> str:
     """One line about what was refused; nothing where nothing was."""
     return f'<div class="notice">{markup.escape(" ".join(text.split()))}</div>' if text else ""
 
 
-def scale(low: str, high: str, colours: Sequence[str]) -> str:
+def scale_html(low: str, high: str, colours: Sequence[str]) -> str:
     """A legend: what the colours of the body mean."""
     bar = f'<div class="scale" style="background:linear-gradient(90deg,{",".join(colours)})"></div>'
     return f'{bar}<div class="ends"><span>{markup.escape(low)}</span><span>{markup.escape(high)}</span></div>'
 
 
-def framed(*parts: str) -> str:
+def block_html(*parts: str) -> str:
     """Parts as one block of the panel."""
     return f'<div class="sinuous">{"".join(parts)}</div>'
 

@@ -17,12 +17,12 @@ from sinuous.methods.registry import METHODS
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance
-from sinuous.view.display.results import Curves, actuators_of, bends_of, lengths_of, speeds_of, told_apart
+from sinuous.view.display.results import Curves, actuators_of, bends_of, describe_solutions, lengths_of, speeds_of
 from sinuous.view.display.style import Colouring, largest_bends
-from sinuous.view.page.edits import KINDS, least_of, sizes_of
+from sinuous.view.page.edits import KINDS, least_rates, sizes_of
 from sinuous.view.page.model import ASKED, MOST_SECONDS
 from sinuous.view.page.panel import Fields, Part, step_of
-from sinuous.view.page.saving import saved, table
+from sinuous.view.page.saving import motion_table, problem_text
 from sinuous.view.page.session import Session, Sliders
 
 MOST_TARGETS = 6
@@ -57,7 +57,7 @@ def target_tab(session: Session, fields: Fields) -> None:
             model.choose(index - 1)
 
     hint = "Distinct solutions, best first; all are on the page."
-    found = fields.index("solution", lambda: ("-", *told_apart(model.ghosts)), current, choose, hint)
+    found = fields.index("solution", lambda: ("-", *describe_solutions(model.ghosts)), current, choose, hint)
     fields.button("Find other solutions", partial(session.find_others, OTHERS))
     forget = fields.button("Forget them", model.forget_ghosts)
     fields.only_while(lambda: bool(model.ghosts), found, forget)
@@ -139,14 +139,14 @@ def _rate_fields(session: Session, fields: Fields) -> None:
     model = session.model
 
     def put(index: int, value: Floats) -> None:
-        own = [least_of(model.job.rates), least_of(model.job.rates.acceleration)]
+        own = [least_rates(model.job.rates), least_rates(model.job.rates.acceleration)]
         own[index] = value
         model.set_rates(*own)
 
     hint = "Largest speeds of a bend (rad/s), a length and an actuator (a second), of several the least; 0: no limit."
-    fields.vector("rates", lambda: least_of(model.job.rates), partial(put, 0), 0.001, hint)
+    fields.vector("rates", lambda: least_rates(model.job.rates), partial(put, 0), 0.001, hint)
     hint = "How fast these speeds may change; 0: no limit."
-    fields.vector("accelerations", lambda: least_of(model.job.rates.acceleration), partial(put, 1), 0.001, hint)
+    fields.vector("accelerations", lambda: least_rates(model.job.rates.acceleration), partial(put, 1), 0.001, hint)
     step, blend = step_of(model.robot.mean_length), partial(setattr, session, "blend")
     hint = "How far any place of the body may leave the way to round a corner; 0: the robot stops in each."
     rounding = fields.number("blend", lambda: session.blend, blend, min=0.0, step=step, hint=hint)
@@ -336,9 +336,9 @@ def solve_tab(session: Session, fields: Fields) -> None:
 def file_tab(session: Session, fields: Fields) -> None:
     """Save what is on the page, load another problem."""
     hint = "A problem file that says exactly what is on the page."
-    fields.file("Save as YAML", "problem.yaml", partial(saved, session.model), hint)
+    fields.file("Save as YAML", "problem.yaml", partial(problem_text, session.model), hint)
     hint = "Times, bends, lengths and values of all actuators: of the motion, or of the shape on the page."
-    fields.file("Save as CSV", "motion.csv", partial(table, session.model), hint)
+    fields.file("Save as CSV", "motion.csv", partial(motion_table, session.model), hint)
     upload = fields.gui.add_upload_button("Load a problem", color="gray", mime_type=".yaml,.yml,.json")
 
     @upload.on_upload

@@ -13,17 +13,10 @@ from sinuous.base.arguments import Vector
 from sinuous.base.documents import written
 from sinuous.base.errors import InputError
 from sinuous.studies.workspace.reach import Reach, Verdict
-from sinuous.view.display.style import CURVES, INK, LINE, PALE, SMALL, UNSOLVED
-from sinuous.view.pictures.diagrams import tidy
-from sinuous.view.pictures.figures import (
-    TIGHT,
-    check_picture,
-    image_in_page,
-    need_matplotlib,
-    new_figure,
-    save_figure,
-    stills,
-)
+from sinuous.view.display.style import CURVES, INK, LINE, PALE, SMALL_PT, UNSOLVED
+from sinuous.view.pictures import figures
+from sinuous.view.pictures.diagrams import finish_axes
+from sinuous.view.pictures.figures import check_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,10 +35,10 @@ MOST_PATTERNS = 16
 @contextmanager
 def _chart(file: str | Path, size: tuple[float, float]) -> Iterator[Any]:
     """A figure of this size, in inches, that is written into a file in the end."""
-    check_picture("file", Path(file), stills())
-    figure = new_figure(figsize=size, dpi=110, layout="constrained")
+    check_picture("file", Path(file), figures.still_kinds())
+    figure = figures.new_figure(figsize=size, dpi=110, layout="constrained")
     yield figure
-    save_figure(figure, Path(file))
+    figures.save_figure(figure, Path(file))
 
 
 def plot_assessment(found: "Assessment", file: str | Path) -> None:
@@ -72,7 +65,7 @@ def plot_assessment(found: "Assessment", file: str | Path) -> None:
         every = figure.subplots(1, 3, sharey=True)
         for axes, (title, unit, lengths) in zip(every, panels, strict=True):
             axes.barh(places, lengths, color=CURVES[0])
-            tidy(axes, title, x=unit, y="")
+            finish_axes(axes, title, x=unit, y="")
         every[0].plot([100.0 * total.share for total in totals], places, "o", color=CURVES[1])
         every[0].set(xlim=(0.0, 105.0))
         every[0].set_yticks(places, [total.robot for total in totals])
@@ -108,7 +101,7 @@ def plot_design(found: "Design", file: str | Path) -> None:
         for each, *place in list(zip(found.front, x, y, strict=True))[:MOST_LABELS]:
             values = (f"{value:.3g}" if isinstance(value, float) else str(value) for value in each.values.values())
             axes.annotate(f" {', '.join(values)}", place, fontsize=8)
-        tidy(axes, ", ".join(found.front[0].values), x=first, y=others[0] if others else "")
+        finish_axes(axes, ", ".join(found.front[0].values), x=first, y=others[0] if others else "")
 
 
 def plot_calibration(calibration: "Calibration", file: str | Path | None = None) -> "Figure":
@@ -125,8 +118,8 @@ def plot_calibration(calibration: "Calibration", file: str | Path | None = None)
     InputError
         When Matplotlib is missing, or the file cannot be written.
     """
-    need_matplotlib("plot")
-    figure: Figure = new_figure(figsize=(11.0, 7.0), layout="constrained")
+    figures.need_matplotlib("plot")
+    figure: Figure = figures.new_figure(figsize=(11.0, 7.0), layout="constrained")
     places, over, by = figure.subplot_mosaic([["places", "over"], ["places", "by"]]).values()
     _draw_places(places, calibration)
     _draw_over(over, calibration)
@@ -147,16 +140,16 @@ def _draw_places(axes: Any, own: "Calibration") -> None:
     pairs = np.stack([measured, predicted, np.full_like(measured, np.nan)], axis=1).reshape(-1, 3)
     axes.plot(pairs[:, a], pairs[:, b], "-", color=LINE, linewidth=0.4)
     axes.set_aspect("equal")
-    axes.legend(fontsize=SMALL, frameon=False)
-    tidy(axes, "measured and predicted", x=f"{'xyz'[a]}, length unit", y=f"{'xyz'[b]}, length unit")
+    axes.legend(fontsize=SMALL_PT, frameon=False)
+    finish_axes(axes, "measured and predicted", x=f"{'xyz'[a]}, length unit", y=f"{'xyz'[b]}, length unit")
 
 
 def _draw_over(axes: Any, own: "Calibration") -> None:
     off = np.linalg.norm(own.held_back[:, 0], axis=1)
     axes.plot(own.rows, off, ".", color=INK, markersize=2)
     axes.axhline(own.bound(), color=CURVES[1], linewidth=1.0)
-    axes.text(own.rows[0], own.bound(), " bound of the robot", va="bottom", fontsize=SMALL, color=INK)
-    tidy(axes, "error of held-back rows", x="row", y="length unit")
+    axes.text(own.rows[0], own.bound(), " bound of the robot", va="bottom", fontsize=SMALL_PT, color=INK)
+    finish_axes(axes, "error of held-back rows", x="row", y="length unit")
 
 
 def _draw_by(axes: Any, own: "Calibration") -> None:
@@ -164,8 +157,8 @@ def _draw_by(axes: Any, own: "Calibration") -> None:
     axes.barh([label for label, _ in worst], [each.p95 for _, each in worst], color=PALE)
     axes.barh([label for label, _ in worst], [each.mean for _, each in worst], color=CURVES[0])
     axes.invert_yaxis()
-    axes.tick_params(labelsize=SMALL)
-    tidy(axes, "patterns with the largest errors: mean, and 95 %", x="length unit", y="")
+    axes.tick_params(labelsize=SMALL_PT)
+    finish_axes(axes, "patterns with the largest errors: mean, and 95 %", x="length unit", y="")
 
 
 PLANES = ((2, "x", "y"), (1, "x", "z"), (0, "y", "z"))
@@ -188,7 +181,7 @@ def check_map(key: str, file: Path) -> None:
     InputError
         When Matplotlib is missing, or does not know the kind of file.
     """
-    check_picture(key, file, ("html", *stills()))
+    check_picture(key, file, ("html", *figures.still_kinds()))
 
 
 def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None:
@@ -210,16 +203,16 @@ def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None
     """
     target = Path(file)
     check_map("file", target)
-    figure = map_of(found, at)
+    figure = draw_map(found, at)
     if target.suffix.lower() != ".html":
-        save_figure(figure, target)
+        figures.save_figure(figure, target)
         return
-    page = _page(found, image_in_page(figure, "slices of the workspace", **TIGHT))
+    page = _page(found, figures.image_in_page(figure, "slices of the workspace", **figures.TIGHT))
     with written(target, "file"):
         target.write_text(page, encoding="utf-8")
 
 
-def map_of(found: Reach, at: Vector | None = None) -> Any:
+def draw_map(found: Reach, at: Vector | None = None) -> Any:
     """Return the figure of a map; see `plot_reach`."""
     return _draw(found, _middle(found) if at is None else found._index(checks.vector("at", at)))
 
@@ -258,7 +251,7 @@ def _rows(found: Reach) -> Iterator[_Row]:
 
 def _draw(found: Reach, index: tuple[int, int, int]) -> Any:
     rows = list(_rows(found))
-    figure = new_figure(figsize=(15.0, 3.9 * len(rows)), dpi=90, layout="constrained")
+    figure = figures.new_figure(figsize=(15.0, 3.9 * len(rows)), dpi=90, layout="constrained")
     grid = figure.add_gridspec(len(rows), 4, width_ratios=(1.0, 1.0, 1.0, 1.3))
     for i, row in enumerate(rows):
         for column, plane in enumerate(PLANES):

@@ -14,8 +14,8 @@ from sinuous.base.errors import InputError
 from sinuous.methods.registry import options_of
 from sinuous.motion.motion import Motion
 from sinuous.solver.solver import KeptOptions
-from sinuous.view.display.results import Curves, actuators_of, bends_of, clearances, lengths_along, lengths_of
-from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
+from sinuous.view.display.results import Curves, actuators_of, bends_of, clearances_along, lengths_along, lengths_of
+from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL_PT, TARGET, TEXT_PT, TITLE_PT, arm_tones
 from sinuous.view.pictures.figures import need_matplotlib
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["clearance", "convergence", "clearance map", "actuators", "bends", "lengths", "times"]
 
-ALONG = 40
+PLACES_PER_SEGMENT = 40
 """Places of a segment whose clearance is drawn."""
 
 MOMENTS = 400
@@ -100,7 +100,7 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
         _draw_along(axes, answer)
         return
     moments, q = _moments(answer)
-    least = clearances(answer.robot, answer.scene, q, ALONG, moments).min(axis=-1)
+    least = clearances_along(answer.robot, answer.scene, q, PLACES_PER_SEGMENT, moments).min(axis=-1)
     axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
     _mark_least(axes, moments, least)
     _limit(axes, least)
@@ -108,23 +108,23 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
         axes.axhline(
             answer.clearance, color=CURVES[2], linewidth=1.2, linestyle=(0, (4, 2)), label="proved all the way"
         )
-        axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
-    tidy(axes, "least clearance of the body", x="time", y="length unit")
+        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
+    finish_axes(axes, "least clearance of the body", x="time", y="length unit")
 
 
 def _draw_along(axes: Any, solution: Solution) -> None:
     """Draw clearance along the body, under the colours that its segments have in pictures."""
     problem = solution.problem
-    clearance = clearances(problem.robot, problem.scene, solution.q, ALONG)
-    along = lengths_along(solution.q, ALONG)
-    colours = tones(solution.solved)
+    clearance = clearances_along(problem.robot, problem.scene, solution.q, PLACES_PER_SEGMENT)
+    along = lengths_along(solution.q, PLACES_PER_SEGMENT)
+    colours = arm_tones(solution.solved)
     for k in range(len(problem.robot)):
-        part = slice(k * ALONG, (k + 1) * ALONG + 1)
+        part = slice(k * PLACES_PER_SEGMENT, (k + 1) * PLACES_PER_SEGMENT + 1)
         axes.plot(along[part], clearance[part], color=colours[k % 2], linewidth=2.6, solid_capstyle="butt")
         axes.axvline(along[part][-1], color=GRID, linewidth=0.8, zorder=0)
     _mark_least(axes, along, clearance)
     _limit(axes, clearance)
-    tidy(axes, "clearance along the body", x="length of backbone from the base", y="length unit")
+    finish_axes(axes, "clearance along the body", x="length of backbone from the base", y="length unit")
 
 
 def _draw_convergence(axes: Any, answer: Solution) -> None:
@@ -138,8 +138,8 @@ def _draw_convergence(axes: Any, answer: Solution) -> None:
             axes.axhline(least, color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
     axes.set_yscale("log")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
-    tidy(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
+    axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
+    finish_axes(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
 
 
 def _counts_iterations(solution: Solution) -> bool:
@@ -169,14 +169,14 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     return position, angle
 
 
-def tidy(axes: Any, title: str, *, x: str, y: str) -> None:
+def finish_axes(axes: Any, title: str, *, x: str, y: str) -> None:
     """Give the axes of a diagram a title, labels with units, a pale grid and few lines."""
-    axes.set_title(title, fontsize=TITLE, color=INK, loc="left")
+    axes.set_title(title, fontsize=TITLE_PT, color=INK, loc="left")
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(LINE)
-    axes.tick_params(which="both", color=LINE, labelcolor=PALE, labelsize=SMALL)
-    axes.set_xlabel(x, color=PALE, fontsize=TEXT)
-    axes.set_ylabel(y, color=PALE, fontsize=TEXT)
+    axes.tick_params(which="both", color=LINE, labelcolor=PALE, labelsize=SMALL_PT)
+    axes.set_xlabel(x, color=PALE, fontsize=TEXT_PT)
+    axes.set_ylabel(y, color=PALE, fontsize=TEXT_PT)
     axes.grid(visible=True, color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
 
@@ -193,7 +193,7 @@ def _mark_least(axes: Any, x: Floats, clearance: Floats) -> None:
         textcoords="offset points",
         ha="right" if right else "left",
         color=INK,
-        fontsize=SMALL,
+        fontsize=SMALL_PT,
     )
 
 
@@ -209,7 +209,7 @@ def _limit(axes: Any, clearance: Floats) -> None:
 
 def _draw_map(axes: Any, answer: Motion) -> None:
     moments, q = _moments(answer)
-    clearance = clearances(answer.robot, answer.scene, q, ALONG, moments)
+    clearance = clearances_along(answer.robot, answer.scene, q, PLACES_PER_SEGMENT, moments)
     places = np.linspace(0.0, len(answer.robot), clearance.shape[-1])
     known = np.where(np.isfinite(clearance), clearance, np.nan)
     most = float(np.nanquantile(known, 0.9))
@@ -217,10 +217,10 @@ def _draw_map(axes: Any, answer: Motion) -> None:
         moments, places, known.T, cmap="cividis", vmin=min(0.0, float(np.nanmin(known))), vmax=most, shading="gouraud"
     )
     bar = axes.figure.colorbar(drawn, ax=axes, extend="max", pad=0.02)
-    bar.set_label("clearance, length unit", color=PALE, fontsize=SMALL)
-    bar.ax.tick_params(labelsize=SMALL, labelcolor=PALE, color=GRID)
+    bar.set_label("clearance, length unit", color=PALE, fontsize=SMALL_PT)
+    bar.ax.tick_params(labelsize=SMALL_PT, labelcolor=PALE, color=GRID)
     bar.outline.set_visible(False)
-    tidy(axes, "clearance of the body on its way", x="time", y="segment")
+    finish_axes(axes, "clearance of the body on its way", x="time", y="segment")
     axes.grid(visible=False)
     axes.yaxis.get_major_locator().set_params(integer=True)
 
@@ -232,8 +232,8 @@ def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Motion) -> N
         look = {"color": CURVES[k % len(CURVES)], "linestyle": style, "linewidth": 1.5, "label": name}
         axes.plot(curves.times, curves.values[:, k], **look)
     if len(curves.names) <= MOST_NAMED:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL, labelcolor=PALE)
-    tidy(axes, curves.title, x="time", y=curves.unit)
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
+    finish_axes(axes, curves.title, x="time", y=curves.unit)
 
 
 def _draw_times(axes: Any, answer: Motion) -> None:
@@ -245,14 +245,14 @@ def _draw_times(axes: Any, answer: Motion) -> None:
     axes.plot(number[solved], times[solved], "o", color=CURVES[0], markersize=3.2, label="solved")
     if not solved.all():
         axes.plot(number[~solved], times[~solved], "x", color=TARGET, markersize=5, label="not solved")
-        axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
     median = float(np.median(times))
     axes.axhline(median, color=CURVES[1], linewidth=1.4, zorder=0)
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
-    tidy(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
+    finish_axes(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
 
 
 _DRAWN: dict[str, Callable[[Any, Any], None]] = {

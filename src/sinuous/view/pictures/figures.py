@@ -20,23 +20,23 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import written
 from sinuous.base.errors import InputError
 from sinuous.view.display import style
-from sinuous.view.display.bounds import Bounds, bounds_of, towards
+from sinuous.view.display.bounds import Bounds, bounds_of, direction_of
 from sinuous.view.display.contents import Contents
-from sinuous.view.display.style import GRID, LINE, PALE, SMALL, TEXT, Viewpoint
+from sinuous.view.display.style import GRID, LINE, PALE, SMALL_PT, TEXT_PT, Viewpoint
 
-MARGIN = 0.03
+MARGIN_SHARE = 0.03
 """Between what is shown and the sides of the box, as a share of its longest side."""
 
-SLENDER = 0.3
+LEAST_SIDE_SHARE = 0.3
 """Least side of the box, as a share of its longest."""
 
 NUMBERS = 4
 """Numbers along the longest side of the box."""
 
-ROUNDS = 3
+FILL_ROUNDS = 3
 """How often the size of the box is corrected; numbers and names keep theirs."""
 
-AREA, EDGE, HEAD = 6.4, 0.1, 0.3
+PICTURE_INCHES, EDGE_INCHES, HEAD_INCHES = 6.4, 0.1, 0.3
 """Longer side of a picture, what is left free at its sides, and the height of a title, in inches."""
 
 
@@ -45,20 +45,20 @@ def axes_box(contents: Contents) -> Bounds:
     bounds = bounds_of(contents)
     sides = bounds.high - bounds.low
     longest = max(float(sides.max()), 1e-9)
-    half = np.maximum(0.5 * sides, 0.5 * SLENDER * longest) + MARGIN * longest
+    half = np.maximum(0.5 * sides, 0.5 * LEAST_SIDE_SHARE * longest) + MARGIN_SHARE * longest
     return Bounds(bounds.middle - half, bounds.middle + half)
 
 
-def screen(view: Viewpoint) -> Floats:
+def screen_axes(view: Viewpoint) -> Floats:
     """Return the unit vectors (2, 3) to the right and upwards on the screen."""
     a = math.radians(view.azimuth)
     right = np.array([-math.sin(a), math.cos(a), 0.0])
-    return np.stack([right, np.cross(towards(view), right)])
+    return np.stack([right, np.cross(direction_of(view), right)])
 
 
-def sizes(bounds: Bounds, view: Viewpoint, area: float = AREA) -> dict[str, Any]:
+def figure_size(bounds: Bounds, view: Viewpoint, area: float = PICTURE_INCHES) -> dict[str, Any]:
     """Return size and resolution of a figure that the bounds fill."""
-    width, height = np.abs(screen(view)) @ (bounds.high - bounds.low)
+    width, height = np.abs(screen_axes(view)) @ (bounds.high - bounds.low)
     longest = max(width, height)
     return {"figsize": (area * max(width / longest, 0.6) + 0.6, area * max(height / longest, 0.5) + 0.6), "dpi": 150}
 
@@ -74,7 +74,7 @@ def new_figure(**size: Any) -> Any:
 
 
 def new_axes(figure: Any) -> Any:
-    """Return axes in space as large as the figure; `fill` moves them to their place."""
+    """Return axes in space as large as the figure; `fill_room` moves them to their place."""
     width, height = figure.get_size_inches()
     side = max(width, height)
     axes = figure.add_axes((0.0, 0.0, side / width, side / height), projection="3d", computed_zorder=False)
@@ -82,10 +82,10 @@ def new_axes(figure: Any) -> Any:
     return axes
 
 
-def room_of(figure: Any, head: float = HEAD) -> Floats:
+def room_of(figure: Any, head: float = HEAD_INCHES) -> Floats:
     """Opposite corners (2, 2), in pixels, of the room in a figure under a title of this height (inches)."""
     width, height = figure.get_size_inches()
-    return figure.dpi * np.array([[EDGE, EDGE], [width - EDGE, height - EDGE - head]])
+    return figure.dpi * np.array([[EDGE_INCHES, EDGE_INCHES], [width - EDGE_INCHES, height - EDGE_INCHES - head]])
 
 
 def set_bounds(axes: Any, bounds: Bounds, view: Viewpoint) -> None:
@@ -103,14 +103,14 @@ def set_bounds(axes: Any, bounds: Bounds, view: Viewpoint) -> None:
     axes.set_box_aspect(bounds.high - bounds.low)
 
 
-def fill(axes: Any, bounds: Bounds, frame: Floats | None = None) -> None:
+def fill_room(axes: Any, bounds: Bounds, frame: Floats | None = None) -> None:
     """Draw the box as large as there is room for it, its numbers and its names.
 
     `frame` (2, 2) are opposite corners of the room, in pixels, and the axes are moved to its middle; by default the
     room is that of the axes, which stay.
     """
     figure, zoom = axes.get_figure(root=True), 1.0
-    for _ in range(ROUNDS):
+    for _ in range(FILL_ROUNDS):
         axes.set_box_aspect(bounds.high - bounds.low, zoom=zoom)
         low, high = _drawn(axes, bounds)
         room = np.array([axes.bbox.p0, axes.bbox.p1]) if frame is None else frame
@@ -146,8 +146,8 @@ def _tidy(axes: Any) -> None:
         axis.line.set_color(LINE)
         axis._axinfo["grid"].update(color=GRID, linewidth=0.7)
         axis._axinfo["tick"].update(inward_factor=0.0, outward_factor=0.1)
-        axis.set_label_text(label, color=PALE, fontsize=TEXT)
-        axis.set_tick_params(labelsize=SMALL, labelcolor=PALE, color=LINE, pad=1.0)
+        axis.set_label_text(label, color=PALE, fontsize=TEXT_PT)
+        axis.set_tick_params(labelsize=SMALL_PT, labelcolor=PALE, color=LINE, pad=1.0)
         axis.labelpad = 2.0
 
 
@@ -166,7 +166,7 @@ def need_matplotlib(key: str, value: object = None) -> None:
     checks.needed("matplotlib.backend_bases", "plot", key, value, "Matplotlib")
 
 
-def stills() -> tuple[str, ...]:
+def still_kinds() -> tuple[str, ...]:
     """Endings of still pictures."""
     from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
 
@@ -184,7 +184,7 @@ def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) ->
         When Matplotlib or ffmpeg is missing, or the kind of file is another.
     """
     need_matplotlib(key, str(file))
-    known = sorted({*stills(), *MOVIES}) if kinds is None else list(kinds)
+    known = sorted({*still_kinds(), *MOVIES}) if kinds is None else list(kinds)
     kind = file.suffix.lower().lstrip(".")
     if kind not in known:
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))
@@ -224,7 +224,7 @@ ALWAYS = ("#ffffff", style.TARGET, style.PATH, style.ROUTE, *style.ARMS[0], *sty
 NEARLY_WHITE = 246
 """What the mean of white and its neighbours exceeds, of 255: it becomes white."""
 
-HOLD = 1.2
+HOLD_SECONDS = 1.2
 """Seconds that a GIF stands at its end before it begins anew."""
 
 Pixels = NDArray[np.uint8]
@@ -250,7 +250,7 @@ def _write_gif(file: Path, frames: Iterable[Pixels], fps: int) -> None:
     images = [Image.fromarray(frame) for frame in frames]
     palette = palette_of(Image.fromarray(np.concatenate([np.asarray(images[0]), np.asarray(images[-1])])))
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    durations = [round(1000 / fps)] * (len(flat) - 1) + [round(1000 * HOLD)]
+    durations = [round(1000 / fps)] * (len(flat) - 1) + [round(1000 * HOLD_SECONDS)]
     flat[0].save(file, save_all=True, append_images=flat[1:], duration=durations, loop=0, optimize=True)
 
 

@@ -11,11 +11,11 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
-from sinuous.view.display.bounds import Bounds, towards
+from sinuous.view.display.bounds import Bounds, direction_of
 from sinuous.view.display.contents import Arm
-from sinuous.view.display.style import METAL, OBSTACLE, THINNEST, Viewpoint
-from sinuous.view.display.surfaces import AROUND, BodySurface, Dotted, Surface, obstacle_surface
-from sinuous.view.pictures.figures import screen
+from sinuous.view.display.style import METAL, OBSTACLE, THINNEST_SHARE, Viewpoint
+from sinuous.view.display.surfaces import FACES_AROUND, BodySurface, Dotted, Surface, obstacle_surface
+from sinuous.view.pictures.figures import screen_axes
 
 MOST_TRIANGLES = 12_000
 """Triangles of a mesh that are drawn; of more, vertices that fall together on a grid become one."""
@@ -26,14 +26,14 @@ FINEST, COARSEST = 96, 12
 ROUNDING = 1e-9
 """How far corners in a plane may be off, as a share of the extent of the facets."""
 
-LONGEST = 0.1
+LONGEST_SHARE = 0.1
 """Longest side of a facet of a mesh, as a share of the longest side of the mesh."""
 
 
-def of_mesh(surface: Surface, both: bool) -> Floats:
+def facets_of_mesh(surface: Surface, both: bool) -> Floats:
     """Small facets of a mesh of triangles; `both`: for both sides."""
     drawn = surface if len(surface.faces) <= MOST_TRIANGLES else _thinned(surface)
-    facets = cut(drawn.facets, LONGEST * float(np.ptp(drawn.vertices, axis=0).max()))
+    facets = split_facets(drawn.facets, LONGEST_SHARE * float(np.ptp(drawn.vertices, axis=0).max()))
     return np.concatenate([facets, facets[:, [2, 1, 0, 0]]]) if both else facets
 
 
@@ -52,13 +52,13 @@ def _thinned(surface: Surface, cells: int = FINEST) -> Surface:
     return _thinned(surface, 3 * cells // 4) if len(thin.faces) > MOST_TRIANGLES and cells > COARSEST else thin
 
 
-def normals(facets: Floats) -> Floats:
+def normals_of(facets: Floats) -> Floats:
     """Outward unit normals (m, 3) of facets; zero for a facet without area."""
     across = np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1])
     return across / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-300)
 
 
-def cut(facets: Floats, longest: float) -> Floats:
+def split_facets(facets: Floats, longest: float) -> Floats:
     """Cut facets in four until no side is longer."""
     whole = []
     while len(facets):
@@ -81,7 +81,7 @@ def _quarters(corners: Floats, count: int) -> Floats:
     return np.concatenate(parts)
 
 
-def within(facets: Floats, low: Floats, high: Floats, solid: bool = False) -> Floats:
+def clip_facets(facets: Floats, low: Floats, high: Floats, solid: bool = False) -> Floats:
     """What of the facets is within a box; those that cross its sides are cut there (Sutherland & Hodgman 1974).
 
     Those of a convex `solid` are closed again where it is cut.
@@ -131,22 +131,22 @@ def _fan(polygon: Floats) -> Floats:
 SOLID, SEE_THROUGH = 1.0, 0.22
 """Opacity of obstacles, and of what of them is in front of a robot."""
 
-NEAR, FAR = 1.6, 4.0
+NEAR_RADII, FAR_RADII = 1.6, 4.0
 """What is in front of the body within so many radii on the screen is see-through; beyond the other it is solid."""
 
 GHOST = 0.22
 """Opacity of shapes on the way."""
 
-BODY_AROUND = 20
+BODY_FACETS_AROUND = 20
 """Facets around the body."""
 
-MANY, FEWER = 12, 22
+MANY_OBSTACLES, FEWER_AROUND = 12, 22
 """From so many obstacles on, each has fewer facets around."""
 
 SOLIDS = (Sphere, Box, Capsule, Cylinder)
 """Obstacles that are closed where the picture cuts them; rooms and half-spaces stay open."""
 
-CUT = 0.06
+CLIPPED_SHARE = 0.06
 """Longest side of the facets of an obstacle that goes on beyond the picture, as a share of the picture."""
 
 MOST_VECTORS = 6_000
@@ -167,17 +167,17 @@ class Walls(NamedTuple):
     each: bool
 
 
-def walls_of(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
+def obstacle_walls(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
     """Facets of obstacles that have a surface, within the bounds."""
-    around = AROUND if len(obstacles) < MANY else FEWER
+    around = FACES_AROUND if len(obstacles) < MANY_OBSTACLES else FEWER_AROUND
     walls = []
     for obstacle in obstacles:
         if not isinstance(obstacle, Dotted):
             surface = obstacle_surface(obstacle, bounds.middle, 2.0 * bounds.span, around)
-            facets = of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
+            facets = facets_of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
             if (facets < bounds.low).any() or (facets > bounds.high).any():
                 solid = isinstance(obstacle, SOLIDS) and not obstacle.inside
-                facets = cut(within(facets, bounds.low, bounds.high, solid), CUT * bounds.span)
+                facets = split_facets(clip_facets(facets, bounds.low, bounds.high, solid), CLIPPED_SHARE * bounds.span)
             walls.append(Walls(facets, isinstance(obstacle, Mesh)))
     return walls
 
@@ -197,7 +197,7 @@ def paint_arms(arms: list[Arm], bounds: Bounds, view: Viewpoint) -> list[Painted
 
 def paint_arm(arm: Arm, bounds: Bounds, view: Viewpoint) -> list[Painted]:
     """Facets of a body that are seen. A ghost has no fittings."""
-    surface = BodySurface(arm.robot, THINNEST * bounds.span, BODY_AROUND, fittings=not arm.ghost)
+    surface = BodySurface(arm.robot, THINNEST_SHARE * bounds.span, BODY_FACETS_AROUND, fittings=not arm.ghost)
     own, opacity = arm.colours, GHOST if arm.ghost else SOLID
     colours = [METAL if part.segment is None else own[part.segment] for part in surface.parts]
     drawn = zip(surface.facets(arm.q), colours, strict=True)
@@ -216,7 +216,7 @@ def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: Viewpoi
     return painted
 
 
-def add(axes: Any, painted: list[Painted]) -> Any:
+def add_facets(axes: Any, painted: list[Painted]) -> Any:
     """Put all facets into one collection of the axes, so that they are sorted together; return it."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: PLC0415
 
@@ -236,10 +236,10 @@ def _lit(
     """Facets that face the viewer (`back`: others too) under a light from above the viewer's left shoulder."""
     from matplotlib.colors import to_rgb  # noqa: PLC0415
 
-    facing = normals(facets)
-    seen = np.full(len(facets), True) if back else facing @ towards(view) > -0.05
-    facing = facing[seen] * np.where(facing[seen] @ towards(view) < -0.05, -0.6, 1.0)[:, None]
-    light = 0.5 + 0.5 * facing @ towards(Viewpoint(50.0, view.azimuth - 40.0))
+    facing = normals_of(facets)
+    seen = np.full(len(facets), True) if back else facing @ direction_of(view) > -0.05
+    facing = facing[seen] * np.where(facing[seen] @ direction_of(view) < -0.05, -0.6, 1.0)[:, None]
+    light = 0.5 + 0.5 * facing @ direction_of(Viewpoint(50.0, view.azimuth - 40.0))
     base = np.array(to_rgb(colour))
     shades = base * (0.5 + 0.5 * light[:, None]) + 0.3 * (1.0 - base) * light[:, None] ** 4
     alpha = np.full(len(shades), opacity)
@@ -254,11 +254,12 @@ def _hiding(facets: Floats, bodies: Floats, radius: float, view: Viewpoint) -> F
         return np.zeros(len(facets))
     from scipy.spatial import cKDTree  # noqa: PLC0415
 
-    middles, toward = facets.mean(axis=1), towards(view)
-    tree = cKDTree(bodies @ screen(view).T)
+    middles, toward = facets.mean(axis=1), direction_of(view)
+    tree = cKDTree(bodies @ screen_axes(view).T)
     count = min(len(bodies), 8)
-    apart, which = tree.query(middles @ screen(view).T, k=[*range(1, count + 1)], distance_upper_bound=FAR * radius)
+    seen, far = middles @ screen_axes(view).T, FAR_RADII * radius
+    apart, which = tree.query(seen, k=[*range(1, count + 1)], distance_upper_bound=far)
     depth = np.append(bodies @ toward, np.inf)  # one more for neighbours that are not there
     front = (middles @ toward)[:, None] > depth[which] - 0.5 * radius
-    share = np.clip((FAR * radius - apart) / ((FAR - NEAR) * radius), 0.0, 1.0)
+    share = np.clip((far - apart) / ((FAR_RADII - NEAR_RADII) * radius), 0.0, 1.0)
     return np.where(front, share, 0.0).max(axis=1)

@@ -16,26 +16,26 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display import style
 from sinuous.view.display.bounds import Bounds, best_view
 from sinuous.view.display.contents import Contents, PlacedTarget, Things, gather
-from sinuous.view.display.results import caption
+from sinuous.view.display.results import caption_of
 from sinuous.view.display.style import Viewpoint, arrows_of
-from sinuous.view.display.surfaces import Dotted, dots
+from sinuous.view.display.surfaces import Dotted, points_of
 from sinuous.view.pictures import figures
 from sinuous.view.pictures.figures import Pixels
-from sinuous.view.pictures.paint import add, paint_arm, paint_arms, paint_walls, places_of, walls_of
+from sinuous.view.pictures.paint import add_facets, obstacle_walls, paint_arm, paint_arms, paint_walls, places_of
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
-GHOSTS = 7
+GHOST_COUNT = 7
 """Shapes of a motion that are drawn, beside the last one."""
 
-ALONG_PATH = 400
+PATH_STEPS = 400
 """Places of a motion that the path of its tip goes through."""
 
-FILM_AREA, FILM_DPI = 4.6, 110.0
+FILM_INCHES, FILM_DPI = 4.6, 110.0
 """Longer side of a moving picture, in inches, and pixels in one."""
 
-LOOKS = 24
+WAY_STEPS = 24
 """Places on its way at which obstacles are made see-through where they hide a robot."""
 
 
@@ -77,13 +77,13 @@ def plot(
     """
     figures.need_matplotlib("plot")
     if path is not None:
-        figures.check_picture("path", Path(path), figures.stills())
+        figures.check_picture("path", Path(path), figures.still_kinds())
     seen, contents = as_view(view), gather(things)
     box = figures.axes_box(contents)
     if ax is None:
         from matplotlib import pyplot  # noqa: PLC0415
 
-        ax = draw_in(pyplot.figure(**figures.sizes(box, seen)), contents, box, seen)
+        ax = draw_in(pyplot.figure(**figures.figure_size(box, seen)), contents, box, seen)
     else:
         if not hasattr(ax, "get_proj"):
             raise InputError("ax", "", ax, 'axes in space, made with projection="3d"')
@@ -91,8 +91,8 @@ def plot(
             low, high = np.transpose([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
             box = box.joined(low, high)
         draw_contents(ax, contents, box, seen)
-        ax.set_title(caption(contents.answers) if contents.answers else "", fontsize=style.TITLE, color=style.INK)
-        figures.fill(ax, box)
+        ax.set_title(caption_of(contents.answers) if contents.answers else "", fontsize=style.TITLE_PT, color=style.INK)
+        figures.fill_room(ax, box)
     if path is not None:
         with written(path, "path"):
             ax.figure.savefig(path)
@@ -104,13 +104,15 @@ def as_view(view: Sequence[Number]) -> Viewpoint:
     return Viewpoint(*checks.array("view", view, (2,), "elevation and azimuth in degrees").tolist())
 
 
-def still(contents: Contents, area: float = figures.AREA, dpi: float = 150.0, head: float = figures.HEAD) -> Any:
+def draw_still(
+    contents: Contents, area: float = figures.PICTURE_INCHES, dpi: float = 150.0, head: float = figures.HEAD_INCHES
+) -> Any:
     """Return a figure of all that there is, from the side where a robot shows most.
 
     `area` is its longer side and `head` the height of its title, in inches.
     """
     box, view = figures.axes_box(contents), best_view(contents)
-    figure = figures.new_figure(**figures.sizes(box, view, area) | {"dpi": dpi})
+    figure = figures.new_figure(**figures.figure_size(box, view, area) | {"dpi": dpi})
     draw_in(figure, contents, box, view, figures.room_of(figure, head), head > 0.0)
     return figure
 
@@ -123,7 +125,7 @@ def draw_in(
     draw_contents(axes, contents, box, view)
     if titled:
         draw_head(figure, contents, own)
-    figures.fill(axes, box, own)
+    figures.fill_room(axes, box, own)
     return axes
 
 
@@ -137,12 +139,12 @@ def draw_contents(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -
 def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
     """Write what the answers say above the room (pixels) of the picture, in letters small enough to fit."""
     if contents.answers:
-        x, y = 0.5 * (room[0, 0] + room[1, 0]), room[1, 1] + 0.3 * figures.HEAD * figure.dpi
+        x, y = 0.5 * (room[0, 0] + room[1, 0]), room[1, 1] + 0.3 * figures.HEAD_INCHES * figure.dpi
         place = x / figure.bbox.width, y / figure.bbox.height
         head = figure.text(
-            *place, caption(contents.answers), fontsize=style.TITLE, color=style.INK, ha="center", va="bottom"
+            *place, caption_of(contents.answers), fontsize=style.TITLE_PT, color=style.INK, ha="center", va="bottom"
         )
-        head.set_fontsize(style.TITLE * min(1.0, (room[1, 0] - room[0, 0]) / head.get_window_extent().width))
+        head.set_fontsize(style.TITLE_PT * min(1.0, (room[1, 0] - room[0, 0]) / head.get_window_extent().width))
 
 
 def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -> None:
@@ -150,10 +152,10 @@ def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: Viewpoint) -
     arms = contents.arms_at(1.0)
     painted = paint_arms(arms, box, view)
     for moving in contents.moving:
-        for share in [] if moving.ghost else np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():
+        for share in [] if moving.ghost else np.linspace(0.0, 1.0, GHOST_COUNT + 1)[:-1].tolist():
             painted += paint_arm(moving.at(share)._replace(ghost=True), box, view)
     obstacles = contents.obstacles_at(1.0)
-    add(axes, paint_walls(walls_of(obstacles, box), *places_of(arms, box), view) + painted)
+    add_facets(axes, paint_walls(obstacle_walls(obstacles, box), *places_of(arms, box), view) + painted)
     draw_dots(axes, obstacles, box)
 
 
@@ -162,7 +164,7 @@ def draw_dots(axes: Any, obstacles: Iterable[Obstacle], box: Bounds) -> list[Any
     drawn = []
     for obstacle in obstacles:
         if isinstance(obstacle, Dotted):
-            points = dots(obstacle)
+            points = points_of(obstacle)
             inside = ((points >= box.low) & (points <= box.high)).all(axis=-1)
             look = {"color": style.DOTS, "s": 1.6, "linewidths": 0.0, "depthshade": False, "zorder": 1}
             drawn.append(axes.scatter(*points[inside].T, **look))
@@ -172,7 +174,7 @@ def draw_dots(axes: Any, obstacles: Iterable[Obstacle], box: Bounds) -> list[Any
 def draw_lines(axes: Any, contents: Contents, box: Bounds, *, moving: bool = True) -> None:
     """Draw targets, paths, routes and forces; of motions where the tips go, and the forces at their end."""
     for target in contents.targets:
-        draw_target(axes, target, style.ARROW * box.span)
+        draw_target(axes, target, style.ARROW_SHARE * box.span)
     for path in contents.paths:
         axes.plot(*path.T, color=style.PATH, linewidth=2.4, zorder=3, solid_capstyle="round")
     draw_forces(axes, contents.forces_at(1.0) if moving else contents.forces)
@@ -190,7 +192,7 @@ def draw_forces(axes: Any, forces: Iterable[Floats]) -> list[Any]:
 
 def tip_paths(contents: Contents) -> list[Floats]:
     """Points (m, 3) that the tip of each motion goes through, evenly spaced in time."""
-    shares = np.linspace(0.0, 1.0, ALONG_PATH + 1).tolist()
+    shares = np.linspace(0.0, 1.0, PATH_STEPS + 1).tolist()
     ways = [moving for moving in contents.moving if not moving.ghost]
     return [way.begin.robot.tip(np.stack([way.at(share).q for share in shares]))[:, :3, 3] for way in ways]
 
@@ -237,10 +239,10 @@ def animate(
     count = max(2, round(checks.number("seconds", seconds, above=0.0) * rate))
     contents = gather(things)
     with written(file, "path"):
-        figures.write_movie(file, frames(contents, seen, count), rate)
+        figures.write_movie(file, draw_frames(contents, seen, count), rate)
 
 
-def frames(contents: Contents, view: Viewpoint, count: int, *, area: float = FILM_AREA) -> Iterator[Pixels]:
+def draw_frames(contents: Contents, view: Viewpoint, count: int, *, area: float = FILM_INCHES) -> Iterator[Pixels]:
     """Yield pictures (height, width, 3), all of one size."""
     return _moving(contents, view, count, area) if contents.moving else _turning(contents, view, count, area)
 
@@ -248,20 +250,20 @@ def frames(contents: Contents, view: Viewpoint, count: int, *, area: float = FIL
 def _moving(contents: Contents, view: Viewpoint, count: int, area: float) -> Iterator[Pixels]:
     """The view stays; obstacles are see-through wherever they hide a robot on its way."""
     box = figures.axes_box(contents)
-    figure = figures.new_figure(**figures.sizes(box, view, area) | {"dpi": FILM_DPI})
+    figure = figures.new_figure(**figures.figure_size(box, view, area) | {"dpi": FILM_DPI})
     axes = _prepared(figure, contents, box, view)
-    figures.fill(axes, box, figures.room_of(figure))
-    bodies = places_of(contents.arms_at(*np.linspace(0.0, 1.0, LOOKS).tolist()), box)
+    figures.fill_room(axes, box, figures.room_of(figure))
+    bodies = places_of(contents.arms_at(*np.linspace(0.0, 1.0, WAY_STEPS).tolist()), box)
     still = [obstacle for obstacle in contents.obstacles if not isinstance(obstacle, Moving)]
-    walls = paint_walls(walls_of(still, box), *bodies, view)
+    walls = paint_walls(obstacle_walls(still, box), *bodies, view)
     draw_dots(axes, still, box)
     draw_lines(axes, contents, box, moving=False)
     paths = tip_paths(contents)
     for share in np.linspace(0.0, 1.0, count).tolist():
         arms = contents.arms_at(share)
         there = [own for own in contents.obstacles_at(share) if not any(own is one for one in still)]
-        moved = paint_walls(walls_of(there, box), *bodies, view) if there else []
-        drawn = [add(axes, walls + moved + paint_arms(arms, box, view)), *draw_dots(axes, there, box)]
+        moved = paint_walls(obstacle_walls(there, box), *bodies, view) if there else []
+        drawn = [add_facets(axes, walls + moved + paint_arms(arms, box, view)), *draw_dots(axes, there, box)]
         for moving in contents.moving:
             drawn += draw_forces(axes, moving.forces_at(share))
         for path in paths:
@@ -277,13 +279,13 @@ def _turning(contents: Contents, view: Viewpoint, count: int, area: float) -> It
     box = figures.axes_box(contents)
     half = 0.5 * np.array([*np.full(2, np.hypot(*(box.high - box.low)[:2])), (box.high - box.low)[2]])
     around = Bounds(box.middle - half, box.middle + half)
-    figure = figures.new_figure(**figures.sizes(around, Viewpoint(view.elevation, 0.0), area) | {"dpi": FILM_DPI})
+    figure = figures.new_figure(**figures.figure_size(around, Viewpoint(view.elevation, 0.0), area) | {"dpi": FILM_DPI})
     for turn in np.linspace(0.0, 360.0, count, endpoint=False).tolist():
         figure.clear()
         seen = Viewpoint(view.elevation, view.azimuth + turn)
         axes = _prepared(figure, contents, box, seen)
         axes.set_axis_off()
-        figures.fill(axes, box, figures.room_of(figure))
+        figures.fill_room(axes, box, figures.room_of(figure))
         draw_surfaces(axes, contents, box, seen)
         draw_lines(axes, contents, box)
         yield _pixels(figure)

@@ -20,11 +20,11 @@ from sinuous.scene.scene import Scene
 from sinuous.studies.workspace.reach import Reach
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import Contents, Things, gather
-from sinuous.view.display.results import rows_of, words_of
-from sinuous.view.pictures.charts import map_of
+from sinuous.view.display.results import rows_of, status_in_words
+from sinuous.view.pictures import figures
+from sinuous.view.pictures.charts import draw_map
 from sinuous.view.pictures.diagrams import Kind, diagram, diagrams_of
-from sinuous.view.pictures.figures import MOVIES, axes_box, check_picture, image_in_page, new_figure, room_of, sizes
-from sinuous.view.pictures.plot import animate, draw_in, still
+from sinuous.view.pictures.plot import animate, draw_in, draw_still
 
 AREA, DPI = 3.2, 90.0
 """Longer side of the picture, in inches, and its pixels in one."""
@@ -64,14 +64,14 @@ def _picture(noun: Any) -> str:
         return ""
     if isinstance(noun, Explanation) or (isinstance(noun, Scene | Solutions) and not len(noun)):
         return ""
-    return image_in_page(_figure(noun), _caption(noun), dpi=SMALL if isinstance(noun, Reach) else DPI)
+    return figures.image_in_page(_figure(noun), _caption(noun), dpi=SMALL if isinstance(noun, Reach) else DPI)
 
 
 def _figure(noun: Any) -> Any:
     if isinstance(noun, Reach):
-        return map_of(noun)
+        return draw_map(noun)
     drawn = noun.motion if isinstance(noun, Trajectory) else noun[:FEW] if isinstance(noun, Solutions) else noun
-    return still(gather([drawn]), AREA, DPI, head=0.0)
+    return draw_still(gather([drawn]), AREA, DPI, head=0.0)
 
 
 def _caption(noun: Any) -> str:
@@ -102,7 +102,7 @@ def _of_scene(scene: Scene) -> dict[str, str]:
 
 
 def _of_solutions(many: Solutions) -> dict[str, str]:
-    counts = Counter(words_of(status) for status in many.status.tolist())
+    counts = Counter(status_in_words(status) for status in many.status.tolist())
     known = many.clearance[~np.isnan(many.clearance)]
     rows = {status: f"{count:,}" for status, count in counts.most_common()}
     rows |= {"least clearance": f"{known.min():.3g}, proved"} if len(known) else {}
@@ -149,24 +149,24 @@ def write_picture(path: str | Path, *things: Things) -> None:
         When something that is needed is missing, the kind is another, or the file cannot be written.
     """
     file = Path(path)
-    check_picture("path", file)
+    figures.check_picture("path", file)
     contents = gather(things)
-    if file.suffix.lower().lstrip(".") in MOVIES:
+    if file.suffix.lower().lstrip(".") in figures.MOVIES:
         animate(*things, path=file, view=best_view(contents))
         return
     with written(file, "path"):
-        (_with_diagrams(contents) if contents.moving else still(contents)).savefig(file)
+        (_with_diagrams(contents) if contents.moving else draw_still(contents)).savefig(file)
 
 
 def _with_diagrams(contents: Contents) -> Any:
     """Return a figure with the first motion at the left and its diagrams at the right."""
-    box, view = axes_box(contents), best_view(contents)
+    box, view = figures.axes_box(contents), best_view(contents)
     motion = next(answer for answer in contents.answers if isinstance(answer, Motion))
     shown = [kind for kind in SHOWN if kind in diagrams_of(motion)]
-    width, height = sizes(box, view)["figsize"]
+    width, height = figures.figure_size(box, view)["figsize"]
     height = max(height, DIAGRAM[1] * len(shown))
-    figure = new_figure(figsize=(width + DIAGRAM[0], height), dpi=150)
-    room = room_of(figure)
+    figure = figures.new_figure(figsize=(width + DIAGRAM[0], height), dpi=150)
+    room = figures.room_of(figure)
     room[1, 0] = width * figure.dpi
     draw_in(figure, contents, box, view, room)
     left, right = width + 0.75, width + DIAGRAM[0] - (1.0 if "actuators" in shown else 0.15)

@@ -445,7 +445,7 @@ class RouteAttempts:
             width *= 2
 
     def _add_detour(self, candidate: RouteCandidate, first: int, number: int = 0) -> None:
-        """Add chains along a lengthened route, with the effort of the least beams; each comes later than the one before.
+        """Add chains along a lengthened route, with the effort of the least beams; each comes after the one before.
 
         The first has the priority of number `first`.
         """

@@ -22,11 +22,11 @@ def double(x: float) -> float:
 
 PACKAGE = {
     "src/sinuous/__init__.py": "from sinuous.model.arm import Arm\n",
-    "src/sinuous/robot/__init__.py": "",
-    "src/sinuous/robot/arm.py": "if TYPE_CHECKING:\n    from sinuous.scene.ball import Ball\n",
+    "src/sinuous/model/__init__.py": "",
+    "src/sinuous/model/arm.py": "if TYPE_CHECKING:\n    from sinuous.scene.ball import Ball\n",
     "src/sinuous/scene/ball.py": "def robot():\n    from sinuous.model import arm\n",
     "src/sinuous/base/errors.py": SOURCE,
-    "tests/robot/test_arm.py": "from sinuous.base.errors import InputError\n",
+    "tests/model/test_arm.py": "from sinuous.base.errors import InputError\n",
 }
 
 
@@ -37,7 +37,7 @@ def test_code_is_what_is_neither_comment_nor_docstring_nor_blank() -> None:
 
 
 def test_rooms_add_up() -> None:
-    assert sizes(PACKAGE) == {"package": 7, "robot": 2, "scene": 2, "tests": 1}
+    assert sizes(PACKAGE) == {"package": 1, "base": 6, "model": 2, "scene": 2, "tests": 1}
 
 
 def test_circles_are_found_wherever_imports_stand() -> None:

@@ -132,6 +132,8 @@ class Store(NullCache):
         parts = [_part(*one) for one in called or ()]
         if None in parts:
             return None
+        if COMPILER == "numba":
+            context.refresh()  # as its own cache does: code of its own calls what is registered then
         result = CompileResult._rebuild(context, *reduced)
         if called is not None:
             as_was(result.library, self._kind, parts)

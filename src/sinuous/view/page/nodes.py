@@ -102,6 +102,13 @@ def rotation_of(quaternion: Floats) -> Floats:
     return np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
 
 
+def update_node(node: Any, **values: Any) -> None:
+    """Send what has changed of a node."""
+    for name, value in values.items():
+        if not np.array_equal(getattr(node, name), value):
+            setattr(node, name, value)
+
+
 def colours_of(arm: Arm) -> list[Rgb]:
     """Colours of the segments of a body."""
     return [rgb(colour) for colour in arm.colours]
@@ -171,11 +178,7 @@ class BodyNode:
         if not self._nodes:
             self._nodes = [self._mesh(i, vertices[i], every[i]) for i in range(len(vertices))]
         for node, own, colour in zip(self._nodes, vertices, every, strict=True):
-            exact = own.astype(np.float32)
-            if not np.array_equal(node.vertices, exact):
-                node.vertices = exact
-            if node.color != colour:
-                node.color = colour
+            update_node(node, vertices=own.astype(np.float32), color=colour)
 
     def remove(self) -> None:
         """Take it from the page."""
@@ -229,17 +232,17 @@ class Obstacles:
             return
         self._shown = obstacles, chosen, hiding
         self._rows = {each: self._rows.get(each) or _scaled(each) for each in obstacles if type(each) in UNITS}
-        members: dict[_Key, list[int]] = {}
-        singles = [i for i, obstacle in enumerate(obstacles) if type(obstacle) not in UNITS]
+        singles: list[int] = []
+        self._members = {}
         for i, obstacle in enumerate(obstacles):
-            if type(obstacle) in UNITS:
-                members.setdefault((type(obstacle), obstacle.inside), []).append(i)
-        self._members = members
-        for key in [key for key in self._groups if key not in members]:
+            is_unit = type(obstacle) in UNITS
+            same = self._members.setdefault((type(obstacle), obstacle.inside), []) if is_unit else singles
+            same.append(i)
+        for key in self._groups.keys() - self._members.keys():
             self._groups.pop(key)[0].remove()
-        for key, own in members.items():
+        for key, own in self._members.items():
             self._show_group(key, [obstacles[i] for i in own])
-        for i in [i for i in self._singles if i not in singles]:
+        for i in self._singles.keys() - singles:
             _remove(self._singles.pop(i))
         for i in singles:
             self._show_single(i, obstacles[i], (i == chosen, i in hiding))
@@ -258,9 +261,7 @@ class Obstacles:
         }
         known = self._groups.get(key)
         if known is not None and known[1] == len(own):
-            for name, values in arrays.items():
-                if not np.array_equal(getattr(known[0], name), values):
-                    setattr(known[0], name, values)
+            update_node(known[0], **arrays)
             return
         kind, inside = key
         vertices, faces = self._surface(UNITS[kind](inside))
@@ -368,10 +369,8 @@ class LinesNode:
     def show(self, points: Floats | None) -> None:
         """Show lines between pairs of points (k, 2, 3), or none."""
         if points is not None:
-            exact = points.astype(np.float32)
-            self._node = self._node or self._add(exact)
-            if not np.array_equal(self._node.points, exact):
-                self._node.points = exact
+            self._node = self._node or self._add(points.astype(np.float32))
+            update_node(self._node, points=points.astype(np.float32))
         if self._node is not None:
             self._node.visible = points is not None
 

@@ -65,7 +65,7 @@ class Scenery:
         self._near = nodes.LinesNode(server.scene, "/near", NEAR, self.bounds.span)
         self._forces = nodes.LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
         self._hiding: frozenset[int] = frozenset()
-        self.look()
+        self.update_hiding()
         if model.job.is_path:
             self._show_path()
 
@@ -77,7 +77,7 @@ class Scenery:
         with client.atomic():
             nodes.aim_camera(client.camera, bounds, away / np.linalg.norm(away))
 
-    def look(self) -> None:
+    def update_hiding(self) -> None:
         """Make see-through what hides the body from somebody."""
         clients = self._server.get_clients().values()
         eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
@@ -288,10 +288,10 @@ class Page(Session):
         self.scenery.show(self.near)
 
     def _watch(self, client: ClientHandle) -> None:
-        client.camera.on_update(lambda _: self.look())
+        client.camera.on_update(lambda _: self.turn_view())
 
-    def _look(self) -> None:
-        self.scenery.look()
+    def _update_hiding(self) -> None:
+        self.scenery.update_hiding()
         self.scenery.show(self.near)
 
     def _refresh(self, busy: bool, refused: str) -> None:

@@ -254,7 +254,7 @@ class Session(ABC):
         """Show the shape as it is now."""
 
     @abstractmethod
-    def _look(self) -> None:
+    def _update_hiding(self) -> None:
         """Look again at what hides the shape, which takes longer than to draw it."""
 
     @abstractmethod
@@ -291,9 +291,9 @@ class Session(ABC):
         if moment is not now:
             self.model.come_back(moment)
 
-    def look(self) -> None:
+    def turn_view(self) -> None:
         """Look again at what hides the shape: somebody sees it from elsewhere."""
-        self._owner.post("look", lambda: None)
+        self._owner.post("turn", lambda: None)
 
     @property
     def unsolved(self) -> bool:
@@ -334,7 +334,7 @@ class Session(ABC):
             self._refresh_now()
 
     def _refresh_now(self) -> None:
-        self._look()
+        self._update_hiding()
         self._refresh(self._busy, self._refused)
         self._refreshed = clock.monotonic()
 

@@ -291,10 +291,10 @@ def robot_tab(session: Session, fields: Fields) -> None:
     def curvature() -> float:
         return segment().max_curvature if math.isfinite(segment().max_curvature) else 0.0
 
-    add_one = lambda: model.add_segment(index())  # noqa: E731
-    fields.button("Add a segment", add_one, "Like the chosen one, right after it; of all, like the last one.")
-    remove = lambda: model.remove_segment(index())  # noqa: E731
-    fields.button("Remove a segment", remove, "The chosen one; of all, the last one.")
+    hint = "Like the chosen one, right after it; of all, like the last one."
+    fields.button("Add a segment", lambda: model.add_segment(index()), hint)
+    hint = "The chosen one; of all, the last one."
+    fields.button("Remove a segment", lambda: model.remove_segment(index()), hint)
     step = step_of(model.robot.mean_length)
     add("least length", step, lambda: segment().length[0], lambda value: {"length": (value, segment().length[1])})
     add("greatest length", step, lambda: segment().length[1], lambda value: {"length": (segment().length[0], value)})

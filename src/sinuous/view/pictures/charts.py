@@ -140,8 +140,7 @@ def _draw_places(axes: Any, own: "Calibration") -> None:
     pairs = np.stack([measured, predicted, np.full_like(measured, np.nan)], axis=1).reshape(-1, 3)
     axes.plot(pairs[:, a], pairs[:, b], "-", color=LINE, linewidth=0.4)
     axes.set_aspect("equal")
-    axes.legend(fontsize=SMALL_PT, frameon=False)
-    finish_axes(axes, "measured and predicted", x=f"{'xyz'[a]}, length unit", y=f"{'xyz'[b]}, length unit")
+    finish_axes(axes, "measured and predicted", x=f"{'xyz'[a]}, length unit", y=f"{'xyz'[b]}, length unit", legend=True)
 
 
 def _draw_over(axes: Any, own: "Calibration") -> None:

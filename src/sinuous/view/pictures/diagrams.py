@@ -32,6 +32,9 @@ MOMENTS = 400
 MOST_ITERATIONS = 400
 """Iterations whose errors are drawn."""
 
+DASHED = (0, (4, 2))
+"""Style of lines that are limits."""
+
 MOST_NAMED = 12
 """Curves that a legend has a name for."""
 
@@ -104,12 +107,10 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
     axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
     _mark_least(axes, moments, least)
     _limit(axes, least)
-    if answer.clearance is not None and answer.between == "proved":
-        axes.axhline(
-            answer.clearance, color=CURVES[2], linewidth=1.2, linestyle=(0, (4, 2)), label="proved all the way"
-        )
-        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
-    finish_axes(axes, "least clearance of the body", x="time", y="length unit")
+    proved = answer.clearance is not None and answer.between == "proved"
+    if proved:
+        axes.axhline(answer.clearance, color=CURVES[2], linewidth=1.2, linestyle=DASHED, label="proved all the way")
+    finish_axes(axes, "least clearance of the body", x="time", y="length unit", legend=proved)
 
 
 def _draw_along(axes: Any, solution: Solution) -> None:
@@ -135,11 +136,10 @@ def _draw_convergence(axes: Any, answer: Solution) -> None:
         if np.isfinite(values).all():
             number = np.arange(1, len(values) + 1)
             axes.plot(number, values, color=colour, linewidth=1.8, marker="o", markersize=3.0, label=name)
-            axes.axhline(least, color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
+            axes.axhline(least, color=colour, linewidth=1.0, linestyle=DASHED)
     axes.set_yscale("log")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
-    finish_axes(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
+    finish_axes(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error", legend=True)
 
 
 def _counts_iterations(solution: Solution) -> bool:
@@ -169,8 +169,10 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     return position, angle
 
 
-def finish_axes(axes: Any, title: str, *, x: str, y: str) -> None:
-    """Give the axes of a diagram a title, labels with units, a pale grid and few lines."""
+def finish_axes(axes: Any, title: str, *, x: str, y: str, legend: bool = False) -> None:
+    """Give the axes of a diagram a title, labels with units, a pale grid and few lines, and a legend if wanted."""
+    if legend:
+        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
     axes.set_title(title, fontsize=TITLE_PT, color=INK, loc="left")
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(LINE)
@@ -245,14 +247,13 @@ def _draw_times(axes: Any, answer: Motion) -> None:
     axes.plot(number[solved], times[solved], "o", color=CURVES[0], markersize=3.2, label="solved")
     if not solved.all():
         axes.plot(number[~solved], times[~solved], "x", color=TARGET, markersize=5, label="not solved")
-        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
     median = float(np.median(times))
     axes.axhline(median, color=CURVES[1], linewidth=1.4, zorder=0)
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
-    finish_axes(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
+    finish_axes(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms", legend=not solved.all())
 
 
 _DRAWN: dict[str, Callable[[Any, Any], None]] = {

@@ -25,8 +25,7 @@ from sinuous.solver.options import SolveOptions
 from sinuous.solver.solver import Solver
 from sinuous.view.display.style import Colouring
 from sinuous.view.page.edits import is_quick
-from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, playing_speed
-from sinuous.view.page.saving import read_problem
+from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, playing_speed, read_problem
 
 PATIENCE_SECONDS = 0.15
 """Seconds that a question must stand before a whole budget is spent on it."""

@@ -20,9 +20,8 @@ from sinuous.problem.target import Tolerance
 from sinuous.view.display.results import Curves, actuators_of, bends_of, describe_solutions, lengths_of, speeds_of
 from sinuous.view.display.style import Colouring, largest_bends
 from sinuous.view.page.edits import KINDS, least_rates, sizes_of
-from sinuous.view.page.model import ASKED, MOST_SECONDS
+from sinuous.view.page.model import ASKED, MOST_SECONDS, motion_table, problem_text
 from sinuous.view.page.panel import Fields, Part, step_of
-from sinuous.view.page.saving import motion_table, problem_text
 from sinuous.view.page.session import Session, Sliders
 
 MOST_TARGETS = 6
@@ -99,8 +98,7 @@ def _target_fields(session: Session, fields: Fields, i: int) -> None:
     fields.choice(f"asked{whose}", ASKED, partial(_what, session, i), partial(model.ask, i), hint)
     if target.direction is not None:
         hint = "Of the tangent, in the axes of the world; of any length but 0."
-        turned = lambda value: model.point_target(i, value)  # noqa: E731
-        fields.vector(f"direction{whose}", lambda: frame()[:3, 2], turned, 0.001, hint)
+        fields.vector(f"direction{whose}", lambda: frame()[:3, 2], partial(model.point_target, i), 0.001, hint)
     if target.rotation is not None:
         hint = "Roll, pitch and yaw in rad: about x, then y, then z of the world, as in URDF."
         turned = lambda value: model.place_target(i, None, np.array(SO3.from_rpy_radians(*value).as_matrix()))  # noqa: E731

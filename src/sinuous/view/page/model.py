@@ -44,13 +44,13 @@ MOST_SECONDS = 60.0
 """Longest budget that can be set on the page."""
 
 
-TOGETHER = 1.0
+TOGETHER_SECONDS = 1.0
 """Seconds within which changes of the same thing are one step: somebody drags it."""
 
 MOST_STEPS = 1000
 """Steps that are kept."""
 
-LONGEST, SHORTENED = 30.0, 20.0
+LONGEST_SECONDS, PLAYED_SECONDS = 30.0, 20.0
 """A motion that takes longer than the first is played in so many seconds as the second."""
 
 
@@ -59,7 +59,7 @@ def playing_speed(duration: float) -> float:
 
     Times are taken for seconds, unless the whole takes longer than people wait.
     """
-    return 1.0 if duration <= LONGEST else duration / SHORTENED
+    return 1.0 if duration <= LONGEST_SECONDS else duration / PLAYED_SECONDS
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class History:
     def note(self, key: Hashable, before: Moment) -> None:
         """Keep the moment before a change of what `key` stands for."""
         now = clock.monotonic()
-        if key != self._last[0] or now - self._last[1] > TOGETHER:
+        if key != self._last[0] or now - self._last[1] > TOGETHER_SECONDS:
             self._past = [*self._past[1 - MOST_STEPS :], before]
         self._last = key, now
         self._taken_back = []
@@ -659,10 +659,10 @@ def _names(scene: Snapshot) -> set[str]:
     return {scene.name(i) for i in range(len(scene))}
 
 
-LARGEST = 50_000_000
+LARGEST_BYTES = 50_000_000
 """Bytes of a problem file that are read."""
 
-NAMED = ("robot", "scene", "path", "start", "file")
+FILE_KEYS = ("robot", "scene", "path", "start", "file")
 """Keys under which the name of another file may stand."""
 
 
@@ -709,8 +709,8 @@ def read_problem(name: str, content: bytes, folder: Path) -> Job:
     """
     title = PurePath(name.replace("\\", "/")).name or "file"
     try:
-        if len(content) > LARGEST:
-            raise InputError("file", "too large", f"{len(content)} bytes", f"at most {LARGEST} bytes")
+        if len(content) > LARGEST_BYTES:
+            raise InputError("file", "too large", f"{len(content)} bytes", f"at most {LARGEST_BYTES} bytes")
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
@@ -732,7 +732,7 @@ def _refuse_far_files(values: Any, folder: Path, key: str = "") -> None:
             _refuse_far_files(entry, folder, join(key, inner))
         elif (
             isinstance(entry, str)
-            and inner in NAMED
+            and inner in FILE_KEYS
             and not (folder / entry).resolve().is_relative_to(folder.resolve())
         ):
             wanted = "a file within that folder"

@@ -27,10 +27,10 @@ from sinuous.view.page.session import Session, Sliders
 MOST_TARGETS = 6
 """Targets with fields."""
 
-OTHERS = 6
+OTHER_SOLUTIONS = 6
 """Distinct solutions that are looked for."""
 
-AT_ONCE = 8
+SEGMENTS_AT_ONCE = 8
 """Segments with sliders at one time; of more, a field says which."""
 
 NONE, ALL = "none", "all"
@@ -57,7 +57,7 @@ def target_tab(session: Session, fields: Fields) -> None:
 
     hint = "Distinct solutions, best first; all are on the page."
     found = fields.index("solution", lambda: ("-", *describe_solutions(model.ghosts)), current, choose, hint)
-    fields.button("Find other solutions", partial(session.find_others, OTHERS))
+    fields.button("Find other solutions", partial(session.find_others, OTHER_SOLUTIONS))
     forget = fields.button("Forget them", model.forget_ghosts)
     fields.only_while(lambda: bool(model.ghosts), found, forget)
 
@@ -185,11 +185,11 @@ def shape_tab(session: Session, fields: Fields) -> None:
     fields.button("Solve from here", model.solve_from_here, "Ask for the target again, from this shape.")
     if model.robot.actuators:
         fields.choice("sliders", get_args(Sliders), lambda: session.sliders, partial(setattr, session, "sliders"))
-    last = len(model.robot) - AT_ONCE
+    last = len(model.robot) - SEGMENTS_AT_ONCE
     if last > 0:
         show = lambda value: setattr(session, "first_segment", value - 1)  # noqa: E731
         fields.slider("from segment", (1, last + 1), lambda: session.first_segment + 1, show, 1)
-    seen = range(session.first_segment, min(len(model.robot), session.first_segment + AT_ONCE))
+    seen = range(session.first_segment, min(len(model.robot), session.first_segment + SEGMENTS_AT_ONCE))
     sliders = _of_segments if session.sliders == "bends and lengths" else _of_actuators
     for label, ends, get, put in sliders(session, seen):
         if ends[0] < ends[1]:

@@ -15,7 +15,19 @@ from sinuous.methods.registry import options_of
 from sinuous.motion.motion import Motion
 from sinuous.solver.solver import KeptOptions
 from sinuous.view.display.results import Curves, actuators_of, bends_of, clearances_along, lengths_along, lengths_of
-from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL_PT, TARGET, TEXT_PT, TITLE_PT, arm_tones
+from sinuous.view.display.style import (
+    CURVES,
+    GRID,
+    INK,
+    LINE,
+    MOST_IN_LEGEND,
+    PALE,
+    SMALL_PT,
+    TARGET,
+    TEXT_PT,
+    TITLE_PT,
+    arm_tones,
+)
 from sinuous.view.pictures.figures import need_matplotlib
 
 if TYPE_CHECKING:
@@ -34,9 +46,6 @@ MOST_ITERATIONS = 400
 
 DASHED = (0, (4, 2))
 """Style of lines that are limits."""
-
-MOST_NAMED = 12
-"""Curves that a legend has a name for."""
 
 
 def diagram(answer: Solution | Motion, kind: Kind, *, ax: "Axes | None" = None) -> "Axes":
@@ -233,7 +242,7 @@ def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Motion) -> N
         style = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(CURVES) % 3]
         look = {"color": CURVES[k % len(CURVES)], "linestyle": style, "linewidth": 1.5, "label": name}
         axes.plot(curves.times, curves.values[:, k], **look)
-    if len(curves.names) <= MOST_NAMED:
+    if len(curves.names) <= MOST_IN_LEGEND:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
     finish_axes(axes, curves.title, x="time", y=curves.unit)
 

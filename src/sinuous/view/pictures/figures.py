@@ -30,9 +30,6 @@ MARGIN_SHARE = 0.03
 LEAST_SIDE_SHARE = 0.3
 """Least side of the box, as a share of its longest."""
 
-NUMBERS = 4
-"""Numbers along the longest side of the box."""
-
 FILL_ROUNDS = 3
 """How often the size of the box is corrected; numbers and names keep theirs."""
 
@@ -97,7 +94,8 @@ def set_bounds(axes: Any, bounds: Bounds, view: Viewpoint) -> None:
     for set_limits, low, high in limits:
         set_limits(low, high)
     for axis, side in zip((axes.xaxis, axes.yaxis, axes.zaxis), bounds.high - bounds.low, strict=True):
-        axis.set_major_locator(MaxNLocator(max(2, round(NUMBERS * side / bounds.span)), steps=(1, 2, 2.5, 5, 10)))
+        most = max(2, round(style.AXIS_NUMBERS * side / bounds.span))
+        axis.set_major_locator(MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)))
     axes.set_proj_type("ortho")
     axes.view_init(elev=view.elevation, azim=view.azimuth)
     axes.set_box_aspect(bounds.high - bounds.low)

@@ -22,7 +22,7 @@ from sinuous.base.errors import InputError
 from sinuous.view.display import style
 from sinuous.view.display.bounds import Bounds, bounds_of, direction_of
 from sinuous.view.display.contents import Contents
-from sinuous.view.display.style import GRID, LINE, PALE, SMALL_PT, TEXT_PT, Viewpoint
+from sinuous.view.display.style import Viewpoint
 
 MARGIN_SHARE = 0.03
 """Between what is shown and the sides of the box, as a share of its longest side."""
@@ -141,11 +141,11 @@ def _tidy(axes: Any) -> None:
     axes.computed_zorder = False
     for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
-        axis.line.set_color(LINE)
-        axis._axinfo["grid"].update(color=GRID, linewidth=0.7)
+        axis.line.set_color(style.LINE)
+        axis._axinfo["grid"].update(color=style.GRID, linewidth=0.7)
         axis._axinfo["tick"].update(inward_factor=0.0, outward_factor=0.1)
-        axis.set_label_text(label, color=PALE, fontsize=TEXT_PT)
-        axis.set_tick_params(labelsize=SMALL_PT, labelcolor=PALE, color=LINE, pad=1.0)
+        axis.set_label_text(label, color=style.PALE, fontsize=style.TEXT_PT)
+        axis.set_tick_params(labelsize=style.SMALL_PT, labelcolor=style.PALE, color=style.LINE, pad=1.0)
         axis.labelpad = 2.0
 
 

@@ -2,7 +2,7 @@
 
 The balls are inside the body, so an overlap that is found is one. What fcl computes between a ball and a sphere, box,
 capsule or cylinder is a closed form, exact to rounding. Of a mesh it sees the triangles, not the solid, and of clouds,
-grids and fields nothing: there `benchmarks.clearances` is asked as well.
+grids and fields nothing: there `benchmarks.judges.clearances` is asked as well.
 """
 
 import math

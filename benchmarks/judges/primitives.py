@@ -29,6 +29,9 @@ def distances_to(obstacles: Sequence[Primitive], size: float = math.inf) -> list
         Of the coordinates of the points that will be asked for: where those of obstacles are `LARGE` times as large,
         distances are computed in extended precision.
     """
+    unknown = {type(each).__name__ for each in obstacles} - {kind.__name__ for kind in KINDS}
+    if unknown:
+        raise NotImplementedError(f"no distance to {', '.join(sorted(unknown))}")
     found = []
     for kind, prepare in KINDS.items():
         own = [obstacle for obstacle in obstacles if type(obstacle) is kind]

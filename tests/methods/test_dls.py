@@ -1,34 +1,11 @@
 """Damped least squares: the Jacobian, the damped system, the limits of a step, and the whole method."""
 
-import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.packing import pose_row
-from sinuous.kernels.step.targets import add_rows
-from sinuous.methods import dls
 from sinuous.methods.dls import Dls
-from tests.cases import with_each
-from tests.helpers import columns_of, frames_of, make_rows, random_pose, refused, vec
+from tests.helpers import refused
 from tests.methods import laws
-from tests.methods.fabrik.test_links import MIXED
-from tests.methods.fabrik.test_links_conversion import within
-
-
-@with_each("seed", range(10))
-def test_the_jacobian_is_the_geometric_one(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    base, tool = random_pose(rng), random_pose(rng)
-    robot = sn.Robot(MIXED.segments, base=base, tool=tool)
-    q, unit = within(robot, seed), 2.5
-    rows = make_rows(5, 6)
-    target = sn.Target(rng.normal(size=3), rotation=random_pose(rng)[:3, :3])
-    count, _, _ = add_rows(target.table.copy(), 0, frames_of(q, base), pose_row(tool), vec(base[:3, 3]), unit, rows, 0)
-    found = np.full((6, 15), np.nan)
-    dls.fill_jacobian(robot.limits, columns_of(q, base), rows, count, found)
-    scale = robot.limits[:, [5, 5, 6]].ravel()
-    turning, moving = robot.jacobian(q)[:3], robot.jacobian(q)[3:] / unit
-    np.testing.assert_allclose(found, np.concatenate([moving, turning]) * scale, atol=1e-12)
 
 
 def test_the_papers_four_poses() -> None:

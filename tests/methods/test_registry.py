@@ -38,7 +38,7 @@ def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
 
 @pytest.mark.parametrize("name", METHODS)
 def test_a_solved_answer_is_one(name: MethodName) -> None:
-    solver = Solver(ARM, method=name, tolerance=sn.Tolerance(0.5, 0.02))
+    solver = Solver(ARM, method=quick(name, ARM), tolerance=sn.Tolerance(0.5, 0.02))
     solution = solver.solve(EASY)
     assert solution.method == name
     assert solution.solved

@@ -94,7 +94,8 @@ def test_a_spline_that_swings_out_is_not_proved() -> None:
     assert splines_between(ROBOT, TIMES, CORNER, out, straight.steps).proved.all()
     out[1, 0, 0] = 30.0
     assert not splines_between(ROBOT, TIMES, CORNER, out, straight.steps).proved.any()
-    free = motion([])
-    long = np.zeros_like(CORNER)
-    long[1, 0, 2] = 3.0
-    assert not splines_between(ROBOT, TIMES, CORNER, long, free.steps).proved.any()
+    own = ROBOT.changed(self_collision="allow")  # nothing is in the way, so limits alone decide
+    free, long = sn.Motion(own, CORNER, times=TIMES), np.zeros_like(CORNER)
+    for speed, kept in ((0.3, True), (3.0, False)):
+        long[1, 0, 2] = speed
+        assert (splines_between(own, TIMES, CORNER, long, free.steps).proved == kept).all()

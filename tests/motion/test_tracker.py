@@ -34,8 +34,9 @@ def test_the_tip_goes_straight(deviation: float | None) -> None:
     most = 10 * 1e-4 * ROBOT.mean_length if deviation is None else deviation
     assert from_line(tips, SPARSE) <= most
     np.testing.assert_array_equal([motion.times[knot] for knot in motion.waypoint_knots if knot is not None], range(6))
-    for solution, knot in zip(motion.solutions, motion.waypoint_knots, strict=True):
-        np.testing.assert_array_equal(motion.q[knot], solution.q)
+    for way in (motion, motion.reversed()):
+        for solution, knot in zip(way.solutions, way.waypoint_knots, strict=True):
+            np.testing.assert_array_equal(way.q[knot], solution.q)
 
 
 def test_more_knots_where_less_deviation_is_allowed() -> None:

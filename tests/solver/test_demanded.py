@@ -120,13 +120,6 @@ def test_no_route_is_said_of_the_clearance_too() -> None:
     assert "wide enough for a body of radius 4 and with 8 of clearance" in str(found.reason)
 
 
-def test_within_a_room_it_is_the_distance_from_the_walls() -> None:
-    found = sn.solve(ROBOT, sn.Target((20.0, 5.0, 100.0)), [ROOM], clearance=6.0)
-    assert found.solved
-    assert found.clearance is not None
-    assert 6.0 <= found.clearance <= sampled(ROBOT, [ROOM], found.q)
-
-
 def test_mount_and_tool_count_as_ever() -> None:
     """Within the mount nothing is demanded; of the tool, which has no body, neither."""
     collar = [sn.Sphere((9.0, 0.0, 4.0), 3.0), sn.Sphere((60.0, 0.0, 125.0), 3.0)]

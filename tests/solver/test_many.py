@@ -132,13 +132,6 @@ def test_routes_and_proofs_that_there_is_none_go_on_as_in_a_loop() -> None:
     assert found == {("solved", False), ("no_route", True)}
 
 
-def test_a_blocked_base_is_said_of_all() -> None:
-    solver = sn.Solver(ARM, [sn.Sphere((0, 0, 0), 0.3)])
-    many = solver.solve_many(positions=tips(ARM, 3)[:, :3, 3])
-    assert set(many.status) == {"base_blocked"}
-    are_those_of_a_loop(solver, many, [sn.Target(place) for place in tips(ARM, 3)[:, :3, 3]])
-
-
 @pytest.fixture(scope="module")
 def some() -> Solutions:
     """Solved, blocked and out of reach; with and without an orientation."""

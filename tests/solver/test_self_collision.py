@@ -103,14 +103,6 @@ def test_other_methods_are_judged_the_same_way() -> None:
             assert solution.self_clearance is not None
 
 
-def test_a_batch_equals_a_loop() -> None:
-    solver, rng = sn.Solver(THICK), np.random.default_rng(7)
-    targets = [target_of(THICK, hidden(THICK, rng)) for _ in range(12)]
-    for one, same in zip(solver.solve_many(targets), map(solver.solve, targets), strict=True):
-        np.testing.assert_array_equal(one.q, same.q)
-        assert one.self_clearance == same.self_clearance
-
-
 def test_a_failure_says_which_segments_touch() -> None:
     """One segment that can only close to a ring."""
     robot = sn.Robot.uniform(1, 1.0, 6.2, radius=0.1)

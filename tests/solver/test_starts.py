@@ -16,7 +16,7 @@ def initial(count: int) -> Floats:
 
 @given(st.integers(0, 9), st.integers(0, 20), st.integers(0, 30), st.lists(st.integers(1, 9), min_size=1))
 def test_parts_are_the_whole(count: int, first: int, own: int, sizes: list[int]) -> None:
-    batch = StartBatch("route", initial(count), (first, first + own), cost=3.0)
+    batch = StartBatch("route", initial(count), (first, first + own), effort=3.0)
     asked = itertools.cycle(sizes)
     limits: list[int] = []
 

@@ -1,4 +1,5 @@
-"""The queue of attempts: the cheapest first, scattered starts in proportion, each attempt switched off by its name."""
+"""The queue of attempts: the one with the lowest priority first, scattered starts in proportion, each attempt switched
+off by its name."""
 
 import re
 from collections.abc import Iterator
@@ -44,8 +45,8 @@ def few_passages(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(own, "DETOURS", 4)
 
 
-def chains(count: int, cost: float = 0.0) -> Iterator[StartBatch]:
-    yield StartBatch(SOURCES[ROUTE], np.zeros((count, 5, 3)), cost=cost)
+def chains(count: int, effort: float = 0.0) -> Iterator[StartBatch]:
+    yield StartBatch(SOURCES[ROUTE], np.zeros((count, 5, 3)), effort=effort)
 
 
 @given(st.lists(st.tuples(st.integers(0, 20), st.floats(0, 30), st.integers(0, 3)), max_size=10))
@@ -53,13 +54,13 @@ def test_scattered_starts_are_in_proportion_to_what_others_cost(asked: list[tupl
     without = set(ATTEMPTS) - {"grown", "scattered"}
     searches = Searches(ROBOT, SCENE, Tolerance().for_robot(ROBOT))
     strategy = attempts_of(question(), RandomRestarts(3, 5000), searches, without=without)
-    for price, more, size in asked:
-        strategy.add("grown", price, partial(chains, size, more))
+    for priority, more, size in asked:
+        strategy.add("grown", priority, partial(chains, size, more))
     batches = list(strategy.batches())
-    costs = sum(price + more + EFFORT_OF_A_CHAIN * size for price, more, size in asked)
-    assert strategy.ledger["grown"] == pytest.approx(costs)
-    scattered = strategy.ledger["scattered"]
-    share = own.SHARE_AMONG_BALLS * costs
+    effort = sum(priority + more + EFFORT_OF_A_CHAIN * size for priority, more, size in asked)
+    assert strategy.effort_spent["grown"] == pytest.approx(effort)
+    scattered = strategy.effort_spent["scattered"]
+    share = own.SHARE_AMONG_BALLS * effort
     assert share - 1 < max(share, scattered) <= max(share, own.SCATTERED_FIRST) + 1
     assert share - 1 < scattered
     numbers = [i for batch in batches for i in range(*batch.own)]

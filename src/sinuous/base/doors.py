@@ -1,7 +1,7 @@
-"""Doors of nouns to rooms above them: `robot.to_urdf()` calls an exporter that the robot does not import.
+"""Doors of nouns to rooms that import them: `robot.to_urdf()` calls an exporter that the robot does not import.
 
-Imports between rooms go one way, downwards, also those for types. A method that is a door names the module that does
-its work, which is imported when the method is called; its types come from the front door, `sinuous`.
+A room imports only from rooms that docs/design.md lists before it, also for types. A method that is a door names the
+module that does its work, which is imported when the method is called; its types come from the front door, `sinuous`.
 """
 
 from importlib import import_module

@@ -49,8 +49,8 @@ SCENE_HEADER = 1
 """Numbers before the rows of the obstacles: how many there are."""
 
 SPHERE, BOX, CYLINDER, HALF_SPACE, TREE, SAMPLES = range(6)
-"""Kinds of obstacles. TREE: triangles, balls or cubes in a tree of boxes, perhaps with samples. SAMPLES: samples
-alone."""
+"""Kinds of obstacles. Primitives come before TREE: code tests `KIND < TREE`, so a new one is put before it. TREE:
+triangles, balls or cubes in a tree of boxes, perhaps with samples. SAMPLES: samples alone."""
 
 KIND, SIGN = 0, 1
 """First columns of every obstacle: its kind; 1, or -1 where the body must stay inside."""

@@ -73,7 +73,8 @@ def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
 
 
 PLACES = ("center", "start", "end", "point", "origin", "low", "high")
-"""Attributes of obstacles that are places in the world."""
+"""Attributes of obstacles that are places in the world. Only these and `AXES` move with an obstacle: a new kind uses
+these names, or adds its own."""
 
 AXES = ("rotation", "normal", "axes")
 """Attributes of obstacles that are directions in the world, as rows or columns."""

@@ -29,7 +29,7 @@ class StartBatch:
     own : (int, int)
         Numbers of starts that the method makes by itself in compiled code, after the initial configurations, from the
         first up to, without it, the last: number 0 is the single arc, all others are scattered.
-    cost : float
+    effort : float
         What it took to make the batch, beside what its attempt takes anyway, in scattered starts.
     closed : float or None
         Edge of the cells by which it was proved that there is no route; `None` where nothing is proved.
@@ -40,7 +40,7 @@ class StartBatch:
     source: str
     initial: Floats
     own: tuple[int, int] = (0, 0)
-    cost: float = 0.0
+    effort: float = 0.0
     closed: float | None = None
     routes: tuple[Floats, ...] = ()
 
@@ -132,7 +132,7 @@ ROUND = 64
 """Scattered starts of the first batch when nothing else is left to be tried; each following batch has twice as many."""
 
 EFFORT_OF_A_CHAIN = 1
-"""Cost of a start that is given, in scattered starts, beside what its attempt costs."""
+"""Effort of a start that is given, in scattered starts, beside that of its attempt."""
 
 
 def read_without(names: object) -> tuple[str, ...]:
@@ -158,27 +158,27 @@ class Attempt(NamedTuple):
 
     Attributes
     ----------
-    price : float
-        Of all attempts the one with the least price comes next.
+    priority : float
+        Of all attempts the one with the least priority comes next.
     number : int
-        Of those with the same price, the one that was added first.
+        Of those with the same priority, the one that was added first.
     name : str
         One of `ATTEMPTS`.
-    cost : float
-        What is put down in the ledger when it yields its first batch: without any there was nothing to do.
+    effort : float
+        What is added to the effort spent when it yields its first batch: without any there was nothing to do.
     make : callable
         Makes the starts.
     """
 
-    price: float
+    priority: float
     number: int
     name: str
-    cost: float
+    effort: float
     make: Callable[[], Iterator[StartBatch]]
 
 
 class AttemptQueue:
-    """All that is tried for one question after the first call: the cheapest first.
+    """All that is tried for one question after the first call: the one with the lowest priority first.
 
     Parameters
     ----------
@@ -186,14 +186,14 @@ class AttemptQueue:
     scattered : Scattered
         The scattered starts that the first call has left.
     share : float
-        Scattered starts for each unit of cost of other attempts.
+        Scattered starts for each unit of effort of other attempts.
     without : collection of str
         Attempts that are switched off.
 
     Attributes
     ----------
-    ledger : dict of str to float
-        What each attempt has cost so far, by its name.
+    effort_spent : dict of str to float
+        What each attempt has taken so far, by its name, in scattered starts.
     """
 
     def __init__(
@@ -203,13 +203,15 @@ class AttemptQueue:
         self.without = frozenset(without)
         self._queue: list[Attempt] = []
         self._numbers = count()
-        self.ledger: defaultdict[str, float] = defaultdict(float)
+        self.effort_spent: defaultdict[str, float] = defaultdict(float)
 
-    def add(self, name: str, price: float, make: Callable[[], Iterator[StartBatch]], cost: float | None = None) -> None:
-        """Add an attempt, unless it is switched off; its cost is its price where nothing else is said."""
+    def add(
+        self, name: str, priority: float, make: Callable[[], Iterator[StartBatch]], effort: float | None = None
+    ) -> None:
+        """Add an attempt, unless it is switched off; its effort is its priority where nothing else is said."""
         if name not in self.without:
-            cost = price if cost is None else cost
-            heapq.heappush(self._queue, Attempt(price, next(self._numbers), name, cost, make))
+            effort = priority if effort is None else effort
+            heapq.heappush(self._queue, Attempt(priority, next(self._numbers), name, effort, make))
 
     def batches(self) -> Iterator[StartBatch]:
         """Yield starts; an attempt works only when its next batch is asked for."""
@@ -217,8 +219,9 @@ class AttemptQueue:
             attempt = self._next()
             for number, batch in enumerate(attempt.make()):
                 yield batch
-                cost = batch.cost + EFFORT_OF_A_CHAIN * len(batch.initial) + (attempt.cost if number == 0 else 0.0)
-                self.ledger[attempt.name] += cost + batch.own[1] - batch.own[0]
+                own = attempt.effort if number == 0 else 0.0
+                effort = batch.effort + EFFORT_OF_A_CHAIN * len(batch.initial) + own
+                self.effort_spent[attempt.name] += effort + batch.own[1] - batch.own[0]
             yield from self._due_restarts()
         size = ROUND
         while SCATTERED not in self.without:
@@ -236,9 +239,9 @@ class AttemptQueue:
         return heapq.heappop(self._queue)
 
     def _due_restarts(self) -> Iterator[StartBatch]:
-        """Yield as many scattered starts as are due for what other attempts have cost."""
-        others = sum(cost for name, cost in self.ledger.items() if name != SCATTERED)
-        due = int(self._share * others - self.ledger[SCATTERED])
+        """Yield as many scattered starts as are due for the effort of other attempts."""
+        others = sum(effort for name, effort in self.effort_spent.items() if name != SCATTERED)
+        due = int(self._share * others - self.effort_spent[SCATTERED])
         if due > 0 and SCATTERED not in self.without:
-            self.ledger[SCATTERED] += due
+            self.effort_spent[SCATTERED] += due
             yield self.restart_batch(due)

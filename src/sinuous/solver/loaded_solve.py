@@ -180,7 +180,7 @@ def correct_starts(
 
     Parameters
     ----------
-    own : UnderLoad
+    own : LoadCorrection
     problem : Problem
         Of the robot under load.
     starts : iterator of Outcome

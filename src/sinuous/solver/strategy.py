@@ -1,18 +1,18 @@
-"""What a solve tries, in which order, and at which cost: the whole strategy in one file.
+"""What a solve tries, in which order, and with which effort: the whole strategy in one file.
 
 A solve begins with a compiled call that follows a few starts (`opening_starts`): most solves end there. What is left
-undecided goes through a queue of attempts, the cheapest first. An attempt makes starts, and may add further attempts: a
-route that was found adds 'lay a chain along it', 'grow chains along it', each with more and more effort. After each
-attempt scattered starts follow, in proportion to what it cost. It ends with the first solution, a proof, the time, or
-the most starts that the user allows.
+undecided goes through a queue of attempts, the one with the lowest priority first. An attempt makes starts, and may add
+further attempts: a route that was found adds 'lay a chain along it', 'grow chains along it', each with more and more
+effort. After each attempt scattered starts follow, in proportion to the effort that it took. It ends with the first
+solution, a proof, the time, or the most starts that the user allows.
 
 Everything that is counted here is counted in *scattered starts*: what one takes, on average, to be followed. None of it
 is measured while it runs, so that the same seed gives the same answer, unless the time runs out.
 
-Two numbers belong to an attempt. Its *price* says when it is made: all that is cheaper comes before it. Its *cost* is
-what is put down for it in the ledger, once it is made, and what scattered starts are in proportion to. For most
-attempts both are the same; a price is higher where an attempt succeeds seldom, and is multiplied by the weight of its
-route, so that the second route is worth half as much as the first one.
+Two numbers belong to an attempt. Its *priority* says when it is made: all that has a lower one comes before it. Its
+*effort* is the effort that is counted for it, once it is made, and what scattered starts are in proportion to. For most
+attempts both are the same; a priority is higher where an attempt succeeds seldom, and is multiplied by the weight of
+its route, so that the second route is worth half as much as the first one.
 
 The figures were set on the places of `python -m benchmarks clutter`; with each are named the families that it matters
 for most.
@@ -56,11 +56,11 @@ OPENING_ALONE = 16
 """Starts of the first call where no attempt but scattered starts follows."""
 
 SHARE = 0.6
-"""Scattered starts for each unit of cost in the ledger. More helps among balls, less in tubes."""
+"""Scattered starts for each unit of effort that other attempts took. More helps among balls, less in tubes."""
 
 SHARE_AMONG_BALLS = 2.0
 """The same where all obstacles are balls and capsules: they enclose nothing, so that chains along a route are hardly
-better than scattered starts, and dearer than they are said to be (spheres 40, spheres 100)."""
+better than scattered starts, and take longer than they are said to (spheres 40, spheres 100)."""
 
 SCATTERED_FIRST = 3
 """Scattered starts before any route is looked for, where that takes longer than they do: beside meshes, unless these
@@ -69,33 +69,33 @@ enclose the base, and where nothing has edges (plates, shelf)."""
 CELLS_A_START = 250
 """Cells that a search looks at in the time of one scattered start (halls, doors)."""
 
-AFTER_EDGES = 14
-"""Price of the first search over cells, where a route around edges is known: what is tried along that comes before (two
-doors, cells)."""
+PRIORITY_AFTER_EDGES = 14
+"""Priority of the first search over cells, where a route around edges is known: what is tried along that comes before
+(two doors, cells)."""
 
-PRICE_FINE = 8
-"""Price of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
+PRIORITY_FINE_CELLS = 8
+"""Priority of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
 branches, box duct)."""
 
-ROOTS, ROOTS_PRICE = 3, 6
-"""Most searches for a route to where the backbone may end, where a tool leaves that open, and the price of the first;
-each is dearer by as much (two tubes)."""
+MOST_TERMINAL_POSE_SEARCHES, PRIORITY_TERMINAL_POSE = 3, 6
+"""Most searches for a route to where the backbone may end, where a tool leaves that open; and the priority of the
+first, by which that of each following one is higher (two tubes)."""
 
-PRICE_ALTERNATIVES = 20
-"""Price of the search for routes that differ (helix)."""
+PRIORITY_ALTERNATIVES = 20
+"""Priority of the search for routes that differ (helix)."""
 
-PRICE_LAST = 64
-"""Price of the last search, over many fine cells: for routes that differ (halls), and proofs that large rooms are
+PRIORITY_LAST_SEARCH = 64
+"""Priority of the last search, over many fine cells: for routes that differ (halls), and proofs that large rooms are
 closed."""
 
-LAST = 200
-"""Price of what comes after all searches."""
+PRIORITY_LAST = 200
+"""Priority of what comes after all searches."""
 
 ALTERNATIVES = 4
 """Routes that differ, of a search for more than one."""
 
-GROWN_COST = 1.0
-"""Cost of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
+EFFORT_OF_A_GROWN_CHAIN = 1.0
+"""Effort of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
 double as long as there is time."""
 
 GROWN_SEVERAL = 16
@@ -104,34 +104,37 @@ GROWN_SEVERAL = 16
 DETOURS = 64
 """Most detours of a route (cells, two doors)."""
 
-GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
-"""By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
+BOTTLENECK_EFFORTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
+"""By scattered starts of each part, the effort of chains through the narrowest place of a route (doors, cells,
+halls)."""
 
-AT_ONCE = 0
-"""Price of what comes first."""
+PRIORITY_AT_ONCE = 0
+"""Priority of what comes first."""
 
-REMEMBERED_FIRST = -20
-"""Price of remembered shapes: before everything else."""
+PRIORITY_REMEMBERED = -20
+"""Priority of remembered shapes: before everything else."""
 
 REMEMBERED_SEVERAL = 16
 """Remembered shapes that are tried where several solutions are wanted."""
 
-PASSAGES = -10
-"""Price of routes through other passages, where several solutions are wanted: before everything else. A search after
-none was found with larger cells is dearer by 1 for each step."""
+PRIORITY_PASSAGES = -10
+"""Priority of routes through other passages, where several solutions are wanted: before everything else. A search after
+none was found with larger cells has a priority higher by 1 for each step."""
 
-OTHERS = 32
-"""Price of the first search for a route through other passages, where one solution is wanted (plates scan, nested)."""
+PRIORITY_OTHER_PASSAGES = 32
+"""Priority of the first search for a route through other passages, where one solution is wanted (plates scan,
+nested)."""
 
-OTHERS_COST = 8
-"""Cost of each of them, screens and comparing included, and how much dearer each is than the one before."""
+EFFORT_OF_OTHER_PASSAGES = 8
+"""Effort of each of them, screens and comparing included, and by how much the priority of each is higher than that of
+the one before."""
 
 PASSAGES_SEARCHES = 96
 """Most searches for routes through other passages."""
 
 PASSAGES_CELLS_A_START = 1000
-"""Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
-classes than scattered starts do."""
+"""Cells that such a search looks at for each scattered start of its effort: more than elsewhere, because routes find
+more classes than scattered starts do."""
 
 MakePassages = Callable[[IKQuery, Floats], Passages]
 """From a question and what routes have to keep (27,) to the passages of its routes."""
@@ -196,7 +199,7 @@ class Strategy:
         left = self.random_restarts(question) if scattered is None else scattered
         attempts = attempts_of(question, left, self.searches, without=self._options.without, passages=passages)
         if len(question.initial) or question.several:  # else they were tried in the first call
-            attempts.add(REMEMBERED, REMEMBERED_FIRST, partial(self._remembered_batch, question), cost=0)
+            attempts.add(REMEMBERED, PRIORITY_REMEMBERED, partial(self._remembered_batch, question), effort=0)
         return attempts.batches()
 
     @property
@@ -318,22 +321,23 @@ class RouteAttempts:
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
         if not self._question.several:
-            self._attempts.add("base_tube", AT_ONCE, self._candidates.chains_in_base_tube)
-        self._attempts.add(SCATTERED, AT_ONCE, self._scattered_first, cost=0)
+            self._attempts.add("base_tube", PRIORITY_AT_ONCE, self._candidates.chains_in_base_tube)
+        self._attempts.add(SCATTERED, PRIORITY_AT_ONCE, self._scattered_first, effort=0)
         for name, find in (
             (EDGES, self._candidates.route_around_edges),
             (SIDE_TUBES, self._candidates.route_through_side_tubes),
         ):
-            self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
-        self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
+            self._attempts.add(name, PRIORITY_AT_ONCE, partial(self._find_one, find), effort=0)
+        self._attempts.add("cells", PRIORITY_AT_ONCE, partial(self._search, self._plans, True), effort=0)
 
     def _add_passage(self, closed: frozenset[int], step: int, again: bool = False, later: bool = False) -> None:
         """Add a search for a route while some passages are closed; `later`: there probably is none."""
         if step < len(self._searches.single_plans):
             several = self._question.several
-            price = (PASSAGES if several else OTHERS + OTHERS_COST * self._passes) + (1 + step if later else 0)
+            first = PRIORITY_PASSAGES if several else PRIORITY_OTHER_PASSAGES + EFFORT_OF_OTHER_PASSAGES * self._passes
+            priority = first + (1 + step if later else 0)
             make = partial(self._pass, closed, step, again)
-            self._attempts.add("passages", price, make, cost=0 if several else OTHERS_COST)
+            self._attempts.add("passages", priority, make, effort=0 if several else EFFORT_OF_OTHER_PASSAGES)
 
     def _pass(self, closed: frozenset[int], step: int, again: bool) -> Iterator[StartBatch]:
         """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
@@ -345,7 +349,7 @@ class RouteAttempts:
         self._passes += 1
         plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages
         routes, cells = passages.routes(closed, plan)
-        yield starts_along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
+        yield starts_along(self._question.initial[:0], (), effort=cells / PASSAGES_CELLS_A_START)
         if not routes:
             self._add_passage(closed, step + 1, again, later=True)
             return
@@ -374,25 +378,25 @@ class RouteAttempts:
         """Search for routes over cells; add the next search."""
         candidates = self._candidates
         if first and candidates.known:
-            searches = [(max(price, AFTER_EDGES), plan) for price, plan in searches if plan.routes > 1]
-            self._attempts.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
+            searches = [(max(priority, PRIORITY_AFTER_EDGES), plan) for priority, plan in searches if plan.routes > 1]
+            self._attempts.add("cells", PRIORITY_AFTER_EDGES, partial(self._search, searches, False), effort=0)
             return
         (_, plan), *others = searches
         found = candidates.search_cells(plan)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
         if candidates.any_clear:
-            others = [(price, other) for price, other in others if other != self._searches.middle]
+            others = [(priority, other) for priority, other in others if other != self._searches.middle]
         if others:
-            self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
-        yield starts_along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
+            self._attempts.add("cells", others[0][0], partial(self._search, others, False), effort=0)
+        yield starts_along(self._question.initial[:0], (), effort=found.cells / CELLS_A_START, closed=closed)
 
     def _add_root(self, number: int) -> None:
         """Add a search for a route to where the backbone may end, where a tool leaves that open."""
         alone = len(self._question.problem.targets) == 1 and not self._question.several
-        if number < ROOTS and alone and self._candidates.has_tool:
+        if number < MOST_TERMINAL_POSE_SEARCHES and alone and self._candidates.has_tool:
             make = partial(self._search_to_root, number)
-            self._attempts.add("cells", ROOTS_PRICE * (1 + number), make, cost=0)
+            self._attempts.add("cells", PRIORITY_TERMINAL_POSE * (1 + number), make, effort=0)
 
     def _search_to_root(self, number: int) -> Iterator[StartBatch]:
         """Search for a route to where the backbone may end, and add the next search."""
@@ -416,36 +420,39 @@ class RouteAttempts:
             self._add_grown(noted[0])
             if not self._question.several:
                 self._add_detour(noted[0], first=0 if stowed else 3)
-        price = min(GATES_COSTS.values()) if stowed else AT_ONCE
-        self._attempts.add("laid", price, partial(self._candidates.fitted_chains, routes), cost=0)
+        priority = min(BOTTLENECK_EFFORTS.values()) if stowed else PRIORITY_AT_ONCE
+        self._attempts.add("laid", priority, partial(self._candidates.fitted_chains, routes), effort=0)
 
     def _add_along(
-        self, name: str, candidate: RouteCandidate, cost: float, make: Callable[[], Iterator[StartBatch]]
+        self, name: str, candidate: RouteCandidate, effort: float, make: Callable[[], Iterator[StartBatch]]
     ) -> None:
-        self._attempts.add(name, cost * candidate.weight, make, cost)
+        self._attempts.add(name, effort * candidate.weight, make, effort)
 
     def _add_grown(self, candidate: RouteCandidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
             make = partial(self._candidates.grown_chains, candidate, GROWN_SEVERAL)
-            self._attempts.add("grown", LAST, make, GROWN_COST * GROWN_SEVERAL)
+            self._attempts.add("grown", PRIORITY_LAST, make, EFFORT_OF_A_GROWN_CHAIN * GROWN_SEVERAL)
             return
         width = FIRST_WIDTH
         while width <= LAST_WIDTH:
             self._add_along(
-                "grown", candidate, GROWN_COST * width, partial(self._candidates.grown_chains, candidate, width)
+                "grown",
+                candidate,
+                EFFORT_OF_A_GROWN_CHAIN * width,
+                partial(self._candidates.grown_chains, candidate, width),
             )
             width *= 2
 
     def _add_detour(self, candidate: RouteCandidate, first: int, number: int = 0) -> None:
-        """Add chains along a route that is led aside, as dear as the least beams; each is dearer than the one before.
+        """Add chains along a lengthened route, with the effort of the least beams; each comes after the one before.
 
-        The first is as dear as number `first`.
+        The first has the priority of number `first`.
         """
         if number < DETOURS:
-            cost = GROWN_COST * FIRST_WIDTH
+            effort = EFFORT_OF_A_GROWN_CHAIN * FIRST_WIDTH
             make = partial(self._detour, candidate, first, number)
-            self._attempts.add("detours", cost * (1 + first + number) * candidate.weight, make, cost)
+            self._attempts.add("detours", effort * (1 + first + number) * candidate.weight, make, effort)
 
     def _detour(self, candidate: RouteCandidate, first: int, number: int) -> Iterator[StartBatch]:
         """Make chains along a route that is led aside, and add the next ones."""
@@ -454,14 +461,14 @@ class RouteAttempts:
 
     def _add_gates(self, candidate: RouteCandidate) -> None:
         """Add chains through the narrowest place of a route."""
-        for starts, cost in GATES_COSTS.items():
-            self._add_along("gates", candidate, cost, partial(self._candidates.bottleneck_chains, candidate, starts))
+        for starts, effort in BOTTLENECK_EFFORTS.items():
+            self._add_along("gates", candidate, effort, partial(self._candidates.bottleneck_chains, candidate, starts))
 
 
 def plans_of(searches: Searches) -> list[tuple[float, SearchPlan]]:
-    """Return the searches over cells, from the quickest to the most thorough, each with its price."""
+    """Return the searches over cells, from the quickest to the most thorough, each with its priority."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
-    first = [(AT_ONCE, coarse), (AT_ONCE, searches.middle), (PRICE_FINE, fine)]
-    first = first if coarse.cell > fine.cell else [(AT_ONCE, fine)]
-    others = (PRICE_ALTERNATIVES, coarse), (PRICE_LAST, fine._replace(cells=CELLS[1]))
-    return [*first, *((price, plan._replace(routes=ALTERNATIVES)) for price, plan in others)]
+    first = [(PRIORITY_AT_ONCE, coarse), (PRIORITY_AT_ONCE, searches.middle), (PRIORITY_FINE_CELLS, fine)]
+    first = first if coarse.cell > fine.cell else [(PRIORITY_AT_ONCE, fine)]
+    others = (PRIORITY_ALTERNATIVES, coarse), (PRIORITY_LAST_SEARCH, fine._replace(cells=CELLS[1]))
+    return [*first, *((priority, plan._replace(routes=ALTERNATIVES)) for priority, plan in others)]

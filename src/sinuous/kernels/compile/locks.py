@@ -15,9 +15,8 @@ from pathlib import Path
 PATIENCE = 300.0
 """Seconds after which nobody waits any longer: who holds the lock may have been stopped."""
 
-PREFIX = ""
-"""What the names of this process's locks begin with: processes of low priority have their own (`helpers`), so that no
-other waits for one that does not come to its turn."""
+_prefix = ""
+"""What the names of this process's locks begin with."""
 
 PAUSE = 0.02
 """Seconds between two looks."""
@@ -26,10 +25,19 @@ _files: dict[tuple[int, Path], int] = {}
 """Open files by process and path. They stay open: closing one would free all locks that the process has in it."""
 
 
+def use_own_locks(prefix: str) -> None:
+    """Let the locks of this process be others than those of other processes.
+
+    Processes of low priority do so (`helpers`), so that none waits for one that does not come to its turn.
+    """
+    global _prefix  # noqa: PLW0603
+    _prefix = prefix
+
+
 @contextlib.contextmanager
 def locked(file: Path, name: str) -> Iterator[None]:
     """Hold the lock of this name, once whoever holds it now is done."""
-    place = int.from_bytes(hashlib.sha256(f"{PREFIX}{name}".encode()).digest()[:7], "little")
+    place = int.from_bytes(hashlib.sha256(f"{_prefix}{name}".encode()).digest()[:7], "little")
     handle, held, end = _opened(file), False, time.monotonic() + PATIENCE
     while handle is not None and not held and time.monotonic() < end:
         try:

@@ -27,7 +27,8 @@ from sinuous.kernels.compile.store import COPIES, Store
 from sinuous.kernels.compile.tiers import MODE, tiered
 
 if COMPILER == "linked":
-    from sinuous.kernels.compile import calls, once
+    from sinuous.kernels.compile.calls import call_leanly
+    from sinuous.kernels.compile.once import KERNELS, compiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -212,7 +213,7 @@ def _stored(function: Any, kind: str, options: dict[str, Any], file: str | None 
     store = None if function.__closure__ and file is None else Store(function, kind, file)
     chosen = OPTIONS
     if COMPILER == "linked":
-        pipeline = once.compiler(kind, None if store is None else store.name)
+        pipeline = compiler(kind, None if store is None else store.name)
         chosen = {**OPTIONS, **LINKED_OPTIONS, **options, "pipeline_class": pipeline}
     compiled: Any = numba.njit(**chosen)(function)
     if store is not None:
@@ -237,8 +238,8 @@ def _quickened(compiled: Any, store: Store | None) -> Any:
             found = compile_it(signature)
             if COMPILER == "linked":
                 result = next(one for one in compiled.overloads.values() if one.entry_point is found)
-                if isinstance(result.library, once.KERNELS):
-                    calls.call_leanly(compiled.targetctx, result)
+                if isinstance(result.library, KERNELS):
+                    call_leanly(compiled.targetctx, result)
             return found
 
     compiled.compile = compile_quickly

@@ -22,7 +22,7 @@ from numba.core.ir import Assign
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
-from sinuous.kernels.compile import calls
+from sinuous.kernels.compile.calls import declared, within
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
@@ -231,13 +231,13 @@ class _Lower(Lower):
     def init(self) -> None:
         super().init()
         if isinstance(self.library, KERNELS):
-            self.context = calls.within(self.context, self.fndesc)
+            self.context = within(self.context, self.fndesc)
 
     def _find_singly_assigned_variable(self) -> None:
         """Find the variables that are values of LLVM: assigned once, before all uses. Numba's end with their block."""
         super()._find_singly_assigned_variable()
         blocks = self.func_ir.blocks
-        within, assigned, used = must_use_alloca(blocks), defaultdict(list), defaultdict(set)
+        alloca, assigned, used = must_use_alloca(blocks), defaultdict(list), defaultdict(set)
         for label, block in blocks.items():
             for statement in block.find_insts(Assign):
                 assigned[statement.target.name].append(label)
@@ -246,14 +246,14 @@ class _Lower(Lower):
                 used[name].add(label)
         before = compute_cfg_from_blocks(blocks).dominators()
         for name, (label, *others) in assigned.items():
-            if not others and name not in within and all(label in before[one] and label < one for one in used[name]):
+            if not others and name not in alloca and all(label in before[one] and label < one for one in used[name]):
                 self._singly_assigned_vars.add(name)
 
     def setup_function(self, fndesc: Any) -> None:
         if not isinstance(self.library, KERNELS):
             super().setup_function(fndesc)
             return
-        self.function = calls.declared(self.module, fndesc)
+        self.function = declared(self.module, fndesc)
         self.entry_block = self.function.append_basic_block("entry")
         self.builder = ir.IRBuilder(self.entry_block)
         self.call_helper = self.call_conv.init_call_helper(self.builder)

@@ -28,7 +28,7 @@ from sinuous.kernels.compile.sources import COMPILER, NAME_LENGTH, sources_hash,
 from sinuous.kernels.compile.targets import Processor, shipped
 
 if COMPILER == "linked":
-    from sinuous.kernels.compile import once
+    from sinuous.kernels.compile.once import LIBRARIES, LoweredKernel, Whole, as_was
 
 MAY_FAIL = () if COMPILER == "linked" else (Exception,)
 """What a Numba that was not tried may do: then its code is not kept."""
@@ -92,7 +92,7 @@ class Store(NullCache):
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
-        self._machine_code = COMPILER == "numba" or issubclass(once.LIBRARIES[kind], once.Whole)
+        self._machine_code = COMPILER == "numba" or issubclass(LIBRARIES[kind], Whole)
         self._file = file or function.__code__.co_filename
         self.module, self.called = function.__module__, function.__qualname__
         told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"
@@ -134,7 +134,7 @@ class Store(NullCache):
             return None
         result = CompileResult._rebuild(context, *reduced)
         if called is not None:
-            once.as_was(result.library, self._kind, parts)
+            as_was(result.library, self._kind, parts)
             self._sign(result)
         return result
 
@@ -146,7 +146,7 @@ class Store(NullCache):
     def _save(self, signature: Any, result: Any) -> None:
         library = result.library
         called = None
-        if COMPILER == "linked" and isinstance(library, once.LoweredKernel | once.Whole):
+        if COMPILER == "linked" and isinstance(library, LoweredKernel | Whole):
             self._sign(result)
             called = [getattr(part, "origin", None) for part in library.parts]
         if library.has_dynamic_globals or None in (called or ()):

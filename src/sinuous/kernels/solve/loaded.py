@@ -1,8 +1,8 @@
 """Correction of a drive until the body under load meets the targets: Newton's method with the body in equilibrium.
 
 Every round derives the equilibrium by the drive, and takes the least damped step that meets the targets to first order
-within the limits of segments, as the heart's; limits of actuators and of tensions that a step would leave are rows of
-it. The body at the end of a step is found from the one that the derivative foretells.
+within the limits of segments, as the step of `kernels.step.newton`; limits of actuators and of tensions that a step
+would leave are rows of it. The body at the end of a step is found from the one that the derivative predicts.
 """
 
 from collections import namedtuple

@@ -1,7 +1,7 @@
 """The limits of one segment, held exactly: length in [low, high], bend at most `max_bend` and `max_curvature * length`.
 
-Row k of `limits` (n, 8): low, high, max_bend, max_curvature, body radius, and the scales of a bend (rad) and of a
-length in which motion is measured (0: that coordinate cannot move).
+Row k of `limits` (n, 8) is that of segment k, see `tables`: its limits, its radii, and the scales of a bend (rad) and
+of a length in which motion is measured (0: that coordinate cannot move).
 """
 
 import math

@@ -314,9 +314,9 @@ class RouteCandidates:
 
 
 def starts_along(
-    initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None
+    initial: Floats, routes: tuple[Floats, ...], effort: float = 0.0, closed: float | None = None
 ) -> StartBatch:
     """Configurations along routes, which are frozen."""
     for route in routes:
         route.setflags(write=False)
-    return StartBatch(SOURCES[ROUTE], initial, cost=cost, closed=closed, routes=routes)
+    return StartBatch(SOURCES[ROUTE], initial, effort=effort, closed=closed, routes=routes)

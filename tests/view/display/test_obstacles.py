@@ -44,4 +44,4 @@ def test_triangles_and_faces_have_the_same_area_and_turned_ones_the_other_side(o
     facets = surface.facets
     of_faces = 0.5 * np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1]).sum(axis=0)
     np.testing.assert_allclose(of_triangles, of_faces, atol=1e-9)
-    np.testing.assert_allclose(normals_of(surface.turned().facets), -normals_of(facets), atol=1e-12)
+    np.testing.assert_allclose(normals_of(surface.flipped().facets), -normals_of(facets), atol=1e-12)

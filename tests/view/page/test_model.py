@@ -15,8 +15,7 @@ from sinuous.base.errors import InputError
 from sinuous.model.segment import straight
 from sinuous.view.display.results import speeds_of
 from sinuous.view.page.edits import least_rates
-from sinuous.view.page.model import History, PageModel
-from sinuous.view.page.saving import problem_text, read_problem
+from sinuous.view.page.model import History, PageModel, problem_text, read_problem
 from sinuous.view.page.session import QUICK_SECONDS, Solvers
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)

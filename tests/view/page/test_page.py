@@ -37,8 +37,8 @@ PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
 @pytest.fixture(autouse=True)
 def every_motion_is_played_in_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawn by software: each picture takes tens of milliseconds of processor time."""
-    monkeypatch.setattr(model, "LONGEST", 1.0)
-    monkeypatch.setattr(model, "SHORTENED", 1.0)
+    monkeypatch.setattr(model, "LONGEST_SECONDS", 1.0)
+    monkeypatch.setattr(model, "PLAYED_SECONDS", 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -195,7 +195,7 @@ STEP = 1e-3
 
 
 def test_an_actuator_is_pulled_and_taken_back(page: Page, fresh: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(model, "TOGETHER", PATIENCE)  # all presses are one change, however slowly they arrive
+    monkeypatch.setattr(model, "TOGETHER_SECONDS", PATIENCE)  # all presses are one change, however slowly they arrive
     load(page, fresh, DRIVEN)
     fresh.get_by_role("tab", name="Shape").click()
     choose(fresh, "sliders", "actuators")

@@ -7,8 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.errors import InputError
-from sinuous.view.page.model import PageModel
-from sinuous.view.page.saving import problem_text, read_problem
+from sinuous.view.page.model import PageModel, problem_text, read_problem
 from tests.scene.shapes import cube
 
 PROBLEM = b"robot: {segments: {count: 3, length: [0.8, 1.2]}}\ntarget: {position: [1, 0, 2]}\n"

@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.errors import InputError
 from sinuous.view.display.contents import Arm, MovingArm
-from sinuous.view.page.model import SHORTENED
+from sinuous.view.page.model import PLAYED_SECONDS
 from sinuous.view.page.recording import FEWEST_FRAMES, MOST_FRAMES, frames_of
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
@@ -41,7 +41,7 @@ def test_a_motion_is_recorded_knot_by_knot_or_between_them() -> None:
     many = np.tile(knots[:1], (200, 1, 1))
     same, times = frames_of(MovingArm(Arm(ROBOT, many[0]), many, np.arange(200.0)))
     assert same is many
-    assert np.isclose(times[-1], SHORTENED)
+    assert np.isclose(times[-1], PLAYED_SECONDS)
     most = np.tile(knots[:1], (5000, 1, 1))
     assert len(frames_of(MovingArm(Arm(ROBOT, most[0]), most, np.arange(5000.0)))[0]) == MOST_FRAMES
 

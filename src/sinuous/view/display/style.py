@@ -34,6 +34,12 @@ CURVES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#7a
 COLOUR_SCALE = ("#00204d", "#31446b", "#666970", "#958f78", "#cbba69", "#ffea46")
 """Colours of a value from little to much: cividis (Nunez et al. 2018), which the colour-blind read as all others do."""
 
+MOST_IN_LEGEND = 12
+"""Curves that a legend has a name for."""
+
+AXIS_NUMBERS = 4
+"""Numbers along the longest axis in space, about."""
+
 CONTACT = "#d55e00"
 """Colour of a place of the body that touches an obstacle."""
 

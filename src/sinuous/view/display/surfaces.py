@@ -54,7 +54,7 @@ class Surface(NamedTuple):
         """Return the surface rotated (3, 3), then translated (3,)."""
         return Surface(self.vertices @ rotation.T + position, self.faces)
 
-    def turned(self) -> "Surface":
+    def flipped(self) -> "Surface":
         """Return the same surface with its inside outside."""
         triangle = (self.faces[:, 2] == self.faces[:, 3])[:, None]
         return Surface(self.vertices, np.where(triangle, self.faces[:, [2, 1, 0, 0]], self.faces[:, ::-1]))
@@ -127,7 +127,7 @@ def box(half: Floats, pieces: int) -> Surface:
         for height in (-1.0, 1.0):
             side = square(1.0, pieces)
             side.vertices[:, 2] = height
-            facing = side if height > 0.0 else side.turned()
+            facing = side if height > 0.0 else side.flipped()
             sides.append(Surface(np.roll(facing.vertices, axis + 1, axis=-1) * half, facing.faces))
     return join_surfaces(*sides)
 
@@ -176,7 +176,7 @@ def obstacle_surface(
     """
     if isinstance(obstacle, Mesh):
         surface = Surface(obstacle.vertices, obstacle.faces[:, [0, 1, 2, 2]])
-        return surface.turned() if obstacle.inside else surface
+        return surface.flipped() if obstacle.inside else surface
     if isinstance(obstacle, HalfSpace):
         near = middle - (middle - obstacle.point) @ obstacle.normal * obstacle.normal
         return square(0.5 * span, pieces).moved(obstacle.frame.rotation, near)
@@ -195,7 +195,7 @@ def obstacle_surface(
         case _:
             raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
     surface = local.moved(rotation, center)
-    return surface.turned() if obstacle.inside else surface
+    return surface.flipped() if obstacle.inside else surface
 
 
 def points_of(obstacle: Dotted) -> Floats:

@@ -1,10 +1,11 @@
-"""The state of the page of `sinuous view`, and how it changes: without a browser, and without threads."""
+"""The state of the page of `sinuous view`: how it changes, and is saved and read; no browser, and no threads."""
 
 import time as clock
 import warnings
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,10 @@ from sinuous.answer.solution import Solution
 from sinuous.base import checks
 from sinuous.base.arguments import MethodName
 from sinuous.base.checks import Floats
+from sinuous.base.documents import yaml_text
 from sinuous.base.errors import InputError, SuspiciousInput
+from sinuous.files.documents import join, parse
+from sinuous.files.problem_file import problem_of
 from sinuous.methods.registry import name_of
 from sinuous.model.poses import least_rotation
 from sinuous.model.rates import Rates
@@ -24,6 +28,7 @@ from sinuous.model.segment import Segment, straight
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import pace_motion
+from sinuous.motion.tables import write_motion
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
@@ -39,13 +44,13 @@ MOST_SECONDS = 60.0
 """Longest budget that can be set on the page."""
 
 
-TOGETHER = 1.0
+TOGETHER_SECONDS = 1.0
 """Seconds within which changes of the same thing are one step: somebody drags it."""
 
 MOST_STEPS = 1000
 """Steps that are kept."""
 
-LONGEST, SHORTENED = 30.0, 20.0
+LONGEST_SECONDS, PLAYED_SECONDS = 30.0, 20.0
 """A motion that takes longer than the first is played in so many seconds as the second."""
 
 
@@ -54,7 +59,7 @@ def playing_speed(duration: float) -> float:
 
     Times are taken for seconds, unless the whole takes longer than people wait.
     """
-    return 1.0 if duration <= LONGEST else duration / SHORTENED
+    return 1.0 if duration <= LONGEST_SECONDS else duration / PLAYED_SECONDS
 
 
 @dataclass(frozen=True)
@@ -145,7 +150,7 @@ class History:
     def note(self, key: Hashable, before: Moment) -> None:
         """Keep the moment before a change of what `key` stands for."""
         now = clock.monotonic()
-        if key != self._last[0] or now - self._last[1] > TOGETHER:
+        if key != self._last[0] or now - self._last[1] > TOGETHER_SECONDS:
             self._past = [*self._past[1 - MOST_STEPS :], before]
         self._last = key, now
         self._taken_back = []
@@ -652,3 +657,83 @@ class PageModel:
 
 def _names(scene: Snapshot) -> set[str]:
     return {scene.name(i) for i in range(len(scene))}
+
+
+LARGEST_BYTES = 50_000_000
+"""Bytes of a problem file that are read."""
+
+FILE_KEYS = ("robot", "scene", "path", "start", "file")
+"""Keys under which the name of another file may stand."""
+
+
+def problem_text(model: PageModel) -> str:
+    """Return a problem file in YAML that says what is on the page; where nothing moves, it starts with its shape.
+
+    Its first line is the command that asks the same.
+
+    Raises
+    ------
+    InputError
+        When an obstacle is a function, which no file can hold.
+    """
+    job, own = model.job, model.settings
+    moves = job.is_path or job.goal is not None or model.motion is not None or model.scene.moves
+    kept = job if moves else edits.change_job(job, start=model.q)
+    command = "track" if job.is_path else "plan" if moves else "solve"
+    begin = f" --begin {model.begin:g}" if command == "plan" and model.begin else ""
+    line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}{begin}\n"
+    return line + yaml_text(kept.to_dict(model.folder))
+
+
+def motion_table(model: PageModel) -> str:
+    """Return the motion on the page as CSV, or the shape as a single row; columns as of `Motion.to_csv`."""
+    q, times = (
+        (model.shown[None], np.array([model.time])) if model.motion is None else (model.motion.q, model.motion.times)
+    )
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "motion.csv"
+        write_motion(file, model.robot, times, q)
+        return file.read_text(encoding="utf-8")
+
+
+def read_problem(name: str, content: bytes, folder: Path) -> Job:
+    """Read a problem file that was brought to the page.
+
+    Names of other files in it begin at `folder`, where the problem of the page stands, and must lead to files within
+    it: whoever can reach the page shall not read others.
+
+    Raises
+    ------
+    InputError
+        In one line, when it is no problem file.
+    """
+    title = PurePath(name.replace("\\", "/")).name or "file"
+    try:
+        if len(content) > LARGEST_BYTES:
+            raise InputError("file", "too large", f"{len(content)} bytes", f"at most {LARGEST_BYTES} bytes")
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            raise InputError("file", f"not UTF-8 at byte {error.start}", title, "a text file in UTF-8") from None
+        values = parse(text, Path(title))
+        _refuse_far_files(values, folder)
+        job = problem_of(values, str(folder / title), Job)
+        job.scene.prepare()
+        return job
+    except InputError as error:
+        raise error.in_file(title) from None
+
+
+def _refuse_far_files(values: Any, folder: Path, key: str = "") -> None:
+    """Refuse names of files that lead out of a folder."""
+    entries = values.items() if isinstance(values, dict) else enumerate(values) if isinstance(values, list) else ()
+    for inner, entry in entries:
+        if isinstance(entry, dict | list):
+            _refuse_far_files(entry, folder, join(key, inner))
+        elif (
+            isinstance(entry, str)
+            and inner in FILE_KEYS
+            and not (folder / entry).resolve().is_relative_to(folder.resolve())
+        ):
+            wanted = "a file within that folder"
+            raise InputError(join(key, inner), "leads out of the folder of the page", entry, wanted)

@@ -33,13 +33,10 @@ from sinuous.view.display.contents import Arm
 from sinuous.view.display.style import Rgb, arrows_of, rgb
 from sinuous.view.display.surfaces import BodySurface, Dotted, Triangles, as_triangles, obstacle_surface, points_of
 
-NUMBERS = 4
-"""Numbers along the longest axis, about."""
-
-TICK, WIDTH, NAME = 0.015, 0.0012, 0.06
+TICK_SPANS, WIDTH_SPANS, NAME_SPANS = 0.015, 0.0012, 0.06
 """Length of a tick, width of a line, and how far beyond its axis a name stands, in spans of the page."""
 
-LETTERS = 0.6
+NUMBER_SCALE = 0.6
 """Size of numbers, relative to that of other labels."""
 
 
@@ -47,15 +44,15 @@ def show_axes(scene: SceneApi, bounds: Bounds) -> SceneNodeHandle:
     """Draw axes from the lowest corner of the bounds; return the node that holds them."""
     root, span, low = scene.add_frame("/axes", show_axes=False), bounds.span, bounds.low
     for k, (name, colour) in enumerate(zip("xyz", (style.X, style.Y, style.Z), strict=True)):
-        along, aside = np.eye(3)[k], TICK * span * np.eye(3)[1 if k == 0 else 0]
-        numbers = round_numbers(low[k], bounds.high[k], span / NUMBERS)
+        along, aside = np.eye(3)[k], TICK_SPANS * span * np.eye(3)[1 if k == 0 else 0]
+        numbers = round_numbers(low[k], bounds.high[k], span / style.AXIS_NUMBERS)
         places = [low + (number - low[k]) * along for number in numbers]
         end = low + (bounds.high[k] - low[k]) * along
         lines = np.array([(low, end), *((place, place - aside) for place in places)])
-        scene.add_line_segments(f"/axes/{name}", lines, rgb(colour), thickness=WIDTH * span)
+        scene.add_line_segments(f"/axes/{name}", lines, rgb(colour), thickness=WIDTH_SPANS * span)
         labels = [(f"{number:.6g}", place - 2.5 * aside) for number, place in zip(numbers, places, strict=True)]
-        for i, (text, place) in enumerate([*labels, (name, end + NAME * span * along)]):
-            at, size = f"/axes/{name}/{i}", LETTERS if i < len(labels) else 1.0
+        for i, (text, place) in enumerate([*labels, (name, end + NAME_SPANS * span * along)]):
+            at, size = f"/axes/{name}/{i}", NUMBER_SCALE if i < len(labels) else 1.0
             scene.add_label(at, text, position=place, font_screen_scale=size, anchor="center-center", depth_test=True)
     return root
 
@@ -76,10 +73,10 @@ SEE_THROUGH = 0.35
 BODY_AROUND, AROUND = 16, 24
 """Faces around a body, and around a round obstacle."""
 
-GHOST_SHARE = 0.96
+GHOST_RADIUS_SHARE = 0.96
 """How much of its radius a ghost has: where it lies in a solid body, that one alone is seen."""
 
-DOT, LINE = 0.011, 0.003
+DOT_SPANS, LINE_SPANS = 0.011, 0.003
 """Radius of the point of a target, and width of a line, in spans of the page."""
 
 SHADOWLESS = {"cast_shadow": False, "receive_shadow": False}
@@ -100,6 +97,13 @@ def quaternion_of(rotation: Floats) -> Floats:
 def rotation_of(quaternion: Floats) -> Floats:
     """Rotation (3, 3) of a quaternion wxyz of any length but zero."""
     return np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
+
+
+def update_node(node: Any, **values: Any) -> None:
+    """Send what has changed of a node."""
+    for name, value in values.items():
+        if not np.array_equal(getattr(node, name), value):
+            setattr(node, name, value)
 
 
 def colours_of(arm: Arm) -> list[Rgb]:
@@ -153,7 +157,7 @@ class BodyNode:
             pieces=look.pieces,
             along=look.along,
             fittings=solid,
-            share=1.0 if solid else GHOST_SHARE,
+            share=1.0 if solid else GHOST_RADIUS_SHARE,
         )
         self._scene, self._name = scene, name
         self._nodes: list[MeshHandle] = []
@@ -171,11 +175,7 @@ class BodyNode:
         if not self._nodes:
             self._nodes = [self._mesh(i, vertices[i], every[i]) for i in range(len(vertices))]
         for node, own, colour in zip(self._nodes, vertices, every, strict=True):
-            exact = own.astype(np.float32)
-            if not np.array_equal(node.vertices, exact):
-                node.vertices = exact
-            if node.color != colour:
-                node.color = colour
+            update_node(node, vertices=own.astype(np.float32), color=colour)
 
     def remove(self) -> None:
         """Take it from the page."""
@@ -229,17 +229,17 @@ class Obstacles:
             return
         self._shown = obstacles, chosen, hiding
         self._rows = {each: self._rows.get(each) or _scaled(each) for each in obstacles if type(each) in UNITS}
-        members: dict[_Key, list[int]] = {}
-        singles = [i for i, obstacle in enumerate(obstacles) if type(obstacle) not in UNITS]
+        singles: list[int] = []
+        self._members = {}
         for i, obstacle in enumerate(obstacles):
-            if type(obstacle) in UNITS:
-                members.setdefault((type(obstacle), obstacle.inside), []).append(i)
-        self._members = members
-        for key in [key for key in self._groups if key not in members]:
+            is_unit = type(obstacle) in UNITS
+            same = self._members.setdefault((type(obstacle), obstacle.inside), []) if is_unit else singles
+            same.append(i)
+        for key in self._groups.keys() - self._members.keys():
             self._groups.pop(key)[0].remove()
-        for key, own in members.items():
+        for key, own in self._members.items():
             self._show_group(key, [obstacles[i] for i in own])
-        for i in [i for i in self._singles if i not in singles]:
+        for i in self._singles.keys() - singles:
             _remove(self._singles.pop(i))
         for i in singles:
             self._show_single(i, obstacles[i], (i == chosen, i in hiding))
@@ -258,9 +258,7 @@ class Obstacles:
         }
         known = self._groups.get(key)
         if known is not None and known[1] == len(own):
-            for name, values in arrays.items():
-                if not np.array_equal(getattr(known[0], name), values):
-                    setattr(known[0], name, values)
+            update_node(known[0], **arrays)
             return
         kind, inside = key
         vertices, faces = self._surface(UNITS[kind](inside))
@@ -349,7 +347,7 @@ def _scaled(obstacle: Any) -> tuple[Floats, Floats, Floats]:
 
 def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span: float) -> None:
     """Draw a point at `place` (3,), an arrow where a direction is asked, three where a whole rotation is."""
-    scene.add_icosphere(name, DOT * span, color=rgb(style.TARGET), position=place, **SHADOWLESS)  # type: ignore[arg-type]
+    scene.add_icosphere(name, DOT_SPANS * span, color=rgb(style.TARGET), position=place, **SHADOWLESS)  # type: ignore[arg-type]
     arrows = list(arrows_of(target))
     if arrows:
         ends = np.array([(np.zeros(3), style.ARROW_SHARE * span * axis) for axis, _ in arrows])
@@ -359,19 +357,17 @@ def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span:
 
 
 class LinesNode:
-    """Lines on a page that may change. Nothing is there before `show`; a width is in shares of `LINE`."""
+    """Lines on a page that may change. Nothing is there before `show`; a width is in shares of `LINE_SPANS`."""
 
     def __init__(self, scene: SceneApi, name: str, colour: Rgb, width: float) -> None:
-        self._add = partial(scene.add_line_segments, name, colors=colour, thickness=LINE * width)
+        self._add = partial(scene.add_line_segments, name, colors=colour, thickness=LINE_SPANS * width)
         self._node: LineSegmentsHandle | None = None
 
     def show(self, points: Floats | None) -> None:
         """Show lines between pairs of points (k, 2, 3), or none."""
         if points is not None:
-            exact = points.astype(np.float32)
-            self._node = self._node or self._add(exact)
-            if not np.array_equal(self._node.points, exact):
-                self._node.points = exact
+            self._node = self._node or self._add(points.astype(np.float32))
+            update_node(self._node, points=points.astype(np.float32))
         if self._node is not None:
             self._node.visible = points is not None
 
@@ -379,14 +375,14 @@ class LinesNode:
 def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], colour: str, span: float) -> None:
     """Draw a line through points (k, 3)."""
     places = np.asarray(points, np.float64)
-    scene.add_line_segments(name, np.stack([places[:-1], places[1:]], axis=1), rgb(colour), thickness=LINE * span)
+    scene.add_line_segments(name, np.stack([places[:-1], places[1:]], axis=1), rgb(colour), thickness=LINE_SPANS * span)
 
 
 FIELD_OF_VIEW = math.radians(40.0)
 """Angle that the camera sees, from top to bottom."""
 
 
-MARGIN = 1.1
+CAMERA_MARGIN = 1.1
 """How far a camera is away, relative to where what is shown fills the view: numbers and names of axes need room."""
 
 
@@ -396,7 +392,7 @@ def aim_camera(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side:
     right = right / np.linalg.norm(right) if right.any() else np.array([1.0, 0.0, 0.0])
     corners = (np.array(list(np.ndindex(2, 2, 2))) - 0.5) * (bounds.high - bounds.low)
     across = np.abs(corners @ np.stack([right, np.cross(side, right)], axis=-1)).max(axis=-1)
-    away = MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD_OF_VIEW)).max()) or 1.0)
+    away = CAMERA_MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD_OF_VIEW)).max()) or 1.0)
     camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD_OF_VIEW
     camera.near, camera.far = 0.01 * away, 100.0 * away
 

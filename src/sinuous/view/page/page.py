@@ -27,19 +27,19 @@ from sinuous.view.page.tabs import PARTS
 BESIDE, GHOST = 0.5, 0.3
 """Opacity of the shape of a second method, and of other solutions."""
 
-FINE, STEPS = 4, 3
+FINE_PIECES, PIECE_STEPS = 4, 3
 """Pieces of a segment that are coloured by their clearance, and steps along each at which it is measured."""
 
-FAR = 0.15
+FAR_LENGTHS = 0.15
 """Clearance, in mean lengths of the robot, at the end of the scale of colours."""
 
-GIZMO = 0.16
+GIZMO_SPANS = 0.16
 """Size of a gizmo, in spans of the page."""
 
-NEAR = rgb("#333a42")
+NEAREST_COLOUR = rgb("#333a42")
 """Colour of the line to the nearest place."""
 
-HAND = 3
+HAND_TONES = 3
 """Which of the pairs of tones a body has that was bent by hand."""
 
 MOST_GIZMOS = 8
@@ -62,10 +62,10 @@ class Scenery:
         self._obstacles = nodes.Obstacles(server.scene, self.bounds, session.choose_obstacle)
         self._bodies: dict[str, nodes.BodyNode] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
-        self._near = nodes.LinesNode(server.scene, "/near", NEAR, self.bounds.span)
+        self._near = nodes.LinesNode(server.scene, "/near", NEAREST_COLOUR, self.bounds.span)
         self._forces = nodes.LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
         self._hiding: frozenset[int] = frozenset()
-        self.look()
+        self.update_hiding()
         if model.job.is_path:
             self._show_path()
 
@@ -77,7 +77,7 @@ class Scenery:
         with client.atomic():
             nodes.aim_camera(client.camera, bounds, away / np.linalg.norm(away))
 
-    def look(self) -> None:
+    def update_hiding(self) -> None:
         """Make see-through what hides the body from somebody."""
         clients = self._server.get_clients().values()
         eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
@@ -110,8 +110,8 @@ class Scenery:
     def _wanted_bodies(self) -> Iterator[tuple[str, nodes.BodyStyle, Arm, list[Rgb]]]:
         """Yield the bodies on the page: a name, how it is drawn, the body, a colour for each of its pieces."""
         model, robot, span = self._model, self._model.robot, self.bounds.span
-        body, *around = arms_of(robot, model.shown, self._good(), HAND if model.by_hand else 0)
-        pieces = max(1, FINE * len(robot) // len(body.robot)) if self._session.colouring == "clearance" else 1
+        body, *around = arms_of(robot, model.shown, self._good(), HAND_TONES if model.by_hand else 0)
+        pieces = max(1, FINE_PIECES * len(robot) // len(body.robot)) if self._session.colouring == "clearance" else 1
         yield "body", nodes.BodyStyle(span, pieces), body, self._colours(body, pieces)
         others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
         if model.beside is not None and model.motion is None:
@@ -121,7 +121,8 @@ class Scenery:
             shapes["goal"] = model.job.goal
         others |= {name: arms_of(robot, q, number=i)[0] for i, (name, q) in enumerate(shapes.items(), 1)}
         for name, arm in others.items():
-            yield name, nodes.BodyStyle(span, opacity=BESIDE if name == "second" else GHOST), arm, nodes.colours_of(arm)
+            style = nodes.BodyStyle(span, opacity=BESIDE if name == "second" else GHOST)
+            yield name, style, arm, nodes.colours_of(arm)
 
     def _colours(self, body: Arm, pieces: int) -> list[Rgb]:
         """One colour a piece of the body."""
@@ -130,9 +131,9 @@ class Scenery:
             own = colour_by_bending(model.robot, model.shown)
             return [own[k] for k in body.segments]
         if self._session.colouring == "clearance" and len(model.scene):
-            places = clearances_along(body.robot, model.there, body.q, pieces * STEPS)
-            least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
-            return colour_by_clearance(least, FAR * model.robot.mean_length)
+            places = clearances_along(body.robot, model.there, body.q, pieces * PIECE_STEPS)
+            least = [float(places[i : i + PIECE_STEPS + 1].min()) for i in range(0, len(places) - 1, PIECE_STEPS)]
+            return colour_by_clearance(least, FAR_LENGTHS * model.robot.mean_length)
         return [colour for colour in nodes.colours_of(body) for _ in range(pieces)]
 
     def _good(self) -> bool:
@@ -174,7 +175,7 @@ class Scenery:
         endless = ((-1e9, 1e9),) * 3
         gizmo = self._server.scene.add_transform_controls(
             name,
-            scale=GIZMO * self.bounds.span,
+            scale=GIZMO_SPANS * self.bounds.span,
             disable_rotations=kind == "position",
             disable_axes=kind == "turn",
             disable_sliders=kind == "turn",
@@ -288,10 +289,10 @@ class Page(Session):
         self.scenery.show(self.near)
 
     def _watch(self, client: ClientHandle) -> None:
-        client.camera.on_update(lambda _: self.look())
+        client.camera.on_update(lambda _: self.turn_view())
 
-    def _look(self) -> None:
-        self.scenery.look()
+    def _update_hiding(self) -> None:
+        self.scenery.update_hiding()
         self.scenery.show(self.near)
 
     def _refresh(self, busy: bool, refused: str) -> None:

@@ -12,7 +12,7 @@ from viser import GuiApi, uplot
 
 from sinuous.base.checks import Floats
 from sinuous.view.display.results import Curves
-from sinuous.view.display.style import COLOUR_SCALE, CONTACT, CURVES
+from sinuous.view.display.style import COLOUR_SCALE, CONTACT, CURVES, MOST_IN_LEGEND
 from sinuous.view.page.session import Session
 from sinuous.view.page.status import STYLE, block_html, scale_html
 
@@ -21,9 +21,6 @@ PLOT_PIXELS = 220
 
 DIGITS = 4
 """How many more digits than its step a field takes."""
-
-MOST_NAMED = 12
-"""Curves that a legend has a name for."""
 
 
 class Fields:
@@ -123,7 +120,7 @@ class Fields:
         """Add a plot of curves over time, with numbers where the mouse points."""
         colours = itertools.cycle(CURVES)
         series = [uplot.Series(label=name, stroke=next(colours), width=1.5) for name in curves.names]
-        few = len(curves.names) <= MOST_NAMED
+        few = len(curves.names) <= MOST_IN_LEGEND
         self._handles.append(
             self.gui.add_uplot(
                 (curves.times, *curves.values.T),

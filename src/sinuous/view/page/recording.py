@@ -23,7 +23,7 @@ from sinuous.view.page.model import playing_speed
 GHOST = 0.4
 """Opacity of a ghost."""
 
-GRAIN = 1e-4
+GRAIN_SPANS = 1e-4
 """Vertices of bodies that move are multiples of about this, in spans of the page: a recording is half as large."""
 
 FEWEST_FRAMES, MOST_FRAMES = 60, 400
@@ -60,7 +60,10 @@ def record_page(contents: Contents) -> str:
             nodes.show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
             body = nodes.BodyNode(
-                server.scene, f"/robots/{i}", arm.robot, nodes.BodyStyle(bounds.span, opacity=GHOST if ghost else None)
+                server.scene,
+                f"/robots/{i}",
+                arm.robot,
+                nodes.BodyStyle(bounds.span, opacity=GHOST if ghost else None),
             )
             body.show(arm.q, nodes.colours_of(arm))
         page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))
@@ -92,7 +95,7 @@ def _show_moving(
     """Show what moves, frame by frame, and return the page with everything on it."""
     if not contents.moving:
         return server.get_scene_serializer().as_html()
-    grain = 2.0 ** math.floor(math.log2(GRAIN * span))
+    grain = 2.0 ** math.floor(math.log2(GRAIN_SPANS * span))
     bodies = []
     for i, moving in enumerate(contents.moving):
         robot = moving.begin.robot

@@ -25,8 +25,7 @@ from sinuous.solver.options import SolveOptions
 from sinuous.solver.solver import Solver
 from sinuous.view.display.style import Colouring
 from sinuous.view.page.edits import is_quick
-from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, playing_speed
-from sinuous.view.page.saving import read_problem
+from sinuous.view.page.model import History, Moment, PageModel, PageQuestion, playing_speed, read_problem
 
 PATIENCE_SECONDS = 0.15
 """Seconds that a question must stand before a whole budget is spent on it."""
@@ -254,7 +253,7 @@ class Session(ABC):
         """Show the shape as it is now."""
 
     @abstractmethod
-    def _look(self) -> None:
+    def _update_hiding(self) -> None:
         """Look again at what hides the shape, which takes longer than to draw it."""
 
     @abstractmethod
@@ -291,9 +290,9 @@ class Session(ABC):
         if moment is not now:
             self.model.come_back(moment)
 
-    def look(self) -> None:
+    def turn_view(self) -> None:
         """Look again at what hides the shape: somebody sees it from elsewhere."""
-        self._owner.post("look", lambda: None)
+        self._owner.post("turn", lambda: None)
 
     @property
     def unsolved(self) -> bool:
@@ -334,7 +333,7 @@ class Session(ABC):
             self._refresh_now()
 
     def _refresh_now(self) -> None:
-        self._look()
+        self._update_hiding()
         self._refresh(self._busy, self._refused)
         self._refreshed = clock.monotonic()
 

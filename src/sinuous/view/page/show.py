@@ -13,7 +13,7 @@ from sinuous.base.documents import written
 from sinuous.base.errors import InputError
 from sinuous.view.display.contents import gather
 
-HEIGHT = 480
+FRAME_PIXELS = 480
 """Of a page in a notebook, in pixels."""
 
 
@@ -94,5 +94,5 @@ def _notebook() -> Callable[[str], object] | None:
 
 def _inline(page: str) -> str:
     """The page as a frame within another page."""
-    style = f"width:100%;height:{HEIGHT}px;border:1px solid #ddd"
+    style = f"width:100%;height:{FRAME_PIXELS}px;border:1px solid #ddd"
     return f'<div><iframe srcdoc="{markup.escape(page, quote=True)}" style="{style}"></iframe></div>'

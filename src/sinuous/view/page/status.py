@@ -21,7 +21,7 @@ from sinuous.statics.rest import bodies_at
 from sinuous.view.display.results import STARTS, format_number, lengths_along, radii_along, rows_of, status_in_words
 from sinuous.view.page.model import PageModel
 
-SAMPLES = 16
+PLACES = 16
 """Places of a segment whose distance to the obstacles is measured."""
 
 GOOD, BAD = "#00694c", "#a34700"
@@ -108,9 +108,9 @@ def find_nearest(robot: Robot, scene: Snapshot, q: Floats) -> NearestPlace | Non
 
 
 def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> NearestPlace | None:
-    along = lengths_along(q, SAMPLES)
+    along = lengths_along(q, PLACES)
     free = along >= min(robot.mount, along[-1])
-    points, radii = robot.backbone(q, SAMPLES)[free], radii_along(robot, SAMPLES)[free]
+    points, radii = robot.backbone(q, PLACES)[free], radii_along(robot, PLACES)[free]
     found = least_gap(points, radii, scene)
     if found.place is None or found.obstacle is None:
         return None

@@ -20,18 +20,17 @@ from sinuous.problem.target import Tolerance
 from sinuous.view.display.results import Curves, actuators_of, bends_of, describe_solutions, lengths_of, speeds_of
 from sinuous.view.display.style import Colouring, largest_bends
 from sinuous.view.page.edits import KINDS, least_rates, sizes_of
-from sinuous.view.page.model import ASKED, MOST_SECONDS
+from sinuous.view.page.model import ASKED, MOST_SECONDS, motion_table, problem_text
 from sinuous.view.page.panel import Fields, Part, step_of
-from sinuous.view.page.saving import motion_table, problem_text
 from sinuous.view.page.session import Session, Sliders
 
 MOST_TARGETS = 6
 """Targets with fields."""
 
-OTHERS = 6
+OTHER_SOLUTIONS = 6
 """Distinct solutions that are looked for."""
 
-AT_ONCE = 8
+SEGMENTS_AT_ONCE = 8
 """Segments with sliders at one time; of more, a field says which."""
 
 NONE, ALL = "none", "all"
@@ -58,7 +57,7 @@ def target_tab(session: Session, fields: Fields) -> None:
 
     hint = "Distinct solutions, best first; all are on the page."
     found = fields.index("solution", lambda: ("-", *describe_solutions(model.ghosts)), current, choose, hint)
-    fields.button("Find other solutions", partial(session.find_others, OTHERS))
+    fields.button("Find other solutions", partial(session.find_others, OTHER_SOLUTIONS))
     forget = fields.button("Forget them", model.forget_ghosts)
     fields.only_while(lambda: bool(model.ghosts), found, forget)
 
@@ -99,8 +98,7 @@ def _target_fields(session: Session, fields: Fields, i: int) -> None:
     fields.choice(f"asked{whose}", ASKED, partial(_what, session, i), partial(model.ask, i), hint)
     if target.direction is not None:
         hint = "Of the tangent, in the axes of the world; of any length but 0."
-        turned = lambda value: model.point_target(i, value)  # noqa: E731
-        fields.vector(f"direction{whose}", lambda: frame()[:3, 2], turned, 0.001, hint)
+        fields.vector(f"direction{whose}", lambda: frame()[:3, 2], partial(model.point_target, i), 0.001, hint)
     if target.rotation is not None:
         hint = "Roll, pitch and yaw in rad: about x, then y, then z of the world, as in URDF."
         turned = lambda value: model.place_target(i, None, np.array(SO3.from_rpy_radians(*value).as_matrix()))  # noqa: E731
@@ -187,11 +185,11 @@ def shape_tab(session: Session, fields: Fields) -> None:
     fields.button("Solve from here", model.solve_from_here, "Ask for the target again, from this shape.")
     if model.robot.actuators:
         fields.choice("sliders", get_args(Sliders), lambda: session.sliders, partial(setattr, session, "sliders"))
-    last = len(model.robot) - AT_ONCE
+    last = len(model.robot) - SEGMENTS_AT_ONCE
     if last > 0:
         show = lambda value: setattr(session, "first_segment", value - 1)  # noqa: E731
         fields.slider("from segment", (1, last + 1), lambda: session.first_segment + 1, show, 1)
-    seen = range(session.first_segment, min(len(model.robot), session.first_segment + AT_ONCE))
+    seen = range(session.first_segment, min(len(model.robot), session.first_segment + SEGMENTS_AT_ONCE))
     sliders = _of_segments if session.sliders == "bends and lengths" else _of_actuators
     for label, ends, get, put in sliders(session, seen):
         if ends[0] < ends[1]:
@@ -291,10 +289,10 @@ def robot_tab(session: Session, fields: Fields) -> None:
     def curvature() -> float:
         return segment().max_curvature if math.isfinite(segment().max_curvature) else 0.0
 
-    add_one = lambda: model.add_segment(index())  # noqa: E731
-    fields.button("Add a segment", add_one, "Like the chosen one, right after it; of all, like the last one.")
-    remove = lambda: model.remove_segment(index())  # noqa: E731
-    fields.button("Remove a segment", remove, "The chosen one; of all, the last one.")
+    hint = "Like the chosen one, right after it; of all, like the last one."
+    fields.button("Add a segment", lambda: model.add_segment(index()), hint)
+    hint = "The chosen one; of all, the last one."
+    fields.button("Remove a segment", lambda: model.remove_segment(index()), hint)
     step = step_of(model.robot.mean_length)
     add("least length", step, lambda: segment().length[0], lambda value: {"length": (value, segment().length[1])})
     add("greatest length", step, lambda: segment().length[1], lambda value: {"length": (segment().length[0], value)})

@@ -140,8 +140,7 @@ def _draw_places(axes: Any, own: "Calibration") -> None:
     pairs = np.stack([measured, predicted, np.full_like(measured, np.nan)], axis=1).reshape(-1, 3)
     axes.plot(pairs[:, a], pairs[:, b], "-", color=LINE, linewidth=0.4)
     axes.set_aspect("equal")
-    axes.legend(fontsize=SMALL_PT, frameon=False)
-    finish_axes(axes, "measured and predicted", x=f"{'xyz'[a]}, length unit", y=f"{'xyz'[b]}, length unit")
+    finish_axes(axes, "measured and predicted", x=f"{'xyz'[a]}, length unit", y=f"{'xyz'[b]}, length unit", legend=True)
 
 
 def _draw_over(axes: Any, own: "Calibration") -> None:
@@ -169,7 +168,7 @@ HOLE_COLOURS = ("#ffffff", "#f3f4f6", "#7d6b91", "#7d6b91", "#c8384a", "#e0a458"
 
 MOST_DOTS = 40_000
 
-DOT = 260.0
+DOTS_WIDTH = 260.0
 """Width of the picture in three dimensions, in the unit of its dots."""
 
 
@@ -281,7 +280,7 @@ def _slice(axes: Any, found: Reach, values: Any, plane: tuple[int, str, str], in
 def _draw_seen(axes: Any, found: Reach, row: _Row) -> None:
     """Draw the voxels of a row that are seen in space, all at one scale."""
     points, colours = found.voxels.middles[row.seen], row.values[row.seen]
-    step, size = max(1, len(points) // MOST_DOTS), max(4.0, 0.25 * (DOT / max(found.voxels.shape)) ** 2)
+    step, size = max(1, len(points) // MOST_DOTS), max(4.0, 0.25 * (DOTS_WIDTH / max(found.voxels.shape)) ** 2)
     axes.scatter(*points[::step].T, c=colours[::step], s=size, alpha=0.6, linewidths=0.0, **row.style)
     low = found.voxels.first - 0.5 * found.voxels.spacing
     high = low + found.voxels.spacing * np.array(found.voxels.shape)

@@ -14,8 +14,9 @@ from sinuous.base.errors import InputError
 from sinuous.methods.registry import options_of
 from sinuous.motion.motion import Motion
 from sinuous.solver.solver import KeptOptions
+from sinuous.view.display import style
 from sinuous.view.display.results import Curves, actuators_of, bends_of, clearances_along, lengths_along, lengths_of
-from sinuous.view.display.style import CURVES, GRID, INK, LINE, PALE, SMALL_PT, TARGET, TEXT_PT, TITLE_PT, arm_tones
+from sinuous.view.display.style import arm_tones
 from sinuous.view.pictures.figures import need_matplotlib
 
 if TYPE_CHECKING:
@@ -32,8 +33,8 @@ MOMENTS = 400
 MOST_ITERATIONS = 400
 """Iterations whose errors are drawn."""
 
-MOST_NAMED = 12
-"""Curves that a legend has a name for."""
+DASHED = (0, (4, 2))
+"""Style of lines that are limits."""
 
 
 def diagram(answer: Solution | Motion, kind: Kind, *, ax: "Axes | None" = None) -> "Axes":
@@ -101,15 +102,15 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
         return
     moments, q = _moments(answer)
     least = clearances_along(answer.robot, answer.scene, q, PLACES_PER_SEGMENT, moments).min(axis=-1)
-    axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
+    axes.plot(moments, least, color=style.CURVES[0], linewidth=1.8)
     _mark_least(axes, moments, least)
     _limit(axes, least)
-    if answer.clearance is not None and answer.between == "proved":
+    proved = answer.clearance is not None and answer.between == "proved"
+    if proved:
         axes.axhline(
-            answer.clearance, color=CURVES[2], linewidth=1.2, linestyle=(0, (4, 2)), label="proved all the way"
+            answer.clearance, color=style.CURVES[2], linewidth=1.2, linestyle=DASHED, label="proved all the way"
         )
-        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
-    finish_axes(axes, "least clearance of the body", x="time", y="length unit")
+    finish_axes(axes, "least clearance of the body", x="time", y="length unit", legend=proved)
 
 
 def _draw_along(axes: Any, solution: Solution) -> None:
@@ -121,7 +122,7 @@ def _draw_along(axes: Any, solution: Solution) -> None:
     for k in range(len(problem.robot)):
         part = slice(k * PLACES_PER_SEGMENT, (k + 1) * PLACES_PER_SEGMENT + 1)
         axes.plot(along[part], clearance[part], color=colours[k % 2], linewidth=2.6, solid_capstyle="butt")
-        axes.axvline(along[part][-1], color=GRID, linewidth=0.8, zorder=0)
+        axes.axvline(along[part][-1], color=style.GRID, linewidth=0.8, zorder=0)
     _mark_least(axes, along, clearance)
     _limit(axes, clearance)
     finish_axes(axes, "clearance along the body", x="length of backbone from the base", y="length unit")
@@ -131,15 +132,14 @@ def _draw_convergence(axes: Any, answer: Solution) -> None:
     position, angle = _errors(answer)
     tolerance = answer.problem.tolerance
     wanted = (("position, length unit", position, tolerance.position), ("angle, rad", angle, tolerance.angle))
-    for colour, (name, values, least) in zip(CURVES, wanted, strict=False):
+    for colour, (name, values, least) in zip(style.CURVES, wanted, strict=False):
         if np.isfinite(values).all():
             number = np.arange(1, len(values) + 1)
             axes.plot(number, values, color=colour, linewidth=1.8, marker="o", markersize=3.0, label=name)
-            axes.axhline(least, color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
+            axes.axhline(least, color=colour, linewidth=1.0, linestyle=DASHED)
     axes.set_yscale("log")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
-    finish_axes(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
+    finish_axes(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error", legend=True)
 
 
 def _counts_iterations(solution: Solution) -> bool:
@@ -169,22 +169,24 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     return position, angle
 
 
-def finish_axes(axes: Any, title: str, *, x: str, y: str) -> None:
-    """Give the axes of a diagram a title, labels with units, a pale grid and few lines."""
-    axes.set_title(title, fontsize=TITLE_PT, color=INK, loc="left")
+def finish_axes(axes: Any, title: str, *, x: str, y: str, legend: bool = False) -> None:
+    """Give the axes of a diagram a title, labels with units, a pale grid and few lines, and a legend if wanted."""
+    if legend:
+        axes.legend(frameon=False, fontsize=style.SMALL_PT, labelcolor=style.PALE)
+    axes.set_title(title, fontsize=style.TITLE_PT, color=style.INK, loc="left")
     axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(LINE)
-    axes.tick_params(which="both", color=LINE, labelcolor=PALE, labelsize=SMALL_PT)
-    axes.set_xlabel(x, color=PALE, fontsize=TEXT_PT)
-    axes.set_ylabel(y, color=PALE, fontsize=TEXT_PT)
-    axes.grid(visible=True, color=GRID, linewidth=0.7)
+    axes.spines[["left", "bottom"]].set_color(style.LINE)
+    axes.tick_params(which="both", color=style.LINE, labelcolor=style.PALE, labelsize=style.SMALL_PT)
+    axes.set_xlabel(x, color=style.PALE, fontsize=style.TEXT_PT)
+    axes.set_ylabel(y, color=style.PALE, fontsize=style.TEXT_PT)
+    axes.grid(visible=True, color=style.GRID, linewidth=0.7)
     axes.set_axisbelow(True)
 
 
 def _mark_least(axes: Any, x: Floats, clearance: Floats) -> None:
     """Mark the least value, with its number beside it, on the side where there is room."""
     at = int(clearance.argmin())
-    axes.plot(x[at], clearance[at], "o", color=TARGET, markersize=5, zorder=4)
+    axes.plot(x[at], clearance[at], "o", color=style.TARGET, markersize=5, zorder=4)
     right = x[at] > 0.5 * (x[0] + x[-1])
     axes.annotate(
         f"{clearance[at]:.3g}",
@@ -192,8 +194,8 @@ def _mark_least(axes: Any, x: Floats, clearance: Floats) -> None:
         (-6 if right else 6, 6),
         textcoords="offset points",
         ha="right" if right else "left",
-        color=INK,
-        fontsize=SMALL_PT,
+        color=style.INK,
+        fontsize=style.SMALL_PT,
     )
 
 
@@ -201,8 +203,8 @@ def _limit(axes: Any, clearance: Floats) -> None:
     """Show zero, and what is below it, where something is."""
     finite = clearance[np.isfinite(clearance)]
     if finite.min() < 0.0:
-        axes.axhline(0.0, color=TARGET, linewidth=1.0)
-        axes.axhspan(1.1 * float(finite.min()), 0.0, color=TARGET, alpha=0.08, linewidth=0.0)
+        axes.axhline(0.0, color=style.TARGET, linewidth=1.0)
+        axes.axhspan(1.1 * float(finite.min()), 0.0, color=style.TARGET, alpha=0.08, linewidth=0.0)
     else:
         axes.set_ylim(0.0, 1.12 * float(finite.max()))
 
@@ -217,8 +219,8 @@ def _draw_map(axes: Any, answer: Motion) -> None:
         moments, places, known.T, cmap="cividis", vmin=min(0.0, float(np.nanmin(known))), vmax=most, shading="gouraud"
     )
     bar = axes.figure.colorbar(drawn, ax=axes, extend="max", pad=0.02)
-    bar.set_label("clearance, length unit", color=PALE, fontsize=SMALL_PT)
-    bar.ax.tick_params(labelsize=SMALL_PT, labelcolor=PALE, color=GRID)
+    bar.set_label("clearance, length unit", color=style.PALE, fontsize=style.SMALL_PT)
+    bar.ax.tick_params(labelsize=style.SMALL_PT, labelcolor=style.PALE, color=style.GRID)
     bar.outline.set_visible(False)
     finish_axes(axes, "clearance of the body on its way", x="time", y="segment")
     axes.grid(visible=False)
@@ -228,11 +230,13 @@ def _draw_map(axes: Any, answer: Motion) -> None:
 def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Motion) -> None:
     curves = of(answer)
     for k, name in enumerate(curves.names):
-        style = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(CURVES) % 3]
-        look = {"color": CURVES[k % len(CURVES)], "linestyle": style, "linewidth": 1.5, "label": name}
+        dashes = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(style.CURVES) % 3]
+        look = {"color": style.CURVES[k % len(style.CURVES)], "linestyle": dashes, "linewidth": 1.5, "label": name}
         axes.plot(curves.times, curves.values[:, k], **look)
-    if len(curves.names) <= MOST_NAMED:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
+    if len(curves.names) <= style.MOST_IN_LEGEND:
+        axes.legend(
+            loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=style.SMALL_PT, labelcolor=style.PALE
+        )
     finish_axes(axes, curves.title, x="time", y=curves.unit)
 
 
@@ -242,17 +246,16 @@ def _draw_times(axes: Any, answer: Motion) -> None:
     times = 1e3 * np.array([solution.seconds for solution in answer.solutions])
     solved = np.array([solution.solved for solution in answer.solutions])
     number = np.arange(1, len(times) + 1)
-    axes.plot(number[solved], times[solved], "o", color=CURVES[0], markersize=3.2, label="solved")
+    axes.plot(number[solved], times[solved], "o", color=style.CURVES[0], markersize=3.2, label="solved")
     if not solved.all():
-        axes.plot(number[~solved], times[~solved], "x", color=TARGET, markersize=5, label="not solved")
-        axes.legend(frameon=False, fontsize=SMALL_PT, labelcolor=PALE)
+        axes.plot(number[~solved], times[~solved], "x", color=style.TARGET, markersize=5, label="not solved")
     median = float(np.median(times))
-    axes.axhline(median, color=CURVES[1], linewidth=1.4, zorder=0)
+    axes.axhline(median, color=style.CURVES[1], linewidth=1.4, zorder=0)
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
-    finish_axes(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
+    finish_axes(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms", legend=not solved.all())
 
 
 _DRAWN: dict[str, Callable[[Any, Any], None]] = {

@@ -22,16 +22,13 @@ from sinuous.base.errors import InputError
 from sinuous.view.display import style
 from sinuous.view.display.bounds import Bounds, bounds_of, direction_of
 from sinuous.view.display.contents import Contents
-from sinuous.view.display.style import GRID, LINE, PALE, SMALL_PT, TEXT_PT, Viewpoint
+from sinuous.view.display.style import Viewpoint
 
 MARGIN_SHARE = 0.03
 """Between what is shown and the sides of the box, as a share of its longest side."""
 
 LEAST_SIDE_SHARE = 0.3
 """Least side of the box, as a share of its longest."""
-
-NUMBERS = 4
-"""Numbers along the longest side of the box."""
 
 FILL_ROUNDS = 3
 """How often the size of the box is corrected; numbers and names keep theirs."""
@@ -97,7 +94,8 @@ def set_bounds(axes: Any, bounds: Bounds, view: Viewpoint) -> None:
     for set_limits, low, high in limits:
         set_limits(low, high)
     for axis, side in zip((axes.xaxis, axes.yaxis, axes.zaxis), bounds.high - bounds.low, strict=True):
-        axis.set_major_locator(MaxNLocator(max(2, round(NUMBERS * side / bounds.span)), steps=(1, 2, 2.5, 5, 10)))
+        most = max(2, round(style.AXIS_NUMBERS * side / bounds.span))
+        axis.set_major_locator(MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)))
     axes.set_proj_type("ortho")
     axes.view_init(elev=view.elevation, azim=view.azimuth)
     axes.set_box_aspect(bounds.high - bounds.low)
@@ -143,11 +141,11 @@ def _tidy(axes: Any) -> None:
     axes.computed_zorder = False
     for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
-        axis.line.set_color(LINE)
-        axis._axinfo["grid"].update(color=GRID, linewidth=0.7)
+        axis.line.set_color(style.LINE)
+        axis._axinfo["grid"].update(color=style.GRID, linewidth=0.7)
         axis._axinfo["tick"].update(inward_factor=0.0, outward_factor=0.1)
-        axis.set_label_text(label, color=PALE, fontsize=TEXT_PT)
-        axis.set_tick_params(labelsize=SMALL_PT, labelcolor=PALE, color=LINE, pad=1.0)
+        axis.set_label_text(label, color=style.PALE, fontsize=style.TEXT_PT)
+        axis.set_tick_params(labelsize=style.SMALL_PT, labelcolor=style.PALE, color=style.LINE, pad=1.0)
         axis.labelpad = 2.0
 
 

@@ -26,10 +26,10 @@ from sinuous.view.pictures.charts import draw_map
 from sinuous.view.pictures.diagrams import Kind, diagram, diagrams_of
 from sinuous.view.pictures.plot import animate, draw_in, draw_still
 
-AREA, DPI = 3.2, 90.0
+INCHES, DPI = 3.2, 90.0
 """Longer side of the picture, in inches, and its pixels in one."""
 
-SMALL = 45.0
+MAP_DPI = 45.0
 """Pixels in an inch of a map, which is large."""
 
 FRAME = "display:flex;flex-wrap:wrap;gap:1.2em;align-items:center"
@@ -39,7 +39,7 @@ CELL = "text-align:left;padding:1px 10px 1px 0;vertical-align:top"
 Shown = Solution | Solutions | Motion | Trajectory | Robot | Scene | Explanation | Reach
 """What notebooks can show."""
 
-FEW = 8
+MOST_DRAWN = 8
 """Solutions that are drawn together."""
 
 
@@ -64,14 +64,14 @@ def _picture(noun: Any) -> str:
         return ""
     if isinstance(noun, Explanation) or (isinstance(noun, Scene | Solutions) and not len(noun)):
         return ""
-    return figures.image_in_page(_figure(noun), _caption(noun), dpi=SMALL if isinstance(noun, Reach) else DPI)
+    return figures.image_in_page(_figure(noun), _caption(noun), dpi=MAP_DPI if isinstance(noun, Reach) else DPI)
 
 
 def _figure(noun: Any) -> Any:
     if isinstance(noun, Reach):
         return draw_map(noun)
-    drawn = noun.motion if isinstance(noun, Trajectory) else noun[:FEW] if isinstance(noun, Solutions) else noun
-    return draw_still(gather([drawn]), AREA, DPI, head=0.0)
+    drawn = noun.motion if isinstance(noun, Trajectory) else noun[:MOST_DRAWN] if isinstance(noun, Solutions) else noun
+    return draw_still(gather([drawn]), INCHES, DPI, head=0.0)
 
 
 def _caption(noun: Any) -> str:
@@ -128,7 +128,7 @@ ROWS: dict[type, Callable[[Any], dict[str, str]]] = {
 SHOWN: tuple[Kind, ...] = ("times", "clearance", "actuators")
 """Diagrams beside a motion."""
 
-DIAGRAM = (5.0, 2.7)
+DIAGRAM_INCHES = (5.0, 2.7)
 """Size of each, in inches."""
 
 
@@ -164,12 +164,12 @@ def _with_diagrams(contents: Contents) -> Any:
     motion = next(answer for answer in contents.answers if isinstance(answer, Motion))
     shown = [kind for kind in SHOWN if kind in diagrams_of(motion)]
     width, height = figures.figure_size(box, view)["figsize"]
-    height = max(height, DIAGRAM[1] * len(shown))
-    figure = figures.new_figure(figsize=(width + DIAGRAM[0], height), dpi=150)
+    height = max(height, DIAGRAM_INCHES[1] * len(shown))
+    figure = figures.new_figure(figsize=(width + DIAGRAM_INCHES[0], height), dpi=150)
     room = figures.room_of(figure)
     room[1, 0] = width * figure.dpi
     draw_in(figure, contents, box, view, room)
-    left, right = width + 0.75, width + DIAGRAM[0] - (1.0 if "actuators" in shown else 0.15)
+    left, right = width + 0.75, width + DIAGRAM_INCHES[0] - (1.0 if "actuators" in shown else 0.15)
     sides = {"left": left / figure.get_figwidth(), "right": right / figure.get_figwidth()}
     grid = figure.add_gridspec(len(shown), 1, top=1.0 - 0.4 / height, bottom=0.5 / height, hspace=0.55, **sides)
     for k, kind in enumerate(shown):

@@ -2,7 +2,7 @@
 
 import sinuous as sn
 import sinuous.cli.warm_steps
-import tests.benchmarks.solvers.test_parallel
+import tests.benchmarks.test_harness
 import tests.studies.runs.poison
 from tests.studies.batch.questions import BALL, OPTIONS, ROBOT
 

@@ -59,7 +59,8 @@ def test_what_lessons_show_works(page: Path, tmp_path: Path, monkeypatch: pytest
     for long, short in LESS.items():
         code = re.sub(long, short, code)
     exec(compile(code, page.name, "exec"), names)
-    assert (names["solution"] if "solution" in names else names.get("motion", names.get("now"))).solved
+    answer: Any = names["solution"] if "solution" in names else names.get("motion", names.get("now"))
+    assert answer.solved
     match page.stem:
         case "calibration":
             assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length

@@ -19,7 +19,7 @@ def _both_parsers(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(documents, "_LOADER", getattr(yaml, request.param))
 
 
-PLAIN = {
+PLAIN: dict[str, Any] = {
     **{"1e-3": 0.001, "1E3": 1000.0, "-2.5e+2": -250.0, ".5": 0.5, "5.": 5.0, "+7": 7, "010": 10},
     **{"true": True, "False": False, "~": None, "null": None, "": None},
     **{each: each for each in ("no", "on", "0x10", "0o10", "1_000", "1:30", "2001-01-01", "größe 😀")},

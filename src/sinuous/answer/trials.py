@@ -72,7 +72,7 @@ class Case(NamedTuple):
         The initial configuration of the user.
     binding : tuple of Binding
     reason : Reason or None
-    resolver : ReSolver
+    resolver : SolveAgain
     starts : int
         How many starts were tried.
     within : Changes or None

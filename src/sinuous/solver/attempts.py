@@ -182,8 +182,8 @@ class AttemptQueue:
 
     Parameters
     ----------
-    question : Question
-    scattered : Scattered
+    question : IKQuery
+    scattered : RandomRestarts
         The scattered starts that the first call has left.
     share : float
         Scattered starts for each unit of effort of other attempts.

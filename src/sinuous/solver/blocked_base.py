@@ -19,7 +19,7 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
     """Prove that the body is too near to an obstacle where it leaves its mount, whatever the configuration.
 
     Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
-    within `sway` of the straight line.
+    within `bound_sway` of the straight line.
     """
     if len(scene) == 0:
         return False

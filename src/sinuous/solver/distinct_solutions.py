@@ -95,7 +95,7 @@ class RouteClasses:
 
     Parameters
     ----------
-    curves : ClassCurves
+    curves : RouteCurves
     count : int
         Classes that are wanted.
     dislike : callable
@@ -151,7 +151,7 @@ class DistinctSearch(Search):
         Points (k, 3) of the backbone of a configuration (n, 3).
     max_starts, seconds, clock
         See `Search`.
-    classes : Classes, optional
+    classes : RouteClasses, optional
         Where classes are wanted, too.
 
     Attributes
@@ -219,7 +219,7 @@ class DistinctSolutions:
     Parameters
     ----------
     problem : Problem
-    wanted : Wanted
+    wanted : DistinctOptions
     dislike : callable
     """
 

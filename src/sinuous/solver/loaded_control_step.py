@@ -90,7 +90,7 @@ class LinearisedBody(NamedTuple):
     ----------
     rest : Rest
     left : ndarray (6 t,)
-        What is left of the targets, see `under_load.errors_of`.
+        What is left of the targets, see `loaded_solve.errors_of`.
     points : ndarray (M, 3)
         Places of the backbone.
     of_points : ndarray (M, 3, 3 n)

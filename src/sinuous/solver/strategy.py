@@ -190,8 +190,8 @@ class Strategy:
 
         Parameters
         ----------
-        question : Question
-        scattered : Scattered, optional
+        question : IKQuery
+        scattered : RandomRestarts, optional
             Those to go on with, where some of them were followed already.
         passages : callable, optional
             What knows other passages: where several solutions are wanted, routes through these come before all others.
@@ -260,8 +260,8 @@ def attempts_of(
 
     Parameters
     ----------
-    question : Question
-    scattered : Scattered
+    question : IKQuery
+    scattered : RandomRestarts
         The scattered starts that the first call has left.
     searches : Searches or None
         What finds routes, where they are searched for.
@@ -286,7 +286,7 @@ class RouteAttempts:
     attempts : Attempts
         Where they are added.
     searches : Searches
-    question : Question
+    question : IKQuery
     query : ndarray (27,)
         What routes have to keep.
     passages : callable, optional

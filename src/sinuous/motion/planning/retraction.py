@@ -210,7 +210,7 @@ def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:
     """Yield a path from the start, or from where it can be drawn back to, into a goal, or `None` after each turn.
 
     Each turn draws back a goal, or the start, with another kind of retraction; then straight trees and
-    contact-retraction trees join what is known. See `find.find_path`.
+    contact-retraction trees join what is known. See `planners.find_path`.
     """
     join = _Join(query, ends)
     if not ends.narrow:

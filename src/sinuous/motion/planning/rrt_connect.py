@@ -136,7 +136,7 @@ def load_trees(robot: Robot, scene: Snapshot) -> None:
 
 
 def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[ProvedPath | None]:
-    """Yield the path that straight trees find, or `None` after each round; see `find.find_path`.
+    """Yield the path that straight trees find, or `None` after each round; see `planners.find_path`.
 
     In the first round the trees grow from the ends as they are, then from configurations near them that have room.
     Where an end is in a narrow place, others have two turns for one of trees that are planted anew.

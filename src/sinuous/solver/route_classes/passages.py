@@ -3,7 +3,7 @@
 A route is searched for; then, for each passage that it leads through, again with that passage closed by a screen, and
 so on with what is found then (as Lawler 1972 divides what is left for the next best solution). Starts are made of the
 first route of a class, and of others while the class is not solved; passages of all are closed. In which order this is
-done is `solving.strategy`'s.
+done is `solver.strategy`'s.
 """
 
 from collections.abc import Callable, Generator, Iterator
@@ -57,9 +57,9 @@ class Passages:
     Parameters
     ----------
     searches : Searches
-    curves : ClassCurves
+    curves : RouteCurves
         Of the same robot and scene.
-    question : Question
+    question : IKQuery
     query : ndarray (27,)
         What routes have to keep.
     solved : callable

@@ -1,6 +1,6 @@
 """The routes of one question, and what is made of each: chains that are laid along it, grown along it, or led through.
 
-What of this is tried, and in which order, is `solving.strategy`'s.
+What of this is tried, and in which order, is `solver.strategy`'s.
 """
 
 from collections.abc import Collection, Iterator
@@ -86,7 +86,7 @@ class RouteCandidates:
     Parameters
     ----------
     searches : Searches
-    question : Question
+    question : IKQuery
     query : ndarray (27,)
         What routes have to keep.
     without : collection of str
@@ -94,7 +94,7 @@ class RouteCandidates:
 
     Attributes
     ----------
-    known : list of Candidate
+    known : list of RouteCandidate
         In the order in which they were found.
     enclosed : bool
         Whether the base was found to lie in a tube that does not open.
@@ -196,7 +196,7 @@ class RouteCandidates:
 
     @cached_property
     def _roots(self) -> Floats:
-        """Poses (r, 12) in which the backbone may end, the best first, as the first route arrives; see `roots`."""
+        """Poses (r, 12) in which the backbone may end, best first, for the first route; see `find_terminal_poses`."""
         return find_terminal_poses(self._groups, self.known[0].route)
 
     def is_longer_than(self, route: Floats) -> bool:

@@ -169,7 +169,7 @@ def bridge_chains(
     ----------
     groups, other : tuple of ndarray
         The problem, and the same the other way round, see `Groups`.
-    ahead, behind : Grown
+    ahead, behind : GrownChains
         Chains from the base and from the target that end in the open, or none that do.
     width : int
         Of the beams: about as many bridges are tried.
@@ -273,7 +273,7 @@ class JoinedChains:
         return [_IntermediateTarget(self._groups, before, self._legs, end, self._deadline) for end in ends]
 
     def chains_past_all_targets(self, width: int, open_from: float = math.inf) -> Iterator[Floats]:
-        """Yield chains (n, 3) of beams that lead past all targets; first those that are bridged, see `Grown`."""
+        """Yield chains (n, 3) of beams that lead past all targets; first those that are bridged, see `GrownChains`."""
         if self._other is None:
             yield from self._given(self._wholes(self._ahead(width), self._groups))
             return
@@ -355,7 +355,7 @@ class _IntermediateTarget:
     groups, before : tuple of ndarray
         The problem, and that of the segments up to the elbow.
     legs, deadline
-        See `Chains`.
+        See `JoinedChains`.
     root : ndarray (12,)
         Pose of the elbow, against the tangent.
     """

@@ -13,8 +13,8 @@ from sinuous.base.words import counted, number, span
 from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
+from sinuous.files.documents import json_line
 from sinuous.files.problem_file import ProblemFile
-from sinuous.files.results import json_line
 from sinuous.scene.extents import box_of
 
 MOST = 12

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from sinuous.base.checks import Floats
+from sinuous.base.documents import described
 from sinuous.base.errors import InputError
-from sinuous.base.plain import described
 from sinuous.cli.options import Solving, as_typed
 from sinuous.files.problem_file import ProblemFile
 from sinuous.problem.target import target_table

@@ -15,8 +15,8 @@ from sinuous.base import checks
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import ProgressBar
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
+from sinuous.files.documents import json_line
 from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
-from sinuous.files.results import json_line
 from sinuous.model.robot import Robot
 from sinuous.solver.memory import Memory
 

@@ -9,17 +9,16 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import OneEach, Rows, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_document
+from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.gc_pause import gc_paused
-from sinuous.base.plain import described, plain
-from sinuous.base.reprs import text
+from sinuous.base.frozen import Frozen, text
+from sinuous.base.work_time import gc_paused
 from sinuous.files.documents import read_text, read_values
 from sinuous.files.nouns import (
     each,
     known_entries,
     make,
+    parse_path,
     read_configuration,
     read_place,
     read_robot,
@@ -27,7 +26,6 @@ from sinuous.files.nouns import (
     read_targets,
     targets_together,
 )
-from sinuous.files.path_csv import parse_path
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Preferences, Problem, check_sizes

@@ -23,15 +23,10 @@ from sinuous.base.arguments import (
     Whole,
 )
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_document
-from sinuous.base.doors import door
-from sinuous.base.entrance import Renamed
-from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import counted, described
-from sinuous.base.reprs import call, text
+from sinuous.base.documents import counted, described, write_document
+from sinuous.base.entrance import Renamed, door
+from sinuous.base.errors import InputError, answers_attributes
+from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons

@@ -6,11 +6,10 @@ from typing import Any, TypeVar, Unpack, overload
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
 from sinuous.base.errors import InputError
-from sinuous.base.gc_pause import gc_paused
-from sinuous.files.documents import read_values
+from sinuous.base.work_time import gc_paused
+from sinuous.files.documents import read_results, read_values
 from sinuous.files.nouns import known_entries, read_place, read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
-from sinuous.files.results import read_results
 from sinuous.model.robot import Robot
 from sinuous.motion import report
 from sinuous.motion.motion import Motion

@@ -39,9 +39,8 @@ from sinuous.cli.options import (
 )
 from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
 from sinuous.files.documents import json_line, result
-from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
-from sinuous.motion.job import motion_of
+from sinuous.motion.job import Job, motion_of
 from sinuous.motion.knots import TrackedWaypoint, read_entry, read_outcome, write_entry, write_outcome
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import Pace
@@ -236,7 +235,7 @@ Asked = Solve | Track | Plan
 Prepare = Callable[..., Any]
 """Prepares what answers a problem file: a solver, tracker or planner, of the file and of options of `Solver`."""
 
-Find = Callable[[Any, ProblemFile, "Journal | None", Callable[[], None]], Answer]
+Find = Callable[[Any, Job, "Journal | None", Callable[[], None]], Answer]
 """Finds the answer to a problem file by what was prepared, with a journal, and a call for each step that is done."""
 
 
@@ -257,7 +256,7 @@ def solve_files(asked: Solve) -> int:
         _refuse_moving(one.problem)
     made = Solver._for_one_query if len(read) == 1 and count is None else Solver
 
-    def prepare(problem: ProblemFile, **options: Any) -> Solver:
+    def prepare(problem: Job, **options: Any) -> Solver:
         return made(problem.robot, problem.scene, **options)
 
     find = _solve if count is None else partial(_solve_all, count, kind)
@@ -287,7 +286,7 @@ def track_files(asked: Track) -> int:
                 "--duration", "cannot be combined with times", timed.duration, "one of both", one.problem.file
             )
 
-    def prepare(problem: ProblemFile, **options: Any) -> Tracker:
+    def prepare(problem: Job, **options: Any) -> Tracker:
         options["prefer"] = problem.prefer or None  # without any, those of `track`
         times = _paces(problem, timed)[1]
         own: dict[str, Any] = {"start": problem.start, "times": times, "deviation": deviation}
@@ -313,7 +312,7 @@ def plan_files(asked: Plan) -> int:
                 check_limits(problem.robot, "goal", problem.goal)
     typed: dict[str, Any] = {"shortcuts": asked.shortcuts, "begin": asked.begin, "duration": timed.duration}
 
-    def prepare(problem: ProblemFile, **options: Any) -> Planner:
+    def prepare(problem: Job, **options: Any) -> Planner:
         with checks.in_file(problem.file):
             return Planner(problem.robot, problem.scene, rates=problem.rates or None, **typed, **options)
 
@@ -322,7 +321,7 @@ def plan_files(asked: Plan) -> int:
     return _answer_all(asked, read, prepare, find, typed | vars(timed))
 
 
-def _check_timed(problem: ProblemFile, timed: Timed) -> None:
+def _check_timed(problem: Job, timed: Timed) -> None:
     """Refuse `--timed` where nothing says how fast the robot may be, or obstacles move."""
     if timed.timed and not problem.rates:
         raise InputError("rates", "missing, and --timed needs them", None, "how fast the robot may be", problem.file)
@@ -330,7 +329,7 @@ def _check_timed(problem: ProblemFile, timed: Timed) -> None:
         raise InputError("--timed", "obstacles move", True, "rates alone, which are kept in any case", problem.file)
 
 
-def _paces(problem: ProblemFile, timed: Timed) -> tuple[Pace, Floats | None]:
+def _paces(problem: Job, timed: Timed) -> tuple[Pace, Floats | None]:
     """How fast the path of a file is followed, and the times of its waypoints where they have any."""
     pace = Pace.of(problem.robot, problem.rates, timed.duration, times=problem.times)
     own = pace.waypoints(len(problem.waypoints), problem.start is not None)
@@ -344,7 +343,7 @@ def _say_nominal(read: list[ReadProblem], output: MotionOutput) -> None:
             say_notes({problem.file: ("no rates: the times of --csv are nominal, not those that motors need",)})
 
 
-def _refuse_moving(problem: ProblemFile) -> None:
+def _refuse_moving(problem: Job) -> None:
     """Refuse obstacles that move, past which a robot has to move, too."""
     scene = problem.scene.snapshot()
     if scene.moves:
@@ -392,7 +391,7 @@ def _answer_all(
 
 
 def _journal(
-    problems: list[ProblemFile], asked: Asked, typed: Mapping[str, object]
+    problems: list[Job], asked: Asked, typed: Mapping[str, object]
 ) -> "AbstractContextManager[Journal | None]":
     """Return a journal where answers go into a file."""
     if asked.output.file is None:
@@ -402,13 +401,13 @@ def _journal(
     return Journal(asked.output.file, record_of(problems, asked.solving, typed))
 
 
-def _compile(problems: list[ProblemFile], ready: Callable[[ProblemFile], tuple[Any, float]]) -> float:
+def _compile(problems: list[Job], ready: Callable[[Job], tuple[Any, float]]) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
     return sum(ready(problem)[1] for problem in kinds.values())
 
 
-def _prepare(solving: Remembering, prepare: Prepare, memory: Memory | None, problem: ProblemFile) -> tuple[Any, float]:
+def _prepare(solving: Remembering, prepare: Prepare, memory: Memory | None, problem: Job) -> tuple[Any, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
@@ -432,7 +431,7 @@ def _once(
     return answer
 
 
-def _solve(solver: Solver, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]) -> Solution:
+def _solve(solver: Solver, problem: Job, journal: "Journal | None", advance: Callable[[], None]) -> Solution:
     """Meet the target."""
     asked = problem.waypoints[0], problem.start
     read, find = partial(read_solution, solver, *asked), partial(solver.solve, *asked)
@@ -444,7 +443,7 @@ def _solve_all(
     count: int,
     by: Kind | None,
     solver: Solver,
-    problem: ProblemFile,
+    problem: Job,
     journal: "Journal | None",
     advance: Callable[[], None],
 ) -> Alternatives:
@@ -470,7 +469,7 @@ def _solve_all(
 
 
 def _plan(
-    timed: Timed, planner: Planner, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]
+    timed: Timed, planner: Planner, problem: Job, journal: "Journal | None", advance: Callable[[], None]
 ) -> Motion:
     """Plan the motion."""
     assert problem.start is not None
@@ -479,7 +478,7 @@ def _plan(
 
 
 def _track(
-    timed: Timed, tracker: Tracker, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]
+    timed: Timed, tracker: Tracker, problem: Job, journal: "Journal | None", advance: Callable[[], None]
 ) -> Motion:
     """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     count = len(problem.waypoints)
@@ -500,7 +499,7 @@ def _track(
     return _in_time(pace.kept(tracker.motion(count - tracker.tried, times)), problem, timed)
 
 
-def _in_time(motion: Motion, problem: ProblemFile, timed: Timed) -> Motion:
+def _in_time(motion: Motion, problem: Job, timed: Timed) -> Motion:
     """Pass a motion as fast as rates and accelerations allow, where that is asked for."""
     if not timed.timed or len(motion.q) < 2:
         return motion

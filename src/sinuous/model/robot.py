@@ -162,7 +162,7 @@ class Robot(NotebookMixin, Frozen):
         Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
         What was given as `actuators`.
-    limits, actuation : ndarray (n, 8), (p, 7)
+    limits, actuation : ndarray (n, 18), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
@@ -245,8 +245,8 @@ class Robot(NotebookMixin, Frozen):
         drive = Actuation(listed, actuators)
         table = packing.segment_table(
             [
-                packing.segment_row(segment.length, segment.max_bend, *rest)
-                for segment, *rest in zip(listed, curvatures, needed, own, strict=True)
+                packing.segment_row(segment.length, segment.max_bend, curvature, radius, thick)
+                for segment, curvature, radius, thick in zip(listed, curvatures, needed, own, strict=True)
             ]
         )
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)

@@ -1,4 +1,4 @@
-"""The worst constraint is what is missed by most, in comparable units; contacts are found, and their gradients are right."""
+"""The worst constraint is what is missed by most, in comparable units; contacts are found, with right gradients."""
 
 import numpy as np
 import pytest

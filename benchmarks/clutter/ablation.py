@@ -6,7 +6,7 @@ from benchmarks.clutter.ways import LIMIT, PATIENCE, Row, timed
 from benchmarks.places import Place, make
 from benchmarks.places.place import right
 from sinuous.kernels.tables import ROUTE, SOURCES
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.options import ATTEMPTS
 from sinuous.solver.solver import Solver
 from sinuous.solver.strategy import OPENING
 

@@ -14,7 +14,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places import FAMILIES
 from benchmarks.solvers.parallel import Abreast
-from sinuous.solver.attempts import read_without
+from sinuous.solver.options import read_without
 
 COUNT, QUICK, TOGETHER = 60, 2, 5
 """Places of a family: three times all robots; in a quick run; and of one share, which an interrupt costs a process."""

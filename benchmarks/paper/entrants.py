@@ -13,9 +13,8 @@ from sinuous.files.nouns import read_robot
 from sinuous.methods.learned.network import Network
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import train
+from sinuous.methods.method import METHODS, Capabilities, capabilities, name_of
 from sinuous.methods.opti_path.options import OptiPath
-from sinuous.methods.prepared import Capabilities
-from sinuous.methods.registry import METHODS, capabilities, name_of
 
 STEP, ALONE = "learned, one step", "learned, alone"
 """Labels of the method that has learned with one step after the answer of its network, and with none."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import sinuous
 from sinuous.cli.warm_steps import steps
 from sinuous.kernels.compile.pieces import FREE, PIECES
-from sinuous.methods.registry import METHODS
+from sinuous.methods.method import METHODS
 from tests.kernels.test_compile import decorated
 
 PACKAGE = Path(sinuous.__file__).parent

@@ -18,7 +18,7 @@ from sinuous.kernels.tables import (
     answer_size,
 )
 from sinuous.methods import search as method_search
-from sinuous.methods.prepared import as_outcomes
+from sinuous.methods.method import as_outcomes
 from sinuous.methods.search import Answer, Check, check_size, offer
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group

@@ -22,9 +22,8 @@ from sinuous.kernels.tables import (
     UNPROVED,
     Outcome,
 )
-from sinuous.solver.attempts import StartBatch
+from sinuous.solver.attempts import ENOUGH, FirstSolved, StartBatch
 from sinuous.solver.distinct_solutions import DistinctSearch
-from sinuous.solver.search import ENOUGH, FirstSolved
 
 NONE = np.empty((0, 2, 3))
 IMPOSSIBLE = (OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE)

@@ -16,15 +16,8 @@ from sinuous.base.errors import InputError
 from sinuous.kernels.tables import GIVEN, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.solver import strategy as own
-from sinuous.solver.attempts import (
-    ATTEMPTS,
-    EFFORT_OF_A_CHAIN,
-    IKQuery,
-    RandomRestarts,
-    StartBatch,
-    read_without,
-)
-from sinuous.solver.options import SolveOptions
+from sinuous.solver.attempts import EFFORT_OF_A_CHAIN, IKQuery, RandomRestarts, StartBatch
+from sinuous.solver.options import ATTEMPTS, SolveOptions, read_without
 from sinuous.solver.routing.searches import Searches
 from sinuous.solver.strategy import Strategy, attempts_of
 from tests.cases import with_each

@@ -23,7 +23,7 @@ from sinuous.kernels.compile.sources import COMPILER
 from sinuous.kernels.compile.store import CACHE, clear, size_of
 from sinuous.kernels.compile.targets import shipped
 from sinuous.kernels.compile.tiers import TOOK
-from sinuous.methods.registry import METHODS
+from sinuous.methods.method import METHODS
 
 
 def warm_up(asked: Warm) -> int:

@@ -30,10 +30,9 @@ from sinuous.files.nouns import (
 from sinuous.files.path_csv import parse_path
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot, demanding
-from sinuous.problem.problem import Preferences, Problem, check_sizes
-from sinuous.problem.suspicions import all_suspicions, suspicions
+from sinuous.problem.problem import Preferences, Problem, all_suspicions, check_sizes, suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 
 QUESTIONS = ("target", "targets", "path", "goal")

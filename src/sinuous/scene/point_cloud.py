@@ -13,9 +13,8 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.scene.meshes.mesh import load_geometry
-from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Origin, Placement, check_file
+from sinuous.scene.mesh import load_geometry
+from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -57,6 +56,10 @@ class PointCloud(Obstacle):
     def kind(self) -> str:
         """See `Obstacle.kind`."""
         return "points"
+
+    @property
+    def _box(self) -> Floats:
+        return box_around(self.points, self.radii[:, None])
 
     def _content(self) -> dict[str, Any]:
         return {**super()._content(), "points": self.points}

@@ -12,10 +12,9 @@ from sinuous.base.notebook import NotebookMixin
 from sinuous.base.plain import described, plain
 from sinuous.model.poses import pose
 from sinuous.scene.moving import Moving, moved
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Origin
+from sinuous.scene.parts import unsampled
 from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.prepared.parts import unsampled
-from sinuous.scene.reading import Origin
 from sinuous.scene.snapshot import Snapshot, Surroundings
 
 

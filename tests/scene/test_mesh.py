@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
-from sinuous.scene.meshes import mending
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene import triangles
+from sinuous.scene.mesh import Mesh
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 from tests.scene.shapes import ball, cube, inverted, soup, together
@@ -20,7 +20,7 @@ OPEN = (cube()[0], cube()[1][1:])
 
 
 def volume(mesh: Mesh) -> float:
-    return mending.enclosed_volume(mesh.vertices, mesh.faces)
+    return triangles.enclosed_volume(mesh.vertices, mesh.faces)
 
 
 def test_a_closed_mesh_is_a_solid() -> None:
@@ -252,4 +252,4 @@ def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
     assert volume(mesh) == pytest.approx(1.0)
     assert mesh.defects[0].startswith(f"{count} triangle")
     assert len(mesh.defects) == 1
-    assert mending.are_triangles(mesh.vertices, mesh.faces).all()
+    assert triangles.are_triangles(mesh.vertices, mesh.faces).all()

@@ -13,10 +13,8 @@ from sinuous.base.arguments import Number, Orientation, Rows, Triangles, Truth, 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.reprs import text
-from sinuous.scene.meshes.bodies import apart, cuts_itself
-from sinuous.scene.meshes.mending import Integers, mend
-from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Origin, Placement, check_file
+from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
+from sinuous.scene.triangles import Integers, apart, cuts_itself, mend
 
 KINDS = (".stl", ".ply", ".obj", ".glb")
 
@@ -223,6 +221,10 @@ class Mesh(Obstacle):
         """See `Obstacle.source`; None where reading the file again would divide the mesh into several."""
         own = super().source
         return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own
+
+    @property
+    def _box(self) -> Floats:
+        return box_around(self.vertices[np.unique(self.faces)], 0.5 * self.thickness)
 
     def _content(self) -> dict[str, Any]:
         """What it is, without what is told of where it came from."""

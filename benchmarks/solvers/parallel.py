@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from benchmarks.harness.experiment import Experiment, Piece
 from benchmarks.harness.quiet import ignore_suspicions
-from sinuous.base.processes import pool_of
+from sinuous.base.system import pool_of
 from sinuous.scene import sampling
 
 Item = TypeVar("Item")

@@ -26,7 +26,7 @@ from benchmarks.harness.times import Times, exponent
 from benchmarks.paper.pictures import new_figure
 from benchmarks.solvers.parallel import Abreast, in_processes
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 from tests.cases import with_each
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.arguments import BoundName
 from sinuous.base.checks import Floats
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.kernels import tables as t
 from sinuous.measures.reach import backbone_end, bounds

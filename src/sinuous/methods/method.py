@@ -18,9 +18,8 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import MethodName
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, shown
-from sinuous.base.reprs import ShortRepr
-from sinuous.base.words import suggested
+from sinuous.base.errors import InputError, shown, suggested
+from sinuous.base.frozen import ShortRepr
 from sinuous.kernels.tables import (
     CODE,
     FAILED,

@@ -15,8 +15,7 @@ import numpy as np
 from sinuous.base import checks, words
 from sinuous.base.arguments import Number
 from sinuous.base.checks import Floats
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import text
+from sinuous.base.frozen import Frozen, text
 from sinuous.kernels import packing
 from sinuous.kernels.packing import read_only
 from sinuous.kernels.statics import layout as t

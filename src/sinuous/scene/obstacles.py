@@ -16,10 +16,9 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Truth, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.documents import readable
+from sinuous.base.documents import plain, pose_arguments, readable
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
-from sinuous.base.plain import plain, pose_arguments
 from sinuous.kernels.packing import primitive_row
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.model.poses import any_rotation, least_rotation, pose

@@ -11,9 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from sinuous.base.caches import places, writable
 from sinuous.base.checks import Floats
 from sinuous.base.documents import draft_of
+from sinuous.base.system import places, writable
 from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, TRIANGLES
 

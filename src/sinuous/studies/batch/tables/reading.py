@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable
-from sinuous.base.errors import InputError
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.files.documents import NUMBER
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS

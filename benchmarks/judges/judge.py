@@ -1,7 +1,6 @@
 """Independent judges: an answer counts only once it was found right here. Nothing in this file calls a kernel."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +8,14 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.judges import actuators
-from benchmarks.judges.collisions import Body
+from benchmarks.judges.clearances import overlaps
 from benchmarks.judges.kinematics import bend_caps, segment_ends
 from sinuous.base.checks import Floats
 
 Flags = NDArray[np.bool_]
+
+IMPOSSIBLE = (sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED, sn.Status.NO_ROUTE)
+"""What no problem with a hidden solution may be called."""
 
 LIMIT_SLACK = 1e-9
 """How far outside its limits a configuration may be: rad, or of the robot's mean length."""
@@ -22,46 +24,18 @@ ROUNDING = 1e-12
 """What two computations of one error may differ by: rad, or of the robot's mean length."""
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What was found of m configurations, each a judgement on its own.
-
-    Attributes
-    ----------
-    at_target, within_limits, free : ndarray (m,) of bool
-    """
-
-    at_target: Flags
-    within_limits: Flags
-    free: Flags
-
-    @property
-    def right(self) -> Flags:
-        """Whether everything is as asked."""
-        result: Flags = self.at_target & self.within_limits & self.free
-        return result
-
-
-def judge(
-    robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance, body: Body | None = None
-) -> Judgement:
-    """Judge one configuration a target.
-
-    Parameters
-    ----------
-    robot : Robot
-    targets : sequence of m Target
-    q : ndarray (m, n, 3)
-    tolerance : Tolerance
-        With its position filled in.
-    body : Body, optional
-        Robot and scene; without it there are no obstacles.
-    """
+def right(
+    robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance, scene: sn.Scene | None = None
+) -> Flags:
+    """Say of configurations (m, n, 3), one a target, whether each is at it, within limits, and clear of obstacles."""
     position, angle = target_errors(robot, targets, q)
     allowed = tolerance.for_robot(robot).position or 0.0
-    at_target = (position <= allowed + ROUNDING * robot.mean_length) & (angle <= tolerance.angle + ROUNDING)
-    touching = np.zeros(len(q), bool) if body is None else np.array(body.overlaps(q), bool)
-    return Judgement(at_target, within_limits(robot, q), ~touching)
+    good = (position <= allowed + ROUNDING * robot.mean_length) & (angle <= tolerance.angle + ROUNDING)
+    good &= within_limits(robot, q)
+    if scene is not None and len(scene):
+        good &= ~overlaps(robot, scene, q)
+    result: Flags = good
+    return result
 
 
 def target_errors(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats) -> tuple[Floats, Floats]:

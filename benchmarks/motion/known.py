@@ -10,6 +10,7 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.motions import wrong_in
@@ -17,7 +18,6 @@ from benchmarks.motion.around import balls, door_in, door_out, pipe, plates, two
 from benchmarks.motion.hidden import KINDS, THREADING, draw_motion, keeps_apart
 from benchmarks.places.parts.robots import longest, robot_of
 from benchmarks.places.scans import one_mesh
-from benchmarks.solvers.parallel import in_processes
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 

@@ -17,13 +17,13 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import peers
-from benchmarks.solvers.parallel import in_processes
 from sinuous.base.checks import Floats
 
 RADIUS = 0.05

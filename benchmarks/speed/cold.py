@@ -1,18 +1,26 @@
-"""Position and direction from cold: what one answer costs, whether all targets are reached, how time grows.
+"""What one answer costs from cold, through `Solver.solve` and inside the kernel, and whether all targets are reached.
 
-And how much of it the proof takes that the body does not run through itself, where it does not come near.
+Targets are random, or full poses that others publish: of three inextensible segments (P2).
 """
 
 from collections.abc import Iterator
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times, exponent
-from benchmarks.problems import ProblemSet, among_spheres, arm, reachable, relative_tolerance
-from benchmarks.solvers.answers import right, solve_all
-from benchmarks.solvers.inner import inner_times, self_proof_times
+from benchmarks.harness.times import Times
+from benchmarks.judges.judge import Flags
+from benchmarks.judges.kinematics import tip_poses, twist_norm
+from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable, relative_tolerance
+from benchmarks.speed.answers import Answers, solve_all
+from sinuous.base.checks import Floats
+from sinuous.kernels.compile import entry
+from sinuous.kernels.solve.search import search
+from sinuous.kernels.tables import SOLVED
+from sinuous.solver.solver import Solver
 
 SECTION = (
     "cold start: 5 segments of 45-70 mm, bends to 2.4, position and direction "
@@ -20,8 +28,6 @@ SECTION = (
 )
 LOOP = 20
 """Times that a problem runs in the compiled loop; the mean counts."""
-SHARES = "the proof that the body does not run through itself, as a share of a solve inside the kernel (radius 4 mm)"
-SIZES, TOTAL_BEND = (5, 20), 12.0
 SCENES = 10
 SPHERES = 40
 
@@ -31,10 +37,6 @@ TOLERANCES = {"default tolerance": None, "1e-6": 1e-6}
 REACHED = "random reachable targets, position and direction, to 1e-6 of the length and 1e-6 rad"
 ARMS = {3: 2.4, 5: 2.4, 8: 2.0, 20: 1.2}
 """Number of segments, and their largest bend."""
-
-GROWTH = "time per iteration against the number of segments (inside the kernel, all of a solve over its iterations)"
-GROWN = (5, 10, 20, 40, 80, 160, 320, 640)
-"""Numbers of segments; the sum of their bends is `TOTAL_BEND`, so that long arms do not curl up."""
 
 
 def measure(plan: Plan) -> Iterator[Line]:
@@ -52,20 +54,6 @@ def measure(plan: Plan) -> Iterator[Line]:
         sets = [_at(problems, relative) for problems in crowded]
         yield _called(plan, sets, f"{SPHERES} spheres, Solver.solve, {words}", Goal(35e-6))
         yield _inside(sets, f"{SPHERES} spheres, inside the kernel, {words}", None)
-    for n in SIZES:
-        yield _share(plan, n)
-
-
-def _share(plan: Plan, n: int) -> Line:
-    """Middle and worst share over the solved targets of an arm; each time is the least of several."""
-    problems = reachable(arm(n, TOTAL_BEND / n, radius=4.0), plan.count(200, 20), plan.rng(3, n))
-    runs = [inner_times(problems, plan.count(10 * LOOP, LOOP)) for _ in range(3)]
-    good = runs[0].solved & right(problems, runs[0].q)
-    proofs = np.min([self_proof_times(problems, runs[0].q, plan.count(100 * LOOP, LOOP)) for _ in range(3)], axis=0)
-    shares = 100.0 * (proofs / np.min([run.seconds for run in runs], axis=0))[good]
-    solved = int(good.sum()), len(good)
-    note = f"of {1e9 * np.median(proofs):.0f} ns; worst {shares.max():.1f} %"
-    return Line(SHARES, f"{n} segments", float(np.median(shares)), "%", Goal(5.0), None, solved, note)
 
 
 def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:
@@ -83,11 +71,32 @@ def _called(plan: Plan, sets: list[ProblemSet], what: str, goal: Goal) -> Line:
 
 
 def _inside(sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
-    runs = [inner_times(problems, LOOP) for problems in sets]
-    times = Times.of([s for run in runs for s in run.seconds])
-    good = [run.solved & right(problems, run.q) for run, problems in zip(runs, sets, strict=True)]
-    solved = sum(int(flags.sum()) for flags in good), sum(len(flags) for flags in good)
-    return Line(SECTION, what, times.median, "us", goal, times, solved)
+    seconds, good = map(np.concatenate, zip(*map(_in_loop, sets), strict=True))
+    times = Times.of(seconds)
+    return Line(SECTION, what, times.median, "us", goal, times, (int(good.sum()), len(good)))
+
+
+@entry
+def repeat(times: int, *arguments: Any) -> int:
+    """Search `times` times over, compiled; return the status of the last time."""
+    status = 0
+    for _ in range(times):
+        status = search(*arguments)[0]
+    return status
+
+
+def _in_loop(problems: ProblemSet) -> tuple[Floats, Flags]:
+    """Seconds (m,) of a search with the arguments that `Solver.solve` hands over, and which answers are right."""
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
+    seconds, solved = [], []
+    for target in [problems.targets[0], *problems.targets]:  # the first once more: it loads or compiles
+        arguments = solver._first_call(target).arguments
+        began = perf_counter()
+        status = repeat(LOOP, *arguments)
+        seconds.append((perf_counter() - began) / LOOP)
+        solved.append(status == SOLVED)
+    q = np.array([solver.solve(target).q for target in problems.targets])
+    return np.array(seconds[1:]), np.array(solved[1:]) & problems.right(q)
 
 
 def reachable_targets(plan: Plan) -> Iterator[Line]:
@@ -100,15 +109,28 @@ def reachable_targets(plan: Plan) -> Iterator[Line]:
         yield Line(REACHED, what, answers.percent, "%", goal, answers.times, answers.solved, answers.complaint)
 
 
-def growth(plan: Plan) -> Iterator[Line]:
-    """One line a size, and the exponent: the step is exact, and linear in the number of segments."""
-    medians = []
-    sizes = GROWN[: plan.count(len(GROWN), 5)]
-    for n in sizes:
-        problems = _at(reachable(arm(n, TOTAL_BEND / n), plan.count(100, 5), plan.rng(4, n)), 1e-6)
-        run = inner_times(problems, max(1, plan.count(2000, 100) // n))
-        good = run.solved & right(problems, run.q) & (run.iterations > 0)
-        times = Times.of(run.seconds[good] / run.iterations[good])
-        medians.append(times.median)
-        yield Line(GROWTH, f"{n} segments", times.median, "us", None, times, (int(good.sum()), len(good)))
-    yield Line(GROWTH, "exponent", exponent(sizes, medians), "", Goal(1.1))
+POSES = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9, se(3) error below 1e-6"
+LARGEST_ERROR = 1e-6
+
+
+def poses(plan: Plan) -> Iterator[Line]:
+    """All must be solved; then how fast."""
+    seeds = range(plan.count(10, 2))
+    sets = {seed: full_poses(seed, plan.count(1000, 25)) for seed in seeds}
+    runs = {seed: solve_all(plan, problems, f"full poses, seed {seed}") for seed, problems in sets.items()}
+    good = {seed: run.confirmed & (_errors(sets[seed], run) < LARGEST_ERROR) for seed, run in runs.items()}
+    times = Times.of(np.concatenate([run.seconds for run in runs.values()]))
+    solved = sum(int(flags.sum()) for flags in good.values()), times.count
+    failed = [f"seed {seed}: {np.flatnonzero(~flags)[:5].tolist()}" for seed, flags in good.items() if not flags.all()]
+    goal = Goal(100.0, at_most=False, correctness=True)
+    yield Line(POSES, "solved", 100.0 * solved[0] / solved[1], "%", goal, times, solved, "; ".join(failed))
+    yield Line(POSES, "median", times.median, "us", Goal(12e-6))
+    yield Line(POSES, "p99", times.p99, "us", Goal(300e-6), noise=1.0)
+
+
+def _errors(problems: ProblemSet, run: Answers) -> Floats:
+    """Return the norms of the errors in se(3)."""
+    wanted = np.tile(np.eye(4), (len(problems.targets), 1, 1))
+    wanted[:, :3, :3] = [target.rotation for target in problems.targets]
+    wanted[:, :3, 3] = [target.position for target in problems.targets]
+    return twist_norm(tip_poses(problems.robot, run.q), wanted)

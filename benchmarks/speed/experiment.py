@@ -1,14 +1,12 @@
 """`python -m benchmarks speed`: every figure that this project claims, measured in one run."""
 
 from benchmarks.harness.experiment import Part
-from benchmarks.speed import budgets, cold, endurance, fields, honesty, published, rivals, startup
+from benchmarks.speed import budgets, cold, endurance, fields, honesty, rivals, startup
 
 PARTS: dict[str, Part] = {
     "cold": cold.measure,
     "reachable": cold.reachable_targets,
-    "growth": cold.growth,
-    "paper": published.paper,
-    "poses": published.poses,
+    "poses": cold.poses,
     "rivals": rivals.measure,
     "honesty": honesty.measure,
     "budgets": budgets.measure,

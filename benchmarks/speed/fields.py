@@ -15,7 +15,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.places.parts.surfaces import Surface, ball, solid
 from benchmarks.problems import arm, reachable
-from benchmarks.solvers.answers import solve_all
+from benchmarks.speed.answers import solve_all
 
 SECTION = "large meshes and live clouds"
 SIDES = 224

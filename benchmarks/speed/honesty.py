@@ -1,4 +1,4 @@
-"""No false "solved": random robots among all kinds of obstacles, targets possible and not, claims judged by fcl."""
+"""No false "solved": random robots among all kinds of obstacles, targets possible and not, claims judged."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import within_limits
 from benchmarks.problems import clutter
-from benchmarks.solvers import answers
-from benchmarks.solvers.parallel import in_processes
 from sinuous.solver.solver import Solver
 
 SECTION = 'no false "solved": random robots (3 to 6 segments) among all kinds of obstacles, default tolerance'
@@ -45,7 +44,7 @@ def examine(seed: int) -> Tally:
     solutions = [solver.solve(target) for target in problems.targets]
     claims = np.flatnonzero([solution.solved for solution in solutions])
     q = np.array([solution.q for solution in solutions])
-    lies = claims[~answers.right(problems.only(claims), q[claims])] if len(claims) else claims
+    lies = claims[~problems.only(claims).right(q[claims])] if len(claims) else claims
     outside = np.flatnonzero(~within_limits(problems.robot, q))
     return Tally(len(claims), lies.tolist(), outside.tolist())
 

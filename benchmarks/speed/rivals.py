@@ -11,8 +11,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.judges.judge import Flags
 from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
-from benchmarks.solvers.answers import right
-from benchmarks.solvers.peers import Ipopt, LeastSquares, Peer
+from benchmarks.speed.peers import Ipopt, LeastSquares, Peer
 from sinuous.base.checks import Floats
 
 SECTION = (
@@ -68,7 +67,7 @@ def measure(plan: Plan) -> Iterator[Line]:
                 answer, spent = solver.solve(target)
                 q[name].append(answer)
                 seconds[name].append(spent)
-    good = {name: right(problems, np.array(q[name])) for name in solvers}
+    good = {name: problems.right(np.array(q[name])) for name in solvers}
     times = {name: _times(seconds[name], good[name]) for name in solvers}
     yield Line(SECTION, "ours", times["ours"].median, "us", None, times["ours"], _tally(good["ours"]))
     for name, goal in GOALS.items():

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from benchmarks.judges.collisions import Body
-from benchmarks.judges.judge import Flags, judge
+from benchmarks.judges.judge import Flags
 from benchmarks.problems import ProblemSet
 from sinuous.base.checks import Floats
 from sinuous.solver.solver import Solver
@@ -74,10 +73,4 @@ def solve_all(plan: Plan, problems: ProblemSet, what: str) -> Answers:
         q.append(solution.q)
         claimed.append(solution.solved)
     said, found = np.array(claimed), np.array(q)
-    return Answers(found, np.array(seconds), said, said & right(problems, found))
-
-
-def right(problems: ProblemSet, q: Floats) -> Flags:
-    """Judge one configuration a problem."""
-    body = Body(problems.robot, problems.scene) if len(problems.scene) else None
-    return judge(problems.robot, problems.targets, q, problems.tolerance, body).right
+    return Answers(found, np.array(seconds), said, said & problems.right(found))

@@ -53,7 +53,7 @@ KNOWN = {
     "design": Known("robots for sets of tasks, against random ones and a template", "design"),
     "real": Known(
         "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
-        "real.experiment",
+        "real",
     ),
     "view": Known("pages: from an event of the mouse to a new shape, and pages in files", "view"),
     "worlds": Known(

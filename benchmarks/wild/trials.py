@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.times import Times
+from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.judges.bodies import measured_body, needed_body, self_body
 from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.judge import IMPOSSIBLE, ROUNDING, Flags, target_errors, within_limits

@@ -12,15 +12,15 @@ import sinuous as sn
 from benchmarks import clutter, design, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Attempt, Trial, examine
-from benchmarks.derivatives import agreement
+from benchmarks.derivatives import experiment as derivatives
 from benchmarks.harness.conduct import Output, conduct
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.motion import known, loops, moving, p5
 from benchmarks.places import FAMILIES
 from benchmarks.problems import among_spheres, arm, full_poses, paper_poses
-from benchmarks.speed import budgets, endurance, honesty
-from benchmarks.speed.answers import solve_all
+from benchmarks.speed import budgets, endurance, solves
+from benchmarks.speed.solves import solve_all
 from benchmarks.ways import WAYS
 from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
@@ -47,7 +47,7 @@ SMALL = {
 
 @pytest.mark.parametrize("name", SMALL)
 def test_experiments_run_at_their_smallest_size(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(agreement, "BESIDE", 1)
+    monkeypatch.setattr(derivatives, "BESIDE", 1)
     monkeypatch.setattr(methods, "METHODS", ("newton", "opti_path", "dls"))
     assert conduct(experiment(name, Plan(1, quick=True), SMALL[name]), Output(tmp_path)) == 0
     report, text = json.loads((tmp_path / f"{name}.json").read_text()), (tmp_path / f"{name}.md").read_text()
@@ -151,10 +151,10 @@ def test_an_answer_that_touches_is_a_wrong_claim() -> None:
 
 
 def test_a_solver_that_lies_in_clutter_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(honesty, "TARGETS", 20)
-    assert honesty.examine(1)[1:] == ([], [])
+    monkeypatch.setattr(solves, "TARGETS", 20)
+    assert solves.examine(1)[1:] == ([], [])
     monkeypatch.setattr(Solution, "solved", property(lambda _: True))
-    assert any(honesty.examine(seed).false for seed in range(5))
+    assert any(solves.examine(seed).false for seed in range(5))
 
 
 def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

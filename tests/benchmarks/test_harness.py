@@ -18,12 +18,11 @@ from benchmarks.harness.baseline import Comparison, _kept, _line, compare, load
 from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
 from benchmarks.harness.experiment import Divided, Experiment
 from benchmarks.harness.journal import Journal
-from benchmarks.harness.lines import Goal, Line, together
+from benchmarks.harness.lines import Goal, Line, Times, exponent, together
 from benchmarks.harness.markdown import span, table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.reference import Look
-from benchmarks.harness.times import Times, exponent
 from sinuous.base.errors import InputError
 from sinuous.files.results import json_line
 from tests.cases import with_each

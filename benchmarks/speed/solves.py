@@ -1,26 +1,91 @@
-"""What one answer costs from cold, through `Solver.solve` and inside the kernel, and whether all targets are reached.
+"""What one answer costs from cold, through `Solver.solve` and inside the kernel, and whether it is right.
 
-Targets are random, or full poses that others publish: of three inextensible segments (P2).
+Targets are random and reachable; or full poses that others publish, of three inextensible segments (P2); or of random
+robots among all kinds of obstacles, possible and not, of which claims are judged.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
-from benchmarks.judges.judge import Flags
+from benchmarks.judges.judge import Flags, within_limits
 from benchmarks.judges.kinematics import tip_poses, twist_norm
-from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable, relative_tolerance
-from benchmarks.speed.answers import Answers, solve_all
+from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance
 from sinuous.base.checks import Floats
 from sinuous.kernels.compile import entry
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import SOLVED
 from sinuous.solver.solver import Solver
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What came of m problems.
+
+    Attributes
+    ----------
+    q : ndarray (m, n, 3)
+    seconds : ndarray (m,)
+        Around the call, solved or not.
+    claimed, confirmed : ndarray (m,) of bool
+        Whether the solver says solved, and whether the judge agrees with that.
+    """
+
+    q: Floats
+    seconds: Floats
+    claimed: Flags
+    confirmed: Flags
+
+    @property
+    def times(self) -> Times:
+        """Summary of the times of all problems."""
+        return Times.of(self.seconds)
+
+    @property
+    def solved(self) -> tuple[int, int]:
+        """How many were confirmed, of how many."""
+        return int(self.confirmed.sum()), len(self.confirmed)
+
+    @property
+    def percent(self) -> float:
+        """Share of confirmed ones."""
+        return 100.0 * float(self.confirmed.mean())
+
+    @property
+    def complaint(self) -> str:
+        """Numbers of problems that are not confirmed, to begin a search with."""
+        failed = np.flatnonzero(~self.confirmed)
+        lies = np.flatnonzero(self.claimed & ~self.confirmed)
+        parts = [f"not solved: {_some(failed)}"] if len(failed) else []
+        parts += [f"FALSE: {_some(lies)}"] if len(lies) else []
+        return "; ".join(parts)
+
+
+def _some(numbers: NDArray[np.intp]) -> str:
+    return ", ".join(str(i) for i in numbers[:5]) + (" ..." if len(numbers) > 5 else "")
+
+
+def solve_all(plan: Plan, problems: ProblemSet, what: str) -> Answers:
+    """Solve every problem from cold, through `Solver.solve`, with the defaults of a user."""
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
+    solver.solve(problems.targets[0])
+    q, seconds, claimed = [], [], []
+    for target in plan.track(problems.targets, what, len(problems.targets)):
+        began = perf_counter()
+        solution = solver.solve(target)
+        seconds.append(perf_counter() - began)
+        q.append(solution.q)
+        claimed.append(solution.solved)
+    said, found = np.array(claimed), np.array(q)
+    return Answers(found, np.array(seconds), said, said & problems.right(found))
+
 
 SECTION = (
     "cold start: 5 segments of 45-70 mm, bends to 2.4, position and direction "
@@ -134,3 +199,62 @@ def _errors(problems: ProblemSet, run: Answers) -> Floats:
     wanted[:, :3, :3] = [target.rotation for target in problems.targets]
     wanted[:, :3, 3] = [target.position for target in problems.targets]
     return twist_norm(tip_poses(problems.robot, run.q), wanted)
+
+
+CLAIMS = 'no false "solved": random robots (3 to 6 segments) among all kinds of obstacles, default tolerance'
+TARGETS = 100
+"""Targets in one scene."""
+
+STARTS = 3
+"""Starts of one solve: many answers, quickly, matter more here than that all are found."""
+
+
+class Tally(NamedTuple):
+    """What came of one scene.
+
+    Attributes
+    ----------
+    claimed : int
+    false : list of int
+        Numbers of the targets whose claim the judge rejects.
+    outside : list of int
+        Numbers of the targets whose answer, solved or not, is outside the limits.
+    """
+
+    claimed: int
+    false: list[int]
+    outside: list[int]
+
+
+def examine(seed: int) -> Tally:
+    """Solve and judge one scene; `clutter(seed, TARGETS)` makes it again."""
+    problems = clutter(seed, TARGETS)
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance, max_starts=STARTS)
+    solutions = [solver.solve(target) for target in problems.targets]
+    claims = np.flatnonzero([solution.solved for solution in solutions])
+    q = np.array([solution.q for solution in solutions])
+    lies = claims[~problems.only(claims).right(q[claims])] if len(claims) else claims
+    outside = np.flatnonzero(~within_limits(problems.robot, q))
+    return Tally(len(claims), lies.tolist(), outside.tolist())
+
+
+def false_claims(plan: Plan) -> Iterator[Line]:
+    """Count false claims, and answers outside the limits."""
+    seeds = range(1000 * plan.seed, 1000 * plan.seed + plan.count(1000, 5))
+    found = list(plan.track(in_processes(examine, seeds, alone=plan.quick, chunk=5), "false claims", len(seeds)))
+    claimed, total = sum(tally.claimed for tally in found), TARGETS * len(seeds)
+    false = {seed: tally.false for seed, tally in zip(seeds, found, strict=True) if tally.false}
+    outside = {seed: tally.outside for seed, tally in zip(seeds, found, strict=True) if tally.outside}
+    solved = claimed - _sum(false), total
+    goal = Goal(0, correctness=True)
+    yield Line(CLAIMS, "false claims", _sum(false), "", goal, None, solved, _seeds(false))
+    yield Line(CLAIMS, "answers outside limits, solved or not", _sum(outside), "", goal, None, None, _seeds(outside))
+
+
+def _sum(numbers: dict[int, list[int]]) -> int:
+    return sum(len(found) for found in numbers.values())
+
+
+def _seeds(numbers: dict[int, list[int]]) -> str:
+    """Scene seeds and targets of the first few, to make them again."""
+    return "; ".join(f"clutter({seed}): {found[:5]}" for seed, found in list(numbers.items())[:5])

@@ -13,7 +13,7 @@ from benchmarks.harness.journal import Journal, code_version
 from benchmarks.harness.lines import Line
 from benchmarks.harness.report import Report
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 
 INTERRUPTED = 130
 

@@ -10,7 +10,7 @@ from typing import Any
 import benchmarks
 import sinuous
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 
 NAME = "journal.jsonl"
 

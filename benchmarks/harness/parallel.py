@@ -11,7 +11,7 @@ from multiprocessing.queues import SimpleQueue
 from typing import Any, TypeVar
 
 from benchmarks.harness.quiet import ignore_suspicions
-from sinuous.base.processes import pool_of
+from sinuous.base.system import pool_of
 from sinuous.scene.prepared import sampling
 
 Item = TypeVar("Item")

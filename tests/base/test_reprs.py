@@ -15,7 +15,7 @@ from sinuous.answer.reasons import Reason
 from sinuous.answer.remedies import Remedy
 from sinuous.answer.step import Active
 from sinuous.answer.worst import Worst
-from sinuous.base.reprs import LONGEST, text
+from sinuous.base.frozen import LONGEST, text
 from sinuous.files.joint_chain import JointChain
 from sinuous.studies.designing.design import Design
 from sinuous.studies.workspace.reach import Verdict

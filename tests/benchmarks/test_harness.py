@@ -24,7 +24,7 @@ from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.reference import Look
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 from tests.cases import with_each
 
 

@@ -219,7 +219,7 @@ def use_all() -> None:
 def main() -> None:
     """Run all problems and print what was seen, as JSON."""
     install()
-    from sinuous.cli.warm_steps import steps
+    from sinuous.cli.warm import steps
     from sinuous.scene.prepared import sampling
 
     failed, sampled = [], {name: getattr(sampling, name) for name in ("LEAST", "MOST", "CELLS", "PAD")}

@@ -11,8 +11,7 @@ from sinuous.answer.solve_again import UnknownOptions
 from sinuous.answer.status import Status
 from sinuous.answer.trials import Case, Trials
 from sinuous.base.errors import InputError
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.reprs import call
+from sinuous.base.frozen import NotebookMixin, call
 from sinuous.base.words import degrees, number
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem

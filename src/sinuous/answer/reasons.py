@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from sinuous.base.arguments import BoundName
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.measures.reach import backbone_end, bounds
 from sinuous.problem.problem import Problem

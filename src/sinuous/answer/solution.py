@@ -22,11 +22,9 @@ from sinuous.answer.worst import Worst, find_worst
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.errors import NotSolvedError
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import plain
-from sinuous.base.reprs import call
+from sinuous.base.documents import plain
+from sinuous.base.errors import NotSolvedError, answers_attributes
+from sinuous.base.frozen import NotebookMixin, call
 from sinuous.base.words import counted, duration, listed
 from sinuous.base.work_time import work_time
 from sinuous.kernels.packing import read_only

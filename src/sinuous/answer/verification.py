@@ -11,8 +11,8 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.frozen import ShortRepr, call
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import ShortRepr, call
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
 from sinuous.measures.reach import target_errors

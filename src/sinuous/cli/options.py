@@ -131,7 +131,7 @@ class Solving:
         InputError
             That names the option.
         """
-        from sinuous.base.words import suggested  # noqa: PLC0415
+        from sinuous.base.errors import suggested  # noqa: PLC0415
         from sinuous.methods import registry  # noqa: PLC0415
 
         if self.method not in registry.METHODS:

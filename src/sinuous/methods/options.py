@@ -10,9 +10,8 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
-from sinuous.base.words import suggested
+from sinuous.base.errors import InputError, suggested
+from sinuous.base.frozen import ShortRepr
 from sinuous.methods.prepared import Capabilities, Compiled, Prepared
 from sinuous.methods.search import check_size
 from sinuous.model.robot import Robot

@@ -10,8 +10,7 @@ from importlib import import_module
 from typing import cast
 
 from sinuous.base.arguments import MethodName
-from sinuous.base.errors import InputError, shown
-from sinuous.base.words import suggested
+from sinuous.base.errors import InputError, shown, suggested
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Capabilities, Prepared
 from sinuous.model.robot import Robot

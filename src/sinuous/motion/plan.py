@@ -13,9 +13,8 @@ from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.errors import warn_of
-from sinuous.base.keywords import refuse_unknown
-from sinuous.base.reprs import call
+from sinuous.base.errors import refuse_unknown, warn_of
+from sinuous.base.frozen import call
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.model.rates import Rates

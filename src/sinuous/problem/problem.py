@@ -7,8 +7,7 @@ from typing import Any, ClassVar, Self, TypedDict, Unpack
 from sinuous.base import checks
 from sinuous.base.arguments import Number
 from sinuous.base.checks import Floats
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import text
+from sinuous.base.frozen import Frozen, text
 from sinuous.kernels import packing
 from sinuous.kernels.packing import read_only
 from sinuous.model.robot import Robot

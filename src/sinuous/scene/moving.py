@@ -11,8 +11,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientations, Rows, Stack, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import text
+from sinuous.base.frozen import Frozen, text
 from sinuous.model.poses import any_rotations
 from sinuous.scene.grids import Field
 from sinuous.scene.obstacles import Obstacle, Primitive

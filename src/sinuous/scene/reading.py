@@ -11,10 +11,9 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.documents import readable
+from sinuous.base.documents import plain, pose_arguments, readable
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
-from sinuous.base.plain import plain, pose_arguments
 from sinuous.model.poses import pose
 
 

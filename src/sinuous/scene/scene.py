@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from sinuous.base.arguments import Number, Orientation, Rows, Vector
-from sinuous.base.documents import write_document
+from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import described, plain
+from sinuous.base.frozen import NotebookMixin
 from sinuous.model.poses import pose
 from sinuous.scene.moving import Moving, moved
 from sinuous.scene.obstacles import Obstacle

@@ -6,8 +6,7 @@ from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
-from sinuous.base.errors import InputError
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.methods import registry
 from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Preferences

@@ -20,8 +20,8 @@ from sinuous.base.arguments import Entry, HasArray, Number, Rows, Stack, Truth, 
 from sinuous.base.checks import Floats
 from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError, warn_of
+from sinuous.base.frozen import call, text
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import call, text
 from sinuous.base.work_time import no_work, work_time
 from sinuous.kernels.compile import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size

@@ -12,7 +12,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Rows, Triangles, Truth, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import text
+from sinuous.base.frozen import text
 from sinuous.scene.meshes.bodies import apart, cuts_itself
 from sinuous.scene.meshes.mending import Integers, mend
 from sinuous.scene.obstacles import Obstacle

@@ -6,9 +6,9 @@ import zlib
 
 import numpy as np
 
-from sinuous.base.caches import places, writable
 from sinuous.base.checks import Floats
 from sinuous.base.documents import draft_of
+from sinuous.base.system import places, writable
 
 MOST = 32
 """Files kept; the oldest go first."""

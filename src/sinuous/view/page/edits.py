@@ -8,8 +8,8 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.documents import pose_arguments
 from sinuous.base.errors import InputError
-from sinuous.base.plain import pose_arguments
 from sinuous.model.poses import pose
 from sinuous.model.rates import KEYS, Kept, Rates, least, scaled
 from sinuous.motion.job import Job

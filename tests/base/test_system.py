@@ -6,12 +6,12 @@ import sys
 
 import pytest
 
-from sinuous.base.processes import pool_of
+from sinuous.base.system import pool_of
 from tests.base.processes import alive, until
 
 PROGRAM = """
 import os, time
-from sinuous.base.processes import pool_of
+from sinuous.base.system import pool_of
 print(pool_of(1, int).submit(os.getpid).result(), flush=True)
 time.sleep(600)
 """

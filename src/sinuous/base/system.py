@@ -1,9 +1,36 @@
-"""Where things are kept that took long to compute, and can be computed again."""
+"""What is asked of the operating system: processes that end with this one, and directories for what is kept."""
 
+import multiprocessing
 import os
 import sys
 import tempfile
+import threading
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
+
+
+def pool_of(count: int, begin: Callable[..., object], *given: Any) -> ProcessPoolExecutor:
+    """Return a pool of so many new processes, each of which calls `begin(*given)` first.
+
+    They end when this process does, however it ends: by itself a process of a pool would wait for work for ever.
+    """
+    spawn = multiprocessing.get_context("spawn")  # threads, as compiled code may have, are not safe to fork
+    return ProcessPoolExecutor(count, spawn, _begin, (begin, given))
+
+
+def _begin(begin: Callable[..., object], given: tuple[Any, ...]) -> None:
+    """In a process of a pool: watch the process that it works for."""
+    threading.Thread(target=_watch, name="sinuous-watch", daemon=True).start()
+    begin(*given)
+
+
+def _watch() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def places(name: str) -> list[Path]:

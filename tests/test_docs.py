@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.paper.entrants import FAITHFUL
+from benchmarks.methods import FAITHFUL
 from sinuous.cli.app import main
 from sinuous.methods.method import LIMITS, METHODS, capabilities
 from tests.cases import with_each

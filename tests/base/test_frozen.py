@@ -73,6 +73,7 @@ NOUNS: dict[str, Callable[[], Any]] = {
     "job": lambda: sn.Job(ROBOT, TARGET, [LAMP]),
     "problems": lambda: sn.Problem(ROBOT, [TARGET, sn.Target((0, 0, 1), segment=1)]),
     "solution": solution,
+    "moving": lambda: sn.Moving(LAMP, [0, 1], [(0, 0, 0), (1, 0, 0)]),
     "curve": lambda: sn.Curve(np.eye(3), start=(3, 0, 0)),
     "path": lambda: sn.Path([0, 1, 2], positions=np.eye(3)),
     "chain": lambda: JointChain(ROBOT, 2),

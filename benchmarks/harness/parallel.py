@@ -10,7 +10,6 @@ from functools import cache
 from multiprocessing.queues import SimpleQueue
 from typing import Any, TypeVar
 
-from benchmarks.harness.experiment import Experiment, Piece
 from benchmarks.harness.quiet import ignore_suspicions
 from sinuous.base.system import pool_of
 from sinuous.scene import sampling
@@ -37,25 +36,15 @@ def in_processes(
         raise
 
 
-class Abreast(Experiment):
-    """An experiment whose pieces are done in as many processes as there are cores, each as soon as one is free.
-
-    So no process waits for the others between two families, and what is timed has a core of its own. A quick run does
-    them in this process.
-    """
-
-    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
-        """Do the pieces, and yield each as soon as it is done. What a piece calls goes to another process."""
-        if self.plan.quick:
-            yield from super().done(pieces)
-            return
-        try:
-            names = {_pool().submit(measure): name for name, measure in pieces}
-            for future in as_completed(names):
-                yield names[future], future.result()
-        except BaseException:
-            _stop()
-            raise
+def as_done(pieces: Sequence[tuple[str, Callable[[], Any]]]) -> Iterator[tuple[str, Any]]:
+    """Yield names and results of calls as soon as each is done, in whatever process is free."""
+    try:
+        names = {_pool().submit(call): name for name, call in pieces}
+        for future in as_completed(names):
+            yield names[future], future.result()
+    except BaseException:
+        _stop()
+        raise
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Places that `clutter` measures, solved again or drawn: `python -m benchmarks.clutter.gallery FAMILY NUMBER ...`."""
+"""`python -m benchmarks places`: places that `clutter` measures, solved again or drawn."""
 
 import sys
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import sinuous as sn
-from benchmarks.clutter.trials import Task, examine
+from benchmarks.clutter import examine
 from benchmarks.harness.command import command
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES, make
@@ -73,7 +73,7 @@ def run(
     if picture is not None:
         draw(picture, SHOWN if family is None else {family: number})
     if family is not None:
-        ours = examine(Task(family, number)).ours
+        ours = examine(family, number).ours
         verdict = "right" if ours.right else "WRONG" if ours.false else "not right"
         won = f" by {ours.start}" * ours.solved
         typer.echo(

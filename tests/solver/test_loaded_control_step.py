@@ -6,7 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.model.rates import Changes
 from tests.helpers import refused
-from tests.solver.test_under_load import GRAVITY, ROD, Q, arm
+from tests.solver.test_loaded_solve import GRAVITY, ROD, Q, arm
 
 DT = 0.02
 

@@ -110,13 +110,24 @@ class Weights(NamedTuple):
 
 
 class Leave(NamedTuple):
-    """By how much a body leaves a way: any place of it, and how far its end is turned (rad). Infinite: not bounded."""
+    """By how much a body leaves a way. Infinite: not bounded.
+
+    Attributes
+    ----------
+    aside : float
+        Any place of it.
+    turn : float
+        How far its end is turned, rad.
+    state : float
+        Its state, in the norm above.
+    """
 
     aside: float
     turn: float
+    state: float = 0.0
 
 
-UNBOUNDED = Leave(np.inf, np.inf)
+UNBOUNDED = Leave(np.inf, np.inf, np.inf)
 
 
 def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
@@ -156,8 +167,34 @@ def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
         if left <= sure * radius:
             off = left / sure
             aside = off * ((ends.length + long * off) * share + long).sum() + (ends.length * turns + bows.length).sum()
-            return Leave(float(aside), float(off * share[-1] + turns[-1]))
+            return Leave(float(aside), float(off * share[-1] + turns[-1]), off)
     return UNBOUNDED
+
+
+def stretches_between(one: Rest, other: Rest, left: Leave) -> Floats:
+    """Least and most (t, 2) that lines stretch on the way between two shapes, which the body leaves by so much.
+
+    What a line would stretch by is linear in the state, and in the drive, which runs evenly; it is negative where the
+    line is slack.
+    """
+    ends = np.array([_stretches(each) for each in (one, other)])
+    soft = _ends(one, other).soft
+    reach = left.state * np.array([_felt_by(line, soft) for line in one.tables.lines])
+    return np.stack([ends.min(axis=0) - reach, ends.max(axis=0) + reach], axis=1)
+
+
+def _stretches(rest: Rest) -> Floats:
+    """What lines (t,) stretch by, negative of slack ones."""
+    lines = enumerate(zip(rest.tables.lines, rest.tensions, strict=True))
+    pulled = [own if line[t.PUSHES] > 0.0 or own > 0.0 else _slack(rest, i) for i, (line, own) in lines]
+    return np.array(pulled) * rest.tables.lines[:, t.COMPLIANCE]
+
+
+def _felt_by(line: Floats, soft: Floats) -> float:
+    """By how much a line stretches at most for a change of the state by 1, in the norm above."""
+    through = slice(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1)
+    arm = float(np.hypot(line[t.ARM], line[t.ARM + 1]))
+    return float(np.sqrt((arm * arm * soft[through, 0] + soft[through, 2]).sum()))
 
 
 def _ends(one: Rest, other: Rest) -> EndBounds:
@@ -290,10 +327,7 @@ def _slackening(one: Rest, other: Rest, ends: EndBounds) -> float:
         tensions = [each.tensions[i] if each.tensions[i] > 0.0 else _slack(each, i) for each in (one, other)]
         most, least = max(tensions), min(tensions)
         if most > 0.0 > least:
-            through = slice(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1)
-            arm = float(np.hypot(line[t.ARM], line[t.ARM + 1]))
-            size = float(np.sqrt((arm * arm * ends.soft[through, 0] + ends.soft[through, 2]).sum()))
-            total += size * most * -least / (most - least)
+            total += _felt_by(line, ends.soft) * most * -least / (most - least)
     return total
 
 

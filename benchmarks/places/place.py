@@ -9,9 +9,9 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.judges.collisions import body_of
+from benchmarks.judges import judge
+from benchmarks.judges.clearances import overlaps, prepared
 from benchmarks.judges.folds import least_self_clearance
-from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import segment_ends, tip_poses
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
@@ -129,18 +129,18 @@ def proper(scene: sn.Scene) -> bool:
 def feasible(place: Place) -> bool:
     """Whether the judge finds the hidden shape at the targets, within limits, and free with room to spare."""
     robot, q = place.robot, place.hidden_q[None]
-    room, body = ROOM * min(robot.radii), body_of(robot, place.scene)
-    if body.clearance(q, room)[0] < room or least_self_clearance(robot, q)[0] < room:
+    room = ROOM * min(robot.radii)
+    if prepared(robot, place.scene).least(q, room)[0] < room or least_self_clearance(robot, q)[0] < room:
         return False
-    return _at_targets(place, q[0]) and not body.touches(q)[0]
+    return _at_targets(place, q[0])
 
 
 def right(place: Place, q: Floats) -> bool:
     """Whether the judges find a configuration (n, 3) right for all targets of a place, and clear of all obstacles."""
-    return _at_targets(place, q) and not body_of(place.robot, place.scene).overlaps(q[None])[0]
+    return _at_targets(place, q) and not overlaps(place.robot, place.scene, q[None])[0]
 
 
 def _at_targets(place: Place, q: Floats) -> bool:
     """Whether a configuration (n, 3) is at all targets, and within limits."""
-    found = judge(place.robot, place.targets, np.repeat(q[None], len(place.targets), axis=0), place.tolerance)
-    return bool(found.right.all())
+    count = len(place.targets)
+    return bool(judge.right(place.robot, place.targets, np.repeat(q[None], count, axis=0), place.tolerance).all())

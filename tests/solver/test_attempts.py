@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.places import make
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.options import ATTEMPTS
 
 PLACES = [
     ("open pipe 1.6", 1, ("base_tube",)),

@@ -20,7 +20,7 @@ from sinuous.answer.residual import residual_of
 from sinuous.answer.worst import Contact, all_contacts
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import listed, number, segments
 from sinuous.model.actuation import Actuator
 from sinuous.model.rates import Changes

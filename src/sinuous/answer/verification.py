@@ -11,8 +11,8 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.frozen import ShortRepr, call
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import ShortRepr, call
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
 from sinuous.measures.reach import target_errors
@@ -20,8 +20,7 @@ from sinuous.measures.statics import imbalance, pulls
 from sinuous.measures.tensions import lacking_stretch
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Problem, ask_body, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot

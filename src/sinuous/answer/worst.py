@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import unit_of

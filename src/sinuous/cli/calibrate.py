@@ -9,9 +9,8 @@ import typer
 from sinuous.base import checks
 from sinuous.cli.app import Calibrate
 from sinuous.cli.options import SOLVED, check_outputs
-from sinuous.files.documents import read_part, read_values
+from sinuous.files.documents import json_line, read_part, read_values
 from sinuous.files.nouns import read_robot
-from sinuous.files.results import json_line
 from sinuous.model.robot import Robot
 from sinuous.studies.calibration.calibrate import Frame, calibrate
 from sinuous.studies.calibration.table import read_table

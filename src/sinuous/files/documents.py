@@ -20,6 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
+import numpy as np
 import yaml
 
 from sinuous.base import checks
@@ -315,3 +316,61 @@ def read_part(
         if values is None or isinstance(values, str):
             raise InputError("file", "", values, f"what stands under {key}, not the name of another file")
         return read(values, file.parent)
+
+
+def json_line(result: dict[str, Any]) -> str:
+    """Return one result as one line, without a line break; numbers that are not finite become null."""
+    try:
+        return json.dumps(result, allow_nan=False, default=finite)
+    except ValueError:  # some number is not finite
+        return json.dumps(finite(result), allow_nan=False)
+
+
+def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:
+    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving.
+
+    Remedies, where there are any, stand behind what they are remedies of.
+    """
+    answer = dict(answer)
+    remedies = {"remedies": answer.pop("remedies")} if "remedies" in answer else {}
+    entries: dict[str, Any] = {"file": file}
+    for key, value in answer.items():
+        entries[key] = value
+        if key == "binding":
+            entries.update(remedies)
+        if key == "seconds":
+            entries["prepare_seconds"] = prepare_seconds
+    return entries
+
+
+def finite(value: Any) -> Any:
+    """Return a value with dict, list, str, int, finite float, bool and None in it, nothing else."""
+    if isinstance(value, dict):
+        return {str(key): finite(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [finite(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def read_results(file: Path) -> list[tuple[int, dict[str, Any]]]:
+    """Read the results in a file, each with the number of its line.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, holds no result, or a line is no JSON object.
+    """
+    lines = [(i, line) for i, line in enumerate(read_text(file).splitlines(), 1) if line.strip()]
+    results = []
+    for number, line in lines:
+        with checks.inside(f"line {number}"):
+            values = parse_json(line)
+            checks.instance("", values, dict, "a result")
+        results.append((number, values))
+    if not results:
+        raise InputError("file", "is empty", str(file), "results, one a line")
+    return results

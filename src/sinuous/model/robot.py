@@ -23,15 +23,10 @@ from sinuous.base.arguments import (
     Whole,
 )
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_document
-from sinuous.base.doors import door
-from sinuous.base.entrance import Renamed
-from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import counted, described
-from sinuous.base.reprs import call, text
+from sinuous.base.documents import counted, described, write_document
+from sinuous.base.entrance import Renamed, door
+from sinuous.base.errors import InputError, answers_attributes
+from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
@@ -168,7 +163,7 @@ class Robot(NotebookMixin, Frozen):
         Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
         What was given as `actuators`.
-    limits, actuation : ndarray (n, 8), (p, 7)
+    limits, actuation : ndarray (n, 18), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
@@ -251,8 +246,8 @@ class Robot(NotebookMixin, Frozen):
         drive = Actuation(listed, actuators)
         table = packing.segment_table(
             [
-                packing.segment_row(segment.length, segment.max_bend, *rest)
-                for segment, *rest in zip(listed, curvatures, needed, own, strict=True)
+                packing.segment_row(segment.length, segment.max_bend, curvature, radius, thick)
+                for segment, curvature, radius, thick in zip(listed, curvatures, needed, own, strict=True)
             ]
         )
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)

@@ -15,13 +15,10 @@ from sinuous.answer.worst import Worst
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_document
-from sinuous.base.doors import door
-from sinuous.base.errors import InputError, NotSolvedError, warn_of
-from sinuous.base.frozen import Frozen
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import described
+from sinuous.base.documents import described, write_document
+from sinuous.base.entrance import door
+from sinuous.base.errors import InputError, NotSolvedError, answers_attributes, warn_of
+from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.base.words import duration
 from sinuous.files.ros import Of
 from sinuous.kernels.packing import read_only

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import call
+from sinuous.base.frozen import call
 from sinuous.base.work_time import work_time
 from sinuous.kernels import tables as k
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED

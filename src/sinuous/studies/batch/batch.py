@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import Parameter, Rows, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.parameter_groups import read_tangent
-from sinuous.base.reprs import ShortRepr
 from sinuous.studies.batch.tables.reading import NpzRows, open_source
 from sinuous.studies.batch.tables.results import INVALID, STATUSES
 from sinuous.studies.batch.work import ChunkSolver

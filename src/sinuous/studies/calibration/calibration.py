@@ -12,7 +12,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr, call
+from sinuous.base.frozen import ShortRepr, call
 from sinuous.model.inverse import fitting
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import at_rest

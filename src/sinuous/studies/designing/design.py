@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_table
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.studies.designing.objectives import Objective

@@ -18,16 +18,14 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, warn_of
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.errors import InputError, refuse_unknown, warn_of
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
 from sinuous.motion.configurations import lever_metric, violated_by
-from sinuous.problem.problem import check_sizes
-from sinuous.problem.suspicions import suspicions
+from sinuous.problem.problem import check_sizes, suspicions
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import Explored, Memory

@@ -6,8 +6,10 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 
 from dataclasses import dataclass
 from operator import itemgetter
+from typing import Any
 
 from sinuous.base.arguments import BoundName
+from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.measures.reach import backbone_end, bounds
@@ -50,6 +52,10 @@ class Reason(ShortRepr):
     longest: float | None = None
     inside: bool = False
     clearance: float = 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values, in the order of the file format."""
+        return result_of(self, "bound needed available obstacle")
 
     def __str__(self) -> str:
         missing = number(self.needed - self.available)

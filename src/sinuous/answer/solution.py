@@ -11,7 +11,7 @@ import numpy as np
 
 from sinuous.answer.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.answer.explanation import Explanation, explain
-from sinuous.answer.reading import read_result
+from sinuous.answer.reading import as_demanded, read_result
 from sinuous.answer.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solve_again import SolveAgain

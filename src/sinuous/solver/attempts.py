@@ -34,7 +34,7 @@ class StartBatch:
     closed : float or None
         Edge of the cells by which it was proved that there is no route; `None` where nothing is proved.
     routes : tuple of ndarray (k, 3)
-        Of every initial configuration the route that it was laid along; empty where they come from elsewhere.
+        Of every initial configuration the route that it was fitted to; empty where they come from elsewhere.
     """
 
     source: str
@@ -116,11 +116,11 @@ REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "
 ATTEMPTS = {
     REMEMBERED: "shapes of a memory whose poses are nearest to the targets",
     SCATTERED: "starts scattered over all shapes, beyond those of the first call",
-    "base_tube": "chains laid along the tube that the base lies in",
+    "base_tube": "chains fitted to the tube that the base lies in",
     EDGES: "a route around edges",
     SIDE_TUBES: "a route through tubes that open beside edges",
     "cells": "routes over the cells of a grid, coarse and then fine ones",
-    "laid": "chains laid along routes",
+    "laid": "chains fitted to routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "detours": "chains grown along routes that are led aside until they are as long as the robot",
     "gates": "chains through the narrowest place of a route, of which each half is solved by itself",

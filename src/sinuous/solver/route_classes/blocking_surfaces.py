@@ -1,9 +1,9 @@
-"""Screens: surfaces that close the passage of a route, so that the next search finds another passage.
+"""Blocking surfaces: they close the passage of a route, so that the next search finds another passage.
 
-A screen is the part of a plane across a route that is seen from the route. It ends at the obstacles, so it leaves open
-what is behind them. Planes at several points, with several tilts, are compared, and the plane is taken of which least
-is seen. Where a route leads through a door askew, this is nearly the plane of the wall; a screen in another plane would
-stand in the room beside the door.
+A blocking surface is the part of a plane across a route that is seen from the route. It ends at the obstacles, so it
+leaves open what is behind them. Planes at several points, with several tilts, are compared, and the plane is taken of
+which least is seen. Where a route leads through a door askew, this is nearly the plane of the wall; a blocking surface
+in another plane would stand in the room beside the door.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from sinuous.solver.polylines import lengths_along, points_at
 from sinuous.solver.route_classes.curves import RouteCurves, across
 
 RAYS = 256
-"""Lines of sight that a screen is made of."""
+"""Lines of sight that a blocking surface is made of."""
 
 FEW_RAYS = 16
 """Lines of sight by which planes are compared."""
@@ -72,7 +72,7 @@ class Passage(NamedTuple):
 
 
 class SurfaceBounds(NamedTuple):
-    """What a screen has to keep.
+    """What a blocking surface has to keep.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ def _about(distances: Floats, at: int, most: int) -> list[int]:
 
 
 def make_blocking_surface(curves: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> Mesh | None:
-    """Return a screen that closes a passage: a fan of triangles, as far as is seen from a point of the route.
+    """Return a blocking surface that closes a passage: a fan of triangles, as far as is seen from a point of the route.
 
     `None`: the time of the curves did not suffice.
     """

@@ -163,7 +163,7 @@ class BottleneckDecomposition:
         return (None if tail is None else np.concatenate([head, within, tail])), True
 
     def _within(self, rest: Groups, deadline: Deadline) -> Floats:
-        """The segments (m, 3) that lie in a long narrow place beyond the first part, laid along the route."""
+        """The segments (m, 3) that lie in a long narrow place beyond the first part, fitted to the route."""
         line = self._legs[self._which][self._at : self._end + 1]
         if not self._long:
             return np.empty((0, 3))

@@ -116,8 +116,8 @@ def divide_route(groups: Groups, route: Floats, near: float) -> Floats | None:
     Then no route has to be searched for from one to the next.
     """
     targets, legs = groups[3], []
-    points, elbows = route, list(_in_order(groups).values())[:-1]
-    for target in elbows:
+    points, intermediate = route, list(_in_order(groups).values())[:-1]
+    for target in intermediate:
         place = targets[target, TARGET_POSITION : TARGET_POSITION + 3]
         gaps = np.linalg.norm(points - place, axis=1)
         at = int(gaps.argmin())
@@ -137,7 +137,7 @@ class GrownChains:
         The problem, see `Groups`.
     legs : ndarray (l, K, 3)
         The legs of a route, from target to target, evenly spaced, in the length unit.
-    roots : ndarray (r, 12)
+    terminal_poses : ndarray (r, 12)
         Poses in which chains may begin.
     width : int
         Chains of every number of segments that are kept: a power of two.
@@ -161,7 +161,13 @@ class GrownChains:
     """
 
     def __init__(
-        self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float, open_from: float = math.inf
+        self,
+        groups: Groups,
+        legs: Floats,
+        terminal_poses: Floats,
+        width: int,
+        seconds: float,
+        open_from: float = math.inf,
     ) -> None:
         n, obstacles = int(groups[0][0]), int(groups[1][0])
         self.segments = segments_of(groups)[len(legs) - 1] + 1
@@ -169,7 +175,7 @@ class GrownChains:
         self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
         workspace = np.empty(growing_size(obstacles, width))
         self.open: bool = grow_chains(
-            *groups, legs, roots, open_from, max(0.0, seconds), workspace, levels, self.counts
+            *groups, legs, terminal_poses, open_from, max(0.0, seconds), workspace, levels, self.counts
         )
         self._open_from = open_from
         self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
@@ -207,8 +213,8 @@ class GrownChains:
 
         Segments beyond that target are as short as they can be.
         """
-        q, root = self.chain(self.segments, i)
-        return np.concatenate([q, self._rest[self.segments :]]), root
+        q, terminal_pose = self.chain(self.segments, i)
+        return np.concatenate([q, self._rest[self.segments :]]), terminal_pose
 
 
 def settle_chains(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:

@@ -17,7 +17,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right
-from sinuous.solver.attempts import read_without
+from sinuous.solver.options import read_without
 from sinuous.solver.solver import Solver
 
 COUNT, QUICK, TOGETHER = 60, 2, 5

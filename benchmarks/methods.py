@@ -43,8 +43,8 @@ from sinuous.files.nouns import read_robot
 from sinuous.methods.learned.network import Network
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import train
+from sinuous.methods.method import METHODS, capabilities, name_of
 from sinuous.methods.opti_path.options import OptiPath
-from sinuous.methods.registry import METHODS, capabilities, name_of
 
 FAITHFUL, DIFFERENCES = "opti_path, faithful", "opti_path, differences"
 """Labels of `OptiPath.faithful()`, and of the repaired method with the gradient of the paper."""

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from benchmarks.harness.quiet import ignore_suspicions
 from sinuous.base.system import pool_of
-from sinuous.scene.prepared import sampling
+from sinuous.scene import sampling
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

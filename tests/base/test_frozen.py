@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 import sinuous as sn
 from sinuous.base.frozen import Frozen
 from sinuous.files.joint_chain import JointChain
-from sinuous.scene.prepared.parts import Part
-from sinuous.scene.reading import Placement
+from sinuous.scene.obstacles import Placement
+from sinuous.scene.parts import Part
 from tests.cases import with_each
 from tests.scene.shapes import cube
 

@@ -14,7 +14,7 @@ from sinuous.kernels.tables import (
     UNPROVED,
     Outcome,
 )
-from sinuous.solver.search import ENOUGH, FirstSolved
+from sinuous.solver.attempts import ENOUGH, FirstSolved
 
 
 def outcome(**changed: Any) -> Outcome:

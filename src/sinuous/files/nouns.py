@@ -25,7 +25,7 @@ from sinuous.model.robot import Robot, Uncertainty
 from sinuous.model.segment import Segment, Stiffness
 from sinuous.problem.target import Target
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud

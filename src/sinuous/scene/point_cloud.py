@@ -13,9 +13,8 @@ from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.text_tables import TableFormat, decode_table, read_table
-from sinuous.scene.meshes.mesh import load_geometry
-from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Origin, Placement, check_file
+from sinuous.scene.mesh_files import load_geometry
+from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
 
 Columns = Sequence[str] | Sequence[int]
 """Which columns of a text are x, y, z: names, or numbers, 1 = first."""
@@ -68,6 +67,10 @@ class PointCloud(Obstacle):
     def kind(self) -> str:
         """See `Obstacle.kind`."""
         return "points"
+
+    @property
+    def _box(self) -> Floats:
+        return box_around(self.points, self.radii[:, None])
 
     def _content(self) -> dict[str, Any]:
         return {**super()._content(), "points": self.points}
@@ -137,7 +140,7 @@ class PointCloud(Obstacle):
         cloud = cls(points, radii, name=name)
         said = {"columns": columns, "invalid": None if invalid == "refuse" else invalid}
         cloud._set(
-            _source=Origin.of(file, **placement.arguments, radius=radius if np.ndim(radius) else cloud.radius, **said)
+            _source=Origin.of(file, **placement.arguments, radius=cloud.radius if kept is read else radius, **said)
         )
         return cloud
 

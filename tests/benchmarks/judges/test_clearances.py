@@ -14,7 +14,7 @@ from benchmarks.judges.clearances import Clearances, distance_of, least_clearanc
 from benchmarks.judges.kinematics import body_points
 from sinuous.base.checks import Floats
 from sinuous.scene.grids import Field, Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene

@@ -14,7 +14,7 @@ from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 

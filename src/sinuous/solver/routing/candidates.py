@@ -22,11 +22,11 @@ from sinuous.kernels.tables import (
     ROUTE,
     SOURCES,
 )
-from sinuous.solver.attempts import EDGES, SIDE_TUBES, IKQuery, StartBatch
+from sinuous.solver.attempts import IKQuery, StartBatch
+from sinuous.solver.options import EDGES, SIDE_TUBES
 from sinuous.solver.polylines import lengths_along, respaced
-from sinuous.solver.routing.bottlenecks import BottleneckDecomposition
-from sinuous.solver.routing.chains import TANGENT, JoinedChains, find_terminal_poses
-from sinuous.solver.routing.growth import (
+from sinuous.solver.routing.chains import TANGENT, BottleneckDecomposition, JoinedChains, find_terminal_poses
+from sinuous.solver.routing.partial_chains import (
     FIRST_WIDTH,
     LEG_POINTS,
     divide_route,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.scene.prepared import sampling
+from sinuous.scene import sampling
 from tests.helpers import Floats
 from tests.scene import shapes
 

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.poses import pose
-from sinuous.solver.blocked_base import base_blocked, bound_sway
+from sinuous.problem.problem import base_blocked, bound_sway
 
 UNEVEN = [sn.Segment(0.02, 1.5, radius=0.01), sn.Segment(0.5, 0.0, radius=0.01), sn.Segment(0.3, 2.0, radius=0.01)]
 

@@ -5,11 +5,11 @@ import threading
 import numpy as np
 import pytest
 
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene import parts
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.prepared import parts
-from sinuous.scene.prepared.parts import Part
-from sinuous.scene.prepared.sampling import Progress
+from sinuous.scene.parts import Part
+from sinuous.scene.sampling import Progress
 from tests.scene import shapes
 
 

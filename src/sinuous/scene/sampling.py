@@ -1,18 +1,55 @@
-"""Exact distances at the points of a grid about an obstacle; and lists of what may be the closest."""
+"""Exact distances at the points of a grid about an obstacle, kept on disk; and lists of what may be the closest."""
 
 import hashlib
 import itertools
 import math
 import os
+import zipfile
+import zlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from sinuous.base.checks import Floats
+from sinuous.base.documents import draft_of
+from sinuous.base.system import places, writable
 from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, TRIANGLES
-from sinuous.scene.prepared import kept
+
+MOST_FILES = 32
+"""Files kept; the oldest go first."""
+
+
+def load(name: str, shape: tuple[int, ...]) -> Floats | None:
+    """Read an array of this name and shape; None where there is none, or none that is whole."""
+    for directory in places("samples"):
+        file = directory / f"{name}.npz"
+        try:
+            with file.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+                values: Floats = arrays["values"]
+            os.utime(file)
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+            continue
+        if values.shape == shape and values.dtype == np.float64 and bool(np.isfinite(values).all()):
+            return values
+    return None
+
+
+def save(name: str, values: Floats) -> None:
+    """Keep an array where there is a place for it; others see it whole or not at all."""
+    directory = next((place for place in places("samples") if writable(place)), None)
+    if directory is None:
+        return
+    try:
+        with draft_of(directory / f"{name}.npz") as draft:
+            np.savez(draft, values=values)
+        files = sorted(directory.glob("*.npz"), key=lambda file: file.stat().st_mtime, reverse=True)
+        for old in files[MOST_FILES:]:
+            old.unlink(missing_ok=True)
+    except OSError:  # a full disk, or another process that tidies up: nothing is lost but time
+        return
+
 
 CELLS, ENTRIES = 29_000, 1_900_000
 """Most cells about a mesh, and most triangles of all their lists: 16 MB."""
@@ -86,14 +123,14 @@ def sample(
     digest.update(row.tobytes())
     digest.update(store.tobytes())
     name = digest.hexdigest()
-    found = kept.load(name, shape)
+    found = load(name, shape)
     if found is not None:
         if progress is not None:
             progress(1.0)
         return found
     values, seconds = _compute(row, store, shape, progress)
     if seconds > WORTH_KEEPING:
-        kept.save(name, values)
+        save(name, values)
     return values
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.scene.extents import box_of
 from sinuous.scene.obstacles import Obstacle
 from tests.helpers import random_rotation
 
@@ -21,7 +20,7 @@ OBSTACLES: list[Obstacle] = [
 
 @pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda obstacle: obstacle.kind)
 def test_boxes_fit(obstacle: Obstacle) -> None:
-    box = box_of(obstacle)
+    box = obstacle._box
     assert box is not None
     low, high = box
     scene, rng = sn.Scene([obstacle]), np.random.default_rng(1)
@@ -37,15 +36,15 @@ def test_boxes_fit(obstacle: Obstacle) -> None:
 
 
 def test_a_cylinder_is_within_the_box_of_its_own_frame() -> None:
-    box = np.asarray(box_of(sn.Cylinder((0, 0, 0), (0, 0, 2), 0.5)))
+    box = np.asarray(sn.Cylinder((0, 0, 0), (0, 0, 2), 0.5)._box)
     np.testing.assert_allclose(box, [[-0.5, -0.5, 0.0], [0.5, 0.5, 2.0]], atol=1e-12)
 
 
 def test_what_has_no_end_or_nothing_in_it_has_no_box() -> None:
-    assert box_of(sn.HalfSpace((0, 0, 0), (0, 0, 1))) is None
-    assert box_of(sn.Grid(np.zeros((2, 2, 2), bool), (0, 0, 0), 1.0)) is None
+    assert sn.HalfSpace((0, 0, 0), (0, 0, 1))._box is None
+    assert sn.Grid(np.zeros((2, 2, 2), bool), (0, 0, 0), 1.0)._box is None
 
 
 def test_samples_fill_their_box() -> None:
     field = sn.Field(lambda points: np.linalg.norm(points, axis=1) - 0.5, (-1, -1, -1), (1, 1, 1), 0.5)
-    np.testing.assert_allclose(np.asarray(box_of(field)), [[-1, -1, -1], [1, 1, 1]])
+    np.testing.assert_allclose(np.asarray(field._box), [[-1, -1, -1], [1, 1, 1]])

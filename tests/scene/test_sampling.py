@@ -9,11 +9,11 @@ import pytest
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.blocks import EDGE
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
+from sinuous.scene import parts, sampling
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.prepared import parts, sampling, trees
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import refused
@@ -45,11 +45,11 @@ def test_every_point_of_a_grid_has_its_sample(kind: str, monkeypatch: pytest.Mon
 def _pieces(obstacle: Obstacle) -> Any:
     """Its tree alone."""
     if isinstance(obstacle, Mesh):
-        return trees.triangles(obstacle)
+        return parts.triangles(obstacle)
     if isinstance(obstacle, PointCloud):
-        return trees.balls(obstacle)
+        return parts.balls(obstacle)
     assert isinstance(obstacle, Grid)
-    return trees.cubes(obstacle.origin + obstacle.spacing * np.argwhere(obstacle.values), obstacle.spacing)
+    return parts.cubes(obstacle.origin + obstacle.spacing * np.argwhere(obstacle.values), obstacle.spacing)
 
 
 def test_progress_goes_from_nothing_to_all() -> None:

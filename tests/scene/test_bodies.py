@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from sinuous.measures.obstacles import measure
-from sinuous.scene.meshes.bodies import bodies_overlap, cuts_itself
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
+from sinuous.scene.triangles import bodies_overlap, cuts_itself
 from tests.cases import with_each
 from tests.helpers import random_rotation, refused
 from tests.scene.shapes import Triangles, ball, cube, inverted, together

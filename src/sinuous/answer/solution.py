@@ -193,7 +193,7 @@ class Solution(NotebookMixin):
 
     @property
     def route(self) -> Floats | None:
-        """Points (k, 3) of the route that the start was laid along; `None` unless a route led to the solution."""
+        """Points (k, 3) of the route that the start was fitted to; `None` unless a route led to the solution."""
         return self._outcome.route
 
     @property

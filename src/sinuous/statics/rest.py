@@ -181,21 +181,6 @@ class Way:
         q, displacements = self.drive(share)
         return Rest(self._one.robot, q, self._one, displacements)
 
-    def look(self, share: float, softness: bool = False) -> tuple[Tables, Floats, Floats]:
-        """Tables, gradient of the energy (N, 4), and the `softness` there, if that is asked for.
-
-        That is the change of states (4 N, 4 N) for a unit of force on each, while lines hold nothing.
-        """
-        from sinuous.kernels.statics.flexibility import soften  # noqa: PLC0415
-
-        one, other = self._one, self._other
-        q, displacements = self.drive(share)
-        tables = tables_of(one.robot, q, (), displacements)
-        x, tensions = ((1.0 - share) * a + share * b for a, b in zip(one.found, other.found, strict=True))
-        left, out = np.empty(x.shape), np.empty((x.size if softness else 0, *x.shape))
-        soften(*tables.body(one.robot.base), x, tensions, tables.buffer(), left, out)
-        return tables, left, out.reshape(len(out), x.size)
-
 
 def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
     """The body of a robot and its shapes (T, N, 3) at drives (T, n, 3); the robot and `q` where nothing bends it."""

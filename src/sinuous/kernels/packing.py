@@ -10,7 +10,7 @@ users keeps the array for itself and shows a read-only view of it.
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,25 +40,67 @@ def read_only(array: Any) -> Any:
     return view
 
 
+class BendLine(NamedTuple):
+    """The bends of a segment in one plane, `rest + z plane`; all in rad but the unit vector `plane`.
+
+    `rest` is perpendicular to `plane`. Where the bend is locked, `low` and `high` are the same.
+    """
+
+    rest: tuple[float, float]
+    plane: tuple[float, float]
+    low: float
+    high: float
+
+    def at(self, z: float) -> tuple[float, float]:
+        """The bend with this coordinate in the plane."""
+        return self.rest[0] + z * self.plane[0], self.rest[1] + z * self.plane[1]
+
+    @property
+    def largest(self) -> float:
+        """Largest norm of the bends."""
+        return max(math.hypot(*self.at(self.low)), math.hypot(*self.at(self.high)))
+
+    @property
+    def home(self) -> tuple[float, float]:
+        """The bend of least norm."""
+        return self.at(min(max(0.0, self.low), self.high))
+
+
+ANY_LENGTH = (0.0, 0.0, -1.0)
+"""Home of a segment that is within the limits of actuators wherever it is straight."""
+
+
 def segment_row(
-    length: tuple[float, float], max_bend: float, max_curvature: float, radius: float, self_radius: float
+    length: tuple[float, float],
+    bends: float | BendLine,
+    max_curvature: float,
+    radius: float,
+    self_radius: float,
+    home: tuple[float, float, float] = ANY_LENGTH,
 ) -> list[float]:
     """Return the row of a segment; what cannot move has the scale 0.
 
-    Within `radius` of its backbone no obstacle may be; two of its `self_radius` may not overlap.
+    `bends` is the largest bend, to all sides, or where it may bend to. Within `radius` of its backbone no obstacle may
+    be; two of its `self_radius` may not overlap.
     """
     low, high = length
-    bends = 1.0 if max_bend > 0.0 and max_curvature > 0.0 and high > 0.0 else 0.0
     row = [0.0] * t.SEGMENT_WIDTH
-    row[t.MIN_LENGTH], row[t.MAX_LENGTH] = low, high
-    row[t.MAX_BEND], row[t.MAX_CURVATURE] = max_bend if bends else 0.0, max_curvature
+    row[t.MIN_LENGTH], row[t.MAX_LENGTH], row[t.MAX_CURVATURE] = low, high, max_curvature
+    if isinstance(bends, BendLine):
+        row[t.MAX_BEND] = bends.largest
+        row[t.BEND_SCALE] = 1.0 if bends.low < bends.high else 0.0
+        row[t.IN_PLANE], row[t.LOW_BEND], row[t.HIGH_BEND] = 1.0, bends.low, bends.high
+        row[t.REST : t.REST + 2], row[t.PLANE : t.PLANE + 2] = bends.rest, bends.plane
+    elif bends > 0.0 and max_curvature > 0.0 and high > 0.0:
+        row[t.MAX_BEND], row[t.BEND_SCALE] = bends, 1.0
+    row[t.HOME : t.HOME + 3] = home
     row[t.RADIUS], row[t.SELF_RADIUS] = radius, self_radius
-    row[t.BEND_SCALE], row[t.LENGTH_SCALE] = bends, 0.5 * (low + high) if high > low else 0.0
+    row[t.LENGTH_SCALE] = 0.5 * (low + high) if high > low else 0.0
     return row
 
 
 def scales_of(limits: Floats) -> Floats:
-    """Scales (n, 3) in which coordinates of segments (n, 8) count: 1 rad, and mean lengths; 0 for what cannot move."""
+    """Scales (n, 3) in which coordinates of segments (n, 18) count: 1 rad, and mean lengths; 0 for what cannot move."""
     return limits[:, [t.BEND_SCALE, t.BEND_SCALE, t.LENGTH_SCALE]]
 
 
@@ -68,7 +110,7 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
 
 
 def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
-    """Return the table (n, 8) of segments, base to tip; read-only."""
+    """Return the table (n, 18) of segments, base to tip; read-only."""
     return closed(np.array(rows, np.float64))
 
 
@@ -84,7 +126,7 @@ def pose_row(matrix: Floats) -> Floats:
 
 
 def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
-    """Return the group of a robot, of its tables (n, 8) and (p, 7), and the poses (4, 4) of base and tool."""
+    """Return the group of a robot, of its tables (n, 18) and (p, 7), and the poses (4, 4) of base and tool."""
     header = [float(len(limits)), float(len(actuation)), float(avoids_itself)]
     parts = (header, limits, actuation, pose_row(base), pose_row(tool))
     return np.concatenate([np.ravel(part) for part in parts])

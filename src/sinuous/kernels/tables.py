@@ -27,9 +27,17 @@ run through itself, else 0."""
 MIN_LENGTH, MAX_LENGTH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE, SELF_RADIUS = range(8)
 """Columns of a segment. Limits of its length, bend (rad) and curvature; the radius within which its body needs to be
 free of obstacles, with the clearance that is demanded; scales of a bend (rad) and of a length in which motion is
-measured (0: that coordinate cannot move); and the radius within which it needs to be free of the body itself."""
+measured (0: that coordinate cannot move); and the radius within which it needs to be free of the body itself.
 
-SEGMENT_WIDTH = 8
+`MAX_BEND` bounds the norm of the bend, whatever it is that holds it."""
+
+IN_PLANE, REST, PLANE, LOW_BEND, HIGH_BEND, HOME = 8, 9, 11, 13, 14, 15
+"""Further columns of a segment. 1 where its bend is `rest + z plane`, with a rest (2, rad) that is perpendicular to the
+unit vector `plane` (2) and z from the low to the high bend (rad), both the same where it is locked; 0 where it may bend
+to all sides. Home (3) is where segments go to when limits of actuators are to be kept, which they are there: bend (2)
+and length, or -1 where any length will do."""
+
+SEGMENT_WIDTH = 18
 
 FIRST_SEGMENT, LAST_SEGMENT, WEIGHTS, MIN_VALUE, MAX_VALUE = 0, 1, 2, 5, 6
 """Columns of an actuator limit. It bounds `weights . (bend_x, bend_y, length)` (3 weights), summed from the first

@@ -313,7 +313,7 @@ def coupled_rows(linear: Actuators, scales: Floats, limits: Floats) -> Iterator[
     linear : Actuators
     scales : ndarray (m,)
         What their displacements are divided by, so that they count in the length unit.
-    limits : ndarray (n, 8)
+    limits : ndarray (n, 18)
         Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Raises

@@ -37,7 +37,7 @@ class Inverse(Frozen):
     Parameters
     ----------
     actuation : Actuation
-    limits : ndarray (n, 8)
+    limits : ndarray (n, 18)
         Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Attributes

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from sinuous.scene.meshes.mesh import Mesh
 
 import sinuous as sn
 from benchmarks.places import make
@@ -14,7 +15,6 @@ from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
-from sinuous.scene.meshes.mesh import Mesh
 from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
 from sinuous.solver.strategy import attempts_of, plans_of
@@ -126,9 +126,9 @@ def test_a_body_gets_through_a_door_behind_its_base() -> None:
     assert solution.verify().ok
 
 
-def test_elbows_are_gone_through_one_after_the_other(narrow: Scene) -> None:
-    elbow = ROBOT.backbone(HIDDEN, 1)[3]
-    targets = [Target(elbow, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
+def test_intermediate_targets_are_gone_through_one_after_the_other(narrow: Scene) -> None:
+    place = ROBOT.backbone(HIDDEN, 1)[3]
+    targets = [Target(place, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
     solution = Solver(ROBOT, narrow, time=60.0, max_starts=60).solve(targets)
     assert (solution.status, solution.start) == (Status.SOLVED, "route")
 

@@ -128,7 +128,7 @@ PIECES = (
         15,
         (
             "kernels.statics.equilibrium.equilibrate",
-            "kernels.statics.flexibility.soften",
+            "kernels.statics.departure.measure_departure",
             "kernels.statics.drive.lay_out",
             "kernels.statics.drive.differentiate",
             "kernels.statics.answers.answer",

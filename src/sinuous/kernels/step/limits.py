@@ -1,6 +1,6 @@
 """The limits of one segment, held exactly: length in [low, high], bend at most `max_bend` and `max_curvature * length`.
 
-Row k of `limits` (n, 8) is that of segment k, see `tables`: its limits, its radii, and the scales of a bend (rad) and
+Row k of `limits` (n, 18) is that of segment k, see `tables`: its limits, its radii, and the scales of a bend (rad) and
 of a length in which motion is measured (0: that coordinate cannot move).
 """
 

@@ -35,7 +35,7 @@ their sum has to be less by that excess; 1 for a mere wish; and its kind."""
 NO_CUT = Cut(0.0, ZERO, 0, -1)
 
 Limits = namedtuple("Limits", ["limits", "rates", "root", "start"])
-"""What bounds the segments: their limits (n, 8), their rates (n, 7), the root of the metric (n, 9), and where the step
+"""What bounds the segments: their limits (n, 18), their rates (n, 7), the root of the metric (n, 9), and where the step
 began (n, 3). No more than that: these are examined some hundred times in a control step, and all that a call hands over
 takes time."""
 

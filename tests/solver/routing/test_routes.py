@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from sinuous.scene.meshes.mesh import Mesh
 
 import sinuous as sn
 from benchmarks.places import make
@@ -15,6 +14,7 @@ from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
+from sinuous.scene.mesh import Mesh
 from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
 from sinuous.solver.strategy import attempts_of, plans_of

@@ -5,7 +5,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import pytest
 
+import sinuous as sn
 from sinuous.scene.grids import Grid
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
@@ -94,7 +96,7 @@ def test_shapes_without_a_body_are_refused() -> None:
     refused("rotation", lambda: Box((0, 0, 0), (1, 1, 1), (0, 0, 0, 0)))
 
 
-class Unmeasured(sn.Sphere):
+class Unmeasured(Sphere):
     """A primitive of a kind that kernels know no distance of."""
 
     _code = -1

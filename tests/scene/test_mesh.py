@@ -1,8 +1,9 @@
 """Meshes: what is a solid and what a shell, what is mended and said, files of every kind, and bad input."""
 
 import sys
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -141,7 +142,7 @@ def test_files_of_every_kind(tmp_path: Path, kind: str) -> None:
     turn, body = random_rotation(np.random.default_rng(1)), ball(1)
     file = tmp_path / f"ball.{kind}"
     trimesh.Trimesh(*body, process=False).export(file)
-    mesh = Mesh.load(file, 2.0, position=(1, 2, 3), rotation=turn, name="ball")
+    mesh = Mesh.load(file, 2.0, position=(1, 2, 3), rotation=turn, name="ball", up="z")
     assert mesh.watertight
     assert mesh.defects == ()
     assert mesh.scale == 2.0
@@ -159,11 +160,54 @@ def test_all_bodies_of_a_scene_are_used_where_they_stand(tmp_path: Path) -> None
     scene.add_geometry(part, transform=trimesh.transformations.translation_matrix((0, 3, 0)))
     file = tmp_path / "parts.glb"
     scene.export(file)
-    mesh = Mesh.load(file, 1)
+    mesh = Mesh.load(file, 1)  # y is up in the file: (x, y, z) of it is (x, -z, y)
     assert mesh.watertight
     assert len(mesh.faces) == 24
     np.testing.assert_allclose(mesh.vertices.min(axis=0), (-0.5, -0.5, -0.5), atol=1e-6)
-    np.testing.assert_allclose(mesh.vertices.max(axis=0), (5.5, 3.5, 0.5), atol=1e-6)
+    np.testing.assert_allclose(mesh.vertices.max(axis=0), (5.5, 0.5, 3.5), atol=1e-6)
+    assert mesh.defects[0].startswith("y is up in such a file, so it was turned to have z up")
+
+
+@pytest.mark.parametrize("kind", ["stl", "ply", "obj", "glb"])
+def test_the_axis_that_is_up_is_turned_to_z(tmp_path: Path, kind: str) -> None:
+    file = tmp_path / f"part.{kind}"
+    trimesh.creation.box((1, 2, 3)).export(file)
+    asked: tuple[Literal["y", "z"] | None, ...] = (None, "y", "z")
+    sizes = [np.ptp(Mesh.load(file, 1, up=up).vertices, axis=0).round(6).tolist() for up in asked]
+    turned, kept = [1.0, 3.0, 2.0], [1.0, 2.0, 3.0]
+    assert sizes == [turned if kind == "glb" else kept, turned, kept]
+    assert Mesh.load(file, 1, up="y").source.arguments["up"] == "y"  # type: ignore[union-attr]
+    refused("up", lambda: Mesh.load(file, 1, up="x"), "y or z")  # type: ignore[arg-type]
+
+
+FACET = "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0\n endloop\nendfacet\n"
+
+
+def test_stl_files_say_what_is_wrong_with_them(tmp_path: Path) -> None:
+    def load(content: bytes | str) -> Mesh:
+        (tmp_path / "part.stl").write_bytes(content.encode() if isinstance(content, str) else content)
+        return Mesh.load(tmp_path / "part.stl", 1)
+
+    for text in (
+        "solid a\n" + FACET + "end solid a\n",
+        "solid\n" + FACET.replace("endfacet", "end facet") + "ENDSOLID",
+    ):
+        assert len(load(text).faces) == 1, text
+    whole = trimesh.creation.box().export(file_type="stl")
+    assert load(b"SPACE=LPS UNIT=mm".ljust(80) + whole[80:]).defects == (
+        "its header says SPACE=LPS and UNIT=mm, which changed nothing: coordinates are as they stand",
+    )
+    assert len(load(whole + b"more").faces) == 12
+    for content, told in (
+        (whole[:-70], "truncated: its header says 12 triangles, which need 684 bytes, and it has 614"),
+        (whole[:40], "truncated: it has 40 bytes"),
+        (b"", "is empty"),
+        (bytes(84), "holds no triangles"),
+        (bytes(84) + whole[84:], "its header says 0 triangles, and there are more"),
+        ("solid a\n" + FACET, "truncated: the text ends in facet 1"),
+        ("solid a\n" + FACET + FACET[:40], "truncated: the text ends in facet 2"),
+    ):
+        refused("file", partial(load, content), told)
 
 
 def test_wrong_arrays_are_refused() -> None:
@@ -205,7 +249,12 @@ def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for name in ("a.stl", "a.ply", "a.obj", "a.glb"):
         for content in (b"", b"This is no mesh\n", bytes(range(256))):
             refused("file", load(name, content))
-    refused("file", load("cut.stl", b"cut".ljust(80) + b"\x09\x00\x00\x00" + bytes(range(200))), "neither the text nor")
+    refused(
+        "file",
+        load("cut.stl", b"cut".ljust(80) + b"\x09\x00\x00\x00" + bytes(range(200))),
+        "truncated: its header says 9",
+    )
+    refused("file", load("cut.ply", b"ply\nformat binary_little_endian 1.0\n" + bytes(range(200))))
     refused("file", load("points.obj", b"v 0 0 0\nv 1 0 0\n"), "at least one triangle")
     refused_each("scale", [*NOT_NUMBERS, 0.0, -1.0], lambda value: load("a.obj", b"", value)())
     with pytest.raises(TypeError, match="scale"):

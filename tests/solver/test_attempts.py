@@ -1,4 +1,4 @@
-"""Attempts: each alone finds what it is for, in places of the benchmark, with elbows, tools and orientations too."""
+"""Attempts: each alone finds what it is for, in places of the benchmark, with intermediate targets and tools."""
 
 import numpy as np
 import pytest

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -13,47 +13,15 @@ from sinuous.base.arguments import Number, Orientation, Rows, Triangles, Truth, 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import text
-from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
+from sinuous.scene.mesh_files import Y_UP, read_mesh
+from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around
 from sinuous.scene.triangles import Integers, apart, cuts_itself, mend
 
-KINDS = (".stl", ".ply", ".obj", ".glb")
+TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""The turn by a quarter about x that brings y up to z."""
 
-
-def read_mesh(file: Path) -> tuple[Floats, Integers]:
-    """Return vertices (v, 3) and triangles (f, 3) of all bodies in a file, as they are placed in it.
-
-    Raises
-    ------
-    InputError
-        When trimesh is missing, or the file cannot be read, is of another kind, or holds no triangles.
-    """
-    check_file(file, KINDS)
-    scene = load_geometry(file)
-    triangles = [body for body in scene.dump() if len(getattr(body, "faces", ())) > 0]
-    if not triangles:
-        raise InputError("file", "", str(file), "a mesh with at least one triangle")
-    counts = np.cumsum([0, *(len(body.vertices) for body in triangles)])
-    faces = [np.asarray(body.faces, np.int64) + first for body, first in zip(triangles, counts, strict=False)]
-    return np.concatenate([np.asarray(body.vertices, np.float64) for body in triangles]), np.concatenate(faces)
-
-
-def load_geometry(file: Path) -> Any:
-    """Return what trimesh reads from a file, a scene of geometries, untouched.
-
-    Raises
-    ------
-    InputError
-        When trimesh is missing or cannot read the file.
-    """
-    trimesh = checks.needed("trimesh", "mesh", "file", str(file))
-    try:
-        return trimesh.load_scene(file, process=False, maintain_order=True, skip_materials=True)
-    except Exception as error:  # whatever a reader trips over, from a KeyError to a struct.error
-        reason = " ".join(str(error).split())[:100] or type(error).__name__
-        if getattr(error, "name", None) == "charset_normalizer":  # trimesh would guess which text a broken file is
-            reason = "neither the text nor the numbers of such a file"
-        raise InputError("file", f"cannot be read: {reason}", str(file), f"a file of the kind {file.suffix}") from None
-
+Up = Literal["y", "z"]
+"""Which axis of a file is up."""
 
 ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
@@ -161,11 +129,13 @@ class Mesh(Obstacle):
         name: str | None = None,
         *,
         xyzw: Vector | None = None,
+        up: Up | None = None,
     ) -> "Mesh":
-        """Read a mesh from an STL, PLY, OBJ or GLB file; needs the extra `mesh`.
+        """Read a mesh from an STL, PLY, OBJ, GLB or GLTF file; needs the extra `mesh`.
 
         A vertex p of the file comes to lie at `rotation @ (scale * p) + position`. Of several bodies in a file all are
-        used, as they are placed in it.
+        used, as they are placed in it. In GLB and GLTF files y is up and lengths are in metres, as their specification
+        says; they are turned so that z is up first, and `defects` says so.
 
         Parameters
         ----------
@@ -181,21 +151,30 @@ class Mesh(Obstacle):
             See `Mesh`.
         xyzw : array_like (4,), optional
             A quaternion in the order of SciPy and ROS, instead of `rotation`.
+        up : str, optional
+            Which axis of the file is up, `y` or `z`; `y` is turned to z. By default `y` of GLB and GLTF, else `z`.
 
         Raises
         ------
         InputError
-            When the package is missing, the file cannot be read or holds no mesh, or as `Mesh` does.
+            When the package is missing, the file cannot be read, is cut off or holds no mesh, or as `Mesh` does.
         """
         placement = Placement(scale, position, rotation, xyzw)
-        vertices, faces = read_mesh(Path(file))
+        if up is not None:
+            checks.choice("up", up, get_args(Up))
+        vertices, faces, notes = read_mesh(Path(file))
+        y_up = Path(file).suffix.lower() in Y_UP
+        if up is None and y_up:
+            notes.append("y is up in such a file, so it was turned to have z up; up: z leaves it as it stands")
         try:
-            moved = placement.apply(checks.points("vertices", vertices))
+            turned = vertices @ TO_Z_UP.T if up == "y" or (up is None and y_up) else vertices
+            moved = placement.apply(checks.points("vertices", turned))
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
-        source = Origin.of(file, **placement.arguments, thickness=mesh.thickness or None, inside=mesh.inside or None)
-        mesh._keep(name, scale=placement.scale, _source=source)
+        said = {"thickness": mesh.thickness or None, "inside": mesh.inside or None, "up": up}
+        source = Origin.of(file, **placement.arguments, **said)
+        mesh._keep(name, scale=placement.scale, defects=(*notes, *mesh.defects), _source=source)
         return mesh
 
     def bodies(self) -> "tuple[Mesh, ...]":

@@ -13,7 +13,7 @@ from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.text_tables import TableFormat, decode_table, read_table
-from sinuous.scene.mesh import load_geometry
+from sinuous.scene.mesh_files import load_geometry
 from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
 
 Columns = Sequence[str] | Sequence[int]
@@ -140,7 +140,7 @@ class PointCloud(Obstacle):
         cloud = cls(points, radii, name=name)
         said = {"columns": columns, "invalid": None if invalid == "refuse" else invalid}
         cloud._set(
-            _source=Origin.of(file, **placement.arguments, radius=radius if np.ndim(radius) else cloud.radius, **said)
+            _source=Origin.of(file, **placement.arguments, radius=cloud.radius if kept is read else radius, **said)
         )
         return cloud
 

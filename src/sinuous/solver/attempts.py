@@ -36,7 +36,7 @@ class StartBatch:
     closed : float or None
         Edge of the cells by which it was proved that there is no route; `None` where nothing is proved.
     routes : tuple of ndarray (k, 3)
-        Of every initial configuration the route that it was laid along; empty where they come from elsewhere.
+        Of every initial configuration the route that it was fitted to; empty where they come from elsewhere.
     """
 
     source: str

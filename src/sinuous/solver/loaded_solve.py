@@ -116,7 +116,7 @@ class LoadCorrection:
 
     def __init__(self, robot: Robot) -> None:
         self._robot, self._body_of = robot, body_of(robot)
-        self._group = robot_group(robot)
+        self._group = packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
         limits = robot.drive.limits
         limited = np.isfinite(limits).any(axis=1)
         self._bounds = np.concatenate([robot.drive.jacobian, limits], axis=1)[limited]

@@ -25,11 +25,11 @@ REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "
 ATTEMPTS = {
     REMEMBERED: "shapes of a memory whose poses are nearest to the targets",
     SCATTERED: "starts scattered over all shapes, beyond those of the first call",
-    "base_tube": "chains laid along the tube that the base lies in",
+    "base_tube": "chains fitted to the tube that the base lies in",
     EDGES: "a route around edges",
     SIDE_TUBES: "a route through tubes that open beside edges",
     "cells": "routes over the cells of a grid, coarse and then fine ones",
-    "laid": "chains laid along routes",
+    "laid": "chains fitted to routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "detours": "chains grown along routes that are led aside until they are as long as the robot",
     "gates": "chains through the narrowest place of a route, of which each half is solved by itself",

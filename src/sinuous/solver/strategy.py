@@ -2,7 +2,7 @@
 
 A solve begins with a compiled call that follows a few starts (`opening_starts`): most solves end there. What is left
 undecided goes through a queue of attempts, the one with the lowest priority first. An attempt makes starts, and may add
-further attempts: a route that was found adds 'lay a chain along it', 'grow chains along it', each with more and more
+further attempts: a route that was found adds 'fit a chain to it', 'grow chains along it', each with more and more
 effort. After each attempt scattered starts follow, in proportion to the effort that it took. It ends with the first
 solution, a proof, the time, or the most starts that the user allows.
 
@@ -117,8 +117,8 @@ PRIORITY_OTHER_PASSAGES = 32
 nested)."""
 
 EFFORT_OF_OTHER_PASSAGES = 8
-"""Effort of each of them, screens and comparing included, and by how much the priority of each is higher than that of
-the one before."""
+"""Effort of each of them, blocking surfaces and comparing included, and by how much the priority of each is higher than
+that of the one before."""
 
 PASSAGES_SEARCHES = 96
 """Most searches for routes through other passages."""

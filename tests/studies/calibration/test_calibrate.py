@@ -153,18 +153,6 @@ def test_an_elastic_robot_is_found_from_its_tips() -> None:
     assert "elastic tendons" in found.explain()
 
 
-def test_groups_that_are_told_are_fitted_alone() -> None:
-    real = DRAWN.changed(base=POSE)
-    values = settings(DRAWN, 40)
-    found = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["base"])
-    np.testing.assert_allclose(found.robot.base, POSE, atol=1e-6)
-    assert found.groups == ("base",)
-    assert found.robot.changed(base=None, uncertainty=None).equals(DRAWN)
-    device = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["lengths"], frame="device")
-    np.testing.assert_allclose(device.device @ POSE, np.eye(4), atol=1e-6)
-    assert np.array_equal(device.robot.base, np.eye(4))
-
-
 def test_outliers_and_rows_that_were_not_seen_count_little() -> None:
     real = DRAWN.changed(base=POSE)
     values = settings(DRAWN, 60)
@@ -229,6 +217,21 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     assert kept.to_dict()["uncertainty"] == {"bound": own.bound}
     near = target + np.array([0.9 * own.bound, 0.0, 0.0])
     assert not sn.solve(found.robot, sn.Target(target), [sn.Sphere(near, 0.5)], time=0.05).solved
+
+
+def test_few_rows_say_the_level_that_they_allow() -> None:
+    real = real_robot()
+    values = settings(real, 12)
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 1.0), fit=["base"])
+    own = found.robot.uncertainty
+    assert own is not None
+    assert isinstance(own.bound, float)
+    assert own.level == found.level == pytest.approx(12 / 13)
+    assert own.bound == pytest.approx(found.bound(found.level))
+    assert found.bound() == math.inf
+    assert "12 rows allow a bound at 92.3 %; 95 % needs 19" in found.notes
+    assert found.confidence(own.bound) == pytest.approx(12 / 13)
+    assert found.confidence(0.0) == 0.0
 
 
 def test_rows_of_a_motion_bound_its_other_rows() -> None:

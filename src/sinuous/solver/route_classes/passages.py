@@ -1,14 +1,14 @@
 """Routes of different classes: those through passages that no solution leads through yet.
 
-A route is searched for; then, for each passage that it leads through, again with that passage closed by a screen, and
-so on with what is found then (as Lawler 1972 divides what is left for the next best solution). Starts are made of the
-first route of a class, and of others while the class is not solved; passages of all are closed. In which order this is
-done is `solver.strategy`'s.
+A route is searched for; then, for each passage that it leads through, again with that passage closed by a blocking
+surface, and so on with what is found then (as Lawler 1972 divides what is left for the next best solution). Starts are
+made of the first route of a class, and of others while the class is not solved; passages of all are closed. In which
+order this is done is `solver.strategy`'s.
 
-A screen is the part of a plane across a route that is seen from the route. It ends at the obstacles, so it leaves open
-what is behind them. Planes at several points, with several tilts, are compared, and the plane is taken of which least
-is seen. Where a route leads through a door askew, this is nearly the plane of the wall; a screen in another plane would
-stand in the room beside the door.
+A blocking surface is the part of a plane across a route that is seen from the route. It ends at the obstacles, so it
+leaves open what is behind them. Planes at several points, with several tilts, are compared, and the plane is taken of
+which least is seen. Where a route leads through a door askew, this is nearly the plane of the wall; a blocking surface
+in another plane would stand in the room beside the door.
 """
 
 from collections.abc import Callable, Generator, Iterator
@@ -29,7 +29,7 @@ from sinuous.solver.routing.partial_chains import FIRST_WIDTH
 from sinuous.solver.routing.searches import Searches, SearchPlan
 
 RAYS = 256
-"""Lines of sight that a screen is made of."""
+"""Lines of sight that a blocking surface is made of."""
 
 FEW_RAYS = 16
 """Lines of sight by which planes are compared."""
@@ -84,7 +84,7 @@ class Passage(NamedTuple):
 
 
 class SurfaceBounds(NamedTuple):
-    """What a screen has to keep.
+    """What a blocking surface has to keep.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ def _about(distances: Floats, at: int, most: int) -> list[int]:
 
 
 def make_blocking_surface(curves: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> Mesh | None:
-    """Return a screen that closes a passage: a fan of triangles, as far as is seen from a point of the route.
+    """Return a blocking surface that closes a passage: a fan of triangles, as far as is seen from a point of the route.
 
     `None`: the time of the curves did not suffice.
     """
@@ -235,7 +235,7 @@ def _up_to(away: Floats, rays: Floats, radius: float) -> Floats:
 
 
 THICK = 0.5
-"""Thickness of a screen, in edges of the cells."""
+"""Thickness of a blocking surface, in edges of the cells."""
 
 FINE = 0.5
 """Distance between the points of a route at which passages are looked for, in radii of the body."""
@@ -244,10 +244,11 @@ NEAR = 1.0
 """Distance of two passages, in radii of the body, up to which they are at one place."""
 
 OFF_ENDS = 2.0
-"""Distance of screens from the ends of a route, in radii of the body and edges of cells together."""
+"""Distance of blocking surfaces from the ends of a route, in radii of the body and edges of cells together."""
 
 COPIED = 2e9
-"""Bytes of a scene that are copied in a second at least. A scene with a screen is a copy, which looks at no clock."""
+"""Bytes of a scene that are copied in a second at least. A scene with a blocking surface is a copy, which looks at no
+clock."""
 
 SAME = 0.9
 """Least cosine of the angle between the tangents at two passages at one place."""
@@ -282,19 +283,19 @@ class Passages:
         self._searches, self._curves, self._question, self._query = searches, curves, question, query
         self._solved = solved
         self._bounds = _bounds(query, searches.single_plans[0])
-        self._screens: list[tuple[Passage, Mesh]] = []
+        self._blocking_surfaces: list[tuple[Passage, Mesh]] = []
         self._known: list[Floats] = []
         self._seen = {frozenset[int]()}
 
     def routes(self, closed: frozenset[int], plan: SearchPlan) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that are wide enough and lead through no closed passage, and how many cells they cost.
 
-        `closed` are numbers of screens. Where there is no time for a copy of the scene nothing is found.
+        `closed` are numbers of blocking surfaces. Where there is no time for a copy of the scene nothing is found.
         """
         if closed and self._curves.scene.memory > COPIED * self._curves.seconds():
             return [], 0
         problem, plans = self._question.problem, self._searches.single_plans
-        scene = self._curves.scene.beside([self._screens[i][1] for i in sorted(closed)])
+        scene = self._curves.scene.beside([self._blocking_surfaces[i][1] for i in sorted(closed)])
         shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)
         found = self._searches.find(shut, self._query, plan, self._curves.seconds())
         finest = plan.cell == plans[-1].cell and plan.cells == plans[-1].cells
@@ -327,7 +328,7 @@ class Passages:
     def closing(self, closed: frozenset[int], route: Floats) -> Iterator[frozenset[int]]:
         """Yield what is closed together with each passage of a route (k, 3), unless that was closed before.
 
-        Ends where the time does: a screen takes as long as some searches.
+        Ends where the time does: a blocking surface takes as long as some searches.
         """
         if self._curves.seconds() <= 0.0:
             return
@@ -342,7 +343,7 @@ class Passages:
                 yield more
 
     def _along(self, route: Floats) -> Iterator[StartBatch]:
-        """Yield configurations along one route (K, 3): laid, and grown."""
+        """Yield configurations along one route (K, 3): fitted, and grown."""
         candidates = RouteCandidates(self._searches, self._question, self._query)
         yield from candidates.fitted_chains([route])
         yield from candidates.grown_chains(RouteCandidate(route, clear=True, rank=1, weight=1), FIRST_WIDTH)
@@ -363,12 +364,12 @@ class Passages:
         return self._known[which]
 
     def _number(self, passage: Passage) -> int | None:
-        """Number of the screen that closes a passage; one at the place of another passage has that one's.
+        """Number of the blocking surface that closes a passage; one at the place of another passage has that one's.
 
         `None`: there was no time for it.
         """
         radius = float(self._query[QUERY_RADIUS])
-        for i, (other, _) in enumerate(self._screens):
+        for i, (other, _) in enumerate(self._blocking_surfaces):
             gaps = np.linalg.norm(other.places[:, None] - passage.places, axis=-1)
             nearest = np.unravel_index(gaps.argmin(), gaps.shape)
             if gaps[nearest] < NEAR * radius and abs(other.axes[nearest[0]] @ passage.axes[nearest[1]]) > SAME:
@@ -376,12 +377,12 @@ class Passages:
         closing = make_blocking_surface(self._curves, passage, self._bounds) if self._curves.seconds() > 0.0 else None
         if closing is None:
             return None
-        self._screens.append((passage, closing))
-        return len(self._screens) - 1
+        self._blocking_surfaces.append((passage, closing))
+        return len(self._blocking_surfaces) - 1
 
 
 def _bounds(query: Floats, plan: SearchPlan) -> SurfaceBounds:
-    """What screens have to keep in the searches of a query (27,) with cells as large as a plan's."""
+    """What blocking surfaces have to keep in the searches of a query (27,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell
     return SurfaceBounds(

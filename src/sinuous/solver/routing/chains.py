@@ -9,8 +9,9 @@ how it is turned about its tangent, so what is joined meets both ends.
 Without growing, a robot is cut in two at the narrowest place of its route: one part ends there, along the route, and
 one begins there.
 
-An elbow in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive with one of
-these. So, for some of its tangents, chains are also grown in two parts: up to the elbow, and from there.
+An intermediate target in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive
+with one of these. So, for some of its tangents, chains are also grown in two parts: up to the intermediate target, and
+from there.
 
 Terminal poses are those in which a chain from the target may begin. A bridge is what stands in the open between a chain
 that comes out of a narrow place at the base and one at the target: scattered starts solve it.
@@ -194,7 +195,7 @@ class BottleneckDecomposition:
         return (None if tail is None else np.concatenate([head, within, tail])), True
 
     def _within(self, rest: Groups, deadline: Deadline) -> Floats:
-        """The segments (m, 3) that lie in a long narrow place beyond the first part, laid along the route."""
+        """The segments (m, 3) that lie in a long narrow place beyond the first part, fitted to the route."""
         line = self._legs[self._which][self._at : self._end + 1]
         if not self._long:
             return np.empty((0, 3))
@@ -229,21 +230,21 @@ DIRECTIONS, ROLLS = 64, 16
 twice as many directions, each at one angle."""
 
 STEPS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0)
-"""Places behind a root where it is looked for room, and how much is enough. In radii of the body."""
+"""Places behind a terminal pose where it is looked for room, and how much is enough. In radii of the body."""
 
 ENOUGH = 1.25
 """Room that is enough there, in radii of the body."""
 
 IN_WALL = 0.75
-"""Room that a root lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open what lies
-behind it (a tool that leads through the wall of a tube: two tubes)."""
+"""Room that a terminal pose lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open
+what lies behind it (a tool that leads through the wall of a tube: two tubes)."""
 
 AGREEMENT = 1e-3
 """What a pose counts that is turned away from the route, beside the mean square of the room that it lacks: decides
 between poses in the open."""
 
 APART = 0.35
-"""How far roots are apart, in rad; two radii of the body count as one."""
+"""How far terminal poses are apart, in rad; two radii of the body count as one."""
 
 BEFORE = 3
 """Points of a route that its tangent is taken over."""
@@ -364,17 +365,17 @@ def bridge_chains(
     for one, two in pairs[: 2 * width]:
         if deadline() <= 0.0:
             return
-        (head, _), (tail, root) = ahead.chain(*one), behind.chain(*two)
+        (head, _), (tail, terminal_pose) = ahead.chain(*one), behind.chain(*two)
         rest = problem_beyond(groups, head)
         if len(tail) > 0:
             rest = problem_ending_at(rest, n - len(head) - len(tail), behind.frames[two])
         bridge = solve_part(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
         if bridge is not None:
-            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, root), tail)
+            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, terminal_pose), tail)
 
 
 def _ends(grown: GrownChains, most: int) -> list[End]:
-    """Chains beyond which a bridge may begin: those that end in the open, those that they continue, and the root."""
+    """Chains beyond which a bridge may begin: those in the open, those that they continue, and the terminal pose."""
     if not grown.open:
         return [(0, 0)]
     k, outside = grown.outside()
@@ -402,7 +403,7 @@ TANGENT = slice(2, POSE_POSITION, 3)
 """The tangent (3,) in a pose (12,)."""
 
 MOST_TANGENTS = 4
-"""Most tangents of an elbow with which chains are led past it."""
+"""Most tangents of an intermediate target with which chains are led past it."""
 
 
 class _Junction(NamedTuple):
@@ -431,18 +432,18 @@ class JoinedChains:
         self._groups, self._legs, self._deadline = groups, legs, deadline
         self._n = int(groups[0][0])
         self._segment = float(groups[2][UNIT]) / self._n
-        self._roots = find_terminal_poses(groups, np.concatenate(list(legs)))
-        self._other = reverse_problem(groups, self._roots[0]) if len(self._roots) else None
+        self._terminal_poses = find_terminal_poses(groups, np.concatenate(list(legs)))
+        self._other = reverse_problem(groups, self._terminal_poses[0]) if len(self._terminal_poses) else None
 
     def chains_of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
         yield from self.chains_past_all_targets(width, OPEN)
-        for elbow in self._elbows:
-            yield from elbow.chains_of_width(width)
+        for target in self._intermediate_targets:
+            yield from target.chains_of_width(width)
 
     @cached_property
-    def _elbows(self) -> "list[_IntermediateTarget]":
-        """Ways to pass the first elbow, where there is one; made once chains past all targets are not enough."""
+    def _intermediate_targets(self) -> "list[_IntermediateTarget]":
+        """Ways to pass the first intermediate target, if any; made once chains past all targets are not enough."""
         if len(self._legs) == 1:
             return []
         before = problem_up_to(self._groups, segments_of(self._groups)[0] + 1)
@@ -468,14 +469,16 @@ class JoinedChains:
 
     def _behind(self, other: Groups, width: int, open_from: float = math.inf) -> GrownChains:
         """Chains from the target."""
-        return GrownChains(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._deadline(), open_from)
+        return GrownChains(
+            other, self._legs[::-1, ::-1].copy(), self._terminal_poses, width, self._deadline(), open_from
+        )
 
     def _wholes(self, grown: GrownChains, groups: Groups) -> Iterator[tuple[float, Floats]]:
         """Chains (n, 3) that reach the other end by themselves, and their scores."""
         for i in range(min(grown.complete_count, WHOLES)):
-            chain, root = grown.complete_chain(i)
+            chain, terminal_pose = grown.complete_chain(i)
             if groups is not self._groups:
-                chain = reverse_chain(self._groups, problem_from_pose(groups, root), chain)
+                chain = reverse_chain(self._groups, problem_from_pose(groups, terminal_pose), chain)
             yield float(grown.scores[grown.segments, i]), chain
 
     def _given(self, wholes: Iterable[tuple[float, Floats]]) -> Iterator[Floats]:
@@ -489,8 +492,8 @@ class JoinedChains:
         for _, k, i, j in self._joints(ahead, behind)[:most]:
             if self._deadline() <= 0.0:
                 return
-            (head, _), (tail, root) = ahead.chain(k, i), behind.chain(self._n - k, j)
-            begun = problem_from_pose(self._other, root)
+            (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
+            begun = problem_from_pose(self._other, terminal_pose)
             closed = self._closed(self._groups, head, behind.frames[self._n - k, j])
             if closed is not None:
                 head = closed
@@ -525,21 +528,21 @@ class JoinedChains:
 
 
 class _IntermediateTarget:
-    """Chains in two parts: up to the first elbow, to pass it with one tangent, and from there as the first part ends.
+    """Chains in two parts: up to the first intermediate target, to pass it with one tangent, and from there on.
 
     Parameters
     ----------
     groups, before : tuple of ndarray
-        The problem, and that of the segments up to the elbow.
+        The problem, and that of the segments up to the intermediate target.
     legs, deadline
         See `JoinedChains`.
-    root : ndarray (12,)
-        Pose of the elbow, against the tangent.
+    terminal_pose : ndarray (12,)
+        Pose of the intermediate target, against the tangent.
     """
 
-    def __init__(self, groups: Groups, before: Groups, legs: Floats, root: Floats, deadline: Deadline) -> None:
+    def __init__(self, groups: Groups, before: Groups, legs: Floats, terminal_pose: Floats, deadline: Deadline) -> None:
         self._groups, self._before, self._legs, self._deadline = groups, before, legs, deadline
-        self._heads = JoinedChains(with_end_tangent(before, -root[TANGENT]), legs[:1], deadline)
+        self._heads = JoinedChains(with_end_tangent(before, -terminal_pose[TANGENT]), legs[:1], deadline)
         self._head: Floats | None = None
         self._tails: JoinedChains | None = None
 

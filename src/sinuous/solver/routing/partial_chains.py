@@ -65,20 +65,20 @@ FLIP = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
 
-def reverse_problem(groups: Groups, root: Floats) -> Groups:
-    """Return the groups of the problem the other way round, of chains that begin with the pose `root` (12,).
+def reverse_problem(groups: Groups, terminal_pose: Floats) -> Groups:
+    """Return the groups of the problem the other way round, of chains that begin with the pose `terminal_pose` (12,).
 
-    Where the target asks for a rotation, the base is a rotation to end with. Of an elbow whose rotation is asked for
-    only the direction is kept. The mount is left out, and so are limits of actuators: only the whole robot has to keep
-    them.
+    Where the target asks for a rotation, the base is a rotation to end with. Of an intermediate target whose rotation
+    is asked for only the direction is kept. The mount is left out, and so are limits of actuators: only the whole robot
+    has to keep them.
     """
     robot, scene, settings, targets = groups
     n, parts = int(robot[0]), robot_parts(robot)
     at_tip = np.isin(targets[:, t.TARGET_SEGMENT], (-1.0, n - 1.0))
-    tip, elbows = targets[at_tip][0], targets[~at_tip]
-    base = parts.base
+    tip, intermediate = targets[at_tip][0], targets[~at_tip]
+    base, segments = parts.base, parts.segments[::-1]
     against = base[: t.POSE_POSITION].reshape(3, 3) @ FLIP
-    other = parts._replace(segments=parts.segments[::-1], actuators=NO_ACTUATORS, base=root, tool=NO_TOOL).group()
+    other = parts._replace(segments=segments, actuators=NO_ACTUATORS, base=terminal_pose, tool=NO_TOOL).group()
     row = np.zeros((1, t.TARGET_WIDTH))
     row[0, t.TARGET_SEGMENT], row[0, t.HAS_POSITION] = -1.0, 1.0
     row[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] = base[t.POSE_POSITION :]
@@ -86,21 +86,21 @@ def reverse_problem(groups: Groups, root: Floats) -> Groups:
         row[0, t.ORIENTATION], row[0, t.GOAL : t.GOAL + 9] = t.ROTATION, against.ravel()
     else:
         row[0, t.ORIENTATION], row[0, t.GOAL : t.GOAL + 3] = t.DIRECTION, against[:, 2]
-    for elbow in elbows:
-        elbow[t.TARGET_SEGMENT] = n - 2.0 - elbow[t.TARGET_SEGMENT]
-        if elbow[t.ORIENTATION] != t.FREE:
-            first, last, step = (0, 3, 1) if elbow[t.ORIENTATION] == t.DIRECTION else (2, 9, 3)
+    for target in intermediate:
+        target[t.TARGET_SEGMENT] = n - 2.0 - target[t.TARGET_SEGMENT]
+        if target[t.ORIENTATION] != t.FREE:
+            first, last, step = (0, 3, 1) if target[t.ORIENTATION] == t.DIRECTION else (2, 9, 3)
             ahead = slice(t.GOAL + first, t.GOAL + last, step)
-            elbow[t.ORIENTATION], elbow[t.GOAL : t.GOAL + 3] = t.DIRECTION, -elbow[ahead]
+            target[t.ORIENTATION], target[t.GOAL : t.GOAL + 3] = t.DIRECTION, -target[ahead]
     told = settings.copy()
     told[t.MOUNT] = 0.0
-    return other, scene, told, np.vstack([elbows, row])
+    return other, scene, told, np.vstack([intermediate, row])
 
 
-def problem_from_pose(groups: Groups, root: Floats) -> Groups:
-    """Return the same problem for a robot that begins with the pose `root` (12,)."""
+def problem_from_pose(groups: Groups, terminal_pose: Floats) -> Groups:
+    """Return the same problem for a robot that begins with the pose `terminal_pose` (12,)."""
     robot = groups[0].copy()
-    robot_parts(robot).base[:] = root
+    robot_parts(robot).base[:] = terminal_pose
     return (robot, *groups[1:])
 
 
@@ -122,7 +122,7 @@ NO_TOOL, NO_ACTUATORS = np.append(np.eye(3).ravel(), np.zeros(3)), np.empty((0, 
 """Pose (12,) of the tip without a tool."""
 
 FEWEST = 8
-"""Points of a line that segments are laid along, at least."""
+"""Points of a line that segments are fitted to, at least."""
 
 SAMPLES = 8
 """Points of a backbone for each segment."""
@@ -348,8 +348,8 @@ def divide_route(groups: Groups, route: Floats, near: float) -> Floats | None:
     Then no route has to be searched for from one to the next.
     """
     targets, legs = groups[3], []
-    points, elbows = route, list(_in_order(groups).values())[:-1]
-    for target in elbows:
+    points, intermediate = route, list(_in_order(groups).values())[:-1]
+    for target in intermediate:
         place = targets[target, TARGET_POSITION : TARGET_POSITION + 3]
         gaps = np.linalg.norm(points - place, axis=1)
         at = int(gaps.argmin())
@@ -369,7 +369,7 @@ class GrownChains:
         The problem, see `Groups`.
     legs : ndarray (l, K, 3)
         The legs of a route, from target to target, evenly spaced, in the length unit.
-    roots : ndarray (r, 12)
+    terminal_poses : ndarray (r, 12)
         Poses in which chains may begin.
     width : int
         Chains of every number of segments that are kept: a power of two.
@@ -393,7 +393,13 @@ class GrownChains:
     """
 
     def __init__(
-        self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float, open_from: float = math.inf
+        self,
+        groups: Groups,
+        legs: Floats,
+        terminal_poses: Floats,
+        width: int,
+        seconds: float,
+        open_from: float = math.inf,
     ) -> None:
         n, obstacles = int(groups[0][0]), int(groups[1][0])
         self.segments = segments_of(groups)[len(legs) - 1] + 1
@@ -401,7 +407,7 @@ class GrownChains:
         self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
         workspace = np.empty(growing_size(obstacles, width))
         self.open: bool = grow_chains(
-            *groups, legs, roots, open_from, max(0.0, seconds), workspace, levels, self.counts
+            *groups, legs, terminal_poses, open_from, max(0.0, seconds), workspace, levels, self.counts
         )
         self._open_from = open_from
         self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
@@ -439,8 +445,8 @@ class GrownChains:
 
         Segments beyond that target are as short as they can be.
         """
-        q, root = self.chain(self.segments, i)
-        return np.concatenate([q, self._rest[self.segments :]]), root
+        q, terminal_pose = self.chain(self.segments, i)
+        return np.concatenate([q, self._rest[self.segments :]]), terminal_pose
 
 
 def settle_chains(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:

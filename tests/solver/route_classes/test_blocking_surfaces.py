@@ -1,4 +1,4 @@
-"""Screens close the passage that a route leads through, and no other one."""
+"""Blocking surfaces close the passage that a route leads through, and no other one."""
 
 import itertools
 
@@ -42,7 +42,7 @@ def line(*corners: tuple[float, float, float], count: int = 120) -> Floats:
 
 @pytest.mark.parametrize("tilt", [0.0, 40.0, -40.0])
 @pytest.mark.parametrize("door", [0, 1])
-def test_a_screen_in_a_door_closes_it_and_leaves_the_other_open(door: int, tilt: float) -> None:
+def test_a_blocking_surface_in_a_door_closes_it_and_leaves_the_other_open(door: int, tilt: float) -> None:
     own, place = curves(wall()), (0.5 * sum(DOORS[door]), 0.0, 150.0)
     route = line((place[0] - tilt, 0.0, 110.0), place, (place[0] + tilt, 0.0, 190.0))
     passage, *_ = passages(route, own.scene.distance(route), BOUNDS)
@@ -57,7 +57,7 @@ def test_a_screen_in_a_door_closes_it_and_leaves_the_other_open(door: int, tilt:
 
 
 @pytest.mark.parametrize("number", [28, 30, 56])
-def test_a_screen_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
+def test_a_blocking_surface_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
     known = doors.make(0, number)
     own = RouteCurves(doors.ROBOT, known.scene.snapshot())
     bounds = SurfaceBounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)

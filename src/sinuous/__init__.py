@@ -33,7 +33,7 @@ _HOMES = {
     "sinuous.problem.problem": "Preferences Problem",
     "sinuous.problem.target": "Target Tolerance",
     "sinuous.scene.grids": "Field Grid",
-    "sinuous.scene.meshes.mesh": "Mesh",
+    "sinuous.scene.mesh": "Mesh",
     "sinuous.scene.moving": "Moving",
     "sinuous.scene.obstacles": "Box Capsule Cylinder HalfSpace Sphere",
     "sinuous.scene.point_cloud": "PointCloud",

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 import sinuous as sn
 from sinuous import methods
 from sinuous.answer.binding import Binding
-from sinuous.answer.reasons import Reason
 from sinuous.answer.remedies import Remedy
+from sinuous.answer.status import Reason
 from sinuous.answer.step import Active
 from sinuous.answer.worst import Worst
 from sinuous.base.frozen import LONGEST, text

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.judges import judge
 from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import audit, calls, doors, motions, odd, trials, worlds
@@ -163,13 +163,13 @@ def test_some_worlds_are_solved_and_hold(make: Callable[[int, int], World]) -> N
 
 @pytest.mark.parametrize("kind", [k for k in motions.KINDS if "timed" not in k and "tracked" not in k])
 def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    judge = motions.KINDS[kind]
-    found = [judge(0, number) for number in range(4)]
+    made = motions.KINDS[kind]
+    found = [made(0, number) for number in range(4)]
     assert all(each.false == "" for each in found)
     assert any(each.proved for each in found)
     for name in ("needed_body", "self_body"):
         monkeypatch.setattr(f"benchmarks.judges.motions.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
-    assert any(judge(0, number).false for number in range(4))
+    assert any(made(0, number).false for number in range(4))
 
 
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -218,7 +218,7 @@ def test_a_solver_that_misses_a_door_is_found_out(monkeypatch: pytest.MonkeyPatc
     whole, lacking, doubled = compare(found), compare(found[:1]), compare(found * 2)
     assert whole[:5] == (3, 3, 0, 0, 0)
     assert (lacking.found, doubled.again, doubled.alike) == (1, 3, 3)
-    monkeypatch.setattr(Body, "overlaps", lambda self, q: np.ones(len(q), bool))
+    monkeypatch.setattr(judge, "overlaps", lambda _robot, _scene, q: np.ones(len(q), bool))
     assert compare(found).false == 3
 
 

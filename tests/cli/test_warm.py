@@ -15,7 +15,7 @@ from sinuous.cli.app import main
 from sinuous.cli.warm import WarmStep, steps
 from sinuous.kernels.compile import pieces
 from sinuous.kernels.compile.pieces import FREE, PIECES
-from sinuous.methods.registry import METHODS
+from sinuous.methods.method import METHODS
 from tests.base.test_progress import Terminal
 from tests.kernels.test_compile import decorated
 

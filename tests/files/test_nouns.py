@@ -84,6 +84,12 @@ def test_the_columns_name_the_order() -> None:
     np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
 
 
+def test_columns_may_stand_in_any_order_with_any_separator() -> None:
+    targets, times = parse_path("z;y;x;t\n3,5;2;1;0,5\n")
+    assert times == [0.5]
+    np.testing.assert_array_equal(targets[0].position, (1.0, 2.0, 3.5))
+
+
 def test_a_column_in_front_has_times() -> None:
     targets, times = parse_path("t,x,y,z,dx,dy,dz\n0.5,1,2,3,0,0,2\n2,4,5,6,0,1,0\n")
     assert times is not None
@@ -103,20 +109,20 @@ def test_a_column_in_front_has_times() -> None:
         ("", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
         ("1,2,3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
         ("x,y,z,dx\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
-        ("x;y;z\n1;2;3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
+        ("x;y;w\n1;2;3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
         ("x,y,z\n", "line 1", "expected at least one target"),
-        ("x,y,z\n\n1,2\n", "line 3", "wrong number of cells"),
+        ("x,y,z\n\n1,2\n", "line 3", "has 2 cells; expected as many as in line 1: x,y,z"),
         ("x,y,z\n1,2,nan\n", "line 2.z", "expected a finite number, got '"),
         ("x,y,z\n1,,3\n", "line 2.y", "expected a finite number, got '"),
         ("x,y,z\n1_0,2,3\n", "line 2.x", "expected a finite number, got '"),
-        ("x,y,z\n1e999,2,3\n", "line 2.x", "expected a finite number, got inf"),
+        ("x,y,z\n1e999,2,3\n", "line 2.x", "expected a finite number, got '1e999'"),
         ("x,y,z,dx,dy,dz\n1,2,3,0,0,0\n", "line 2.direction", "expected a vector that is not zero"),
         ("x,y,z\n" + "1,2,3\n" * 1000 + "1,2,x\n", "line 1002.z", "expected a finite number, got 'x'"),
-        ('x,y,z\n"1,2,3\n', "line", "unexpected end"),
-        ("t,x,y\n1,2,3\n", "line 1", "perhaps with t in front"),
+        ('x,y,z\n"1,2,3\n', "line 1", "the table cannot be read"),
+        ("t,x,y\n1,2,3\n", "line 1", "perhaps with t"),
         ("t,x,y,z\n0,1,2,3\n1,1,2,3\n1,4,5,6\n", "line 4.t", "times must increase; expected more than 1, got 1.0"),
         ("t,x,y,z\nsoon,1,2,3\n", "line 2.t", "expected a finite number, got 'soon'"),
-        ("t,x,y,z\n0,1,2\n", "line 2", "wrong number of cells"),
+        ("t,x,y,z\n0,1,2\n", "line 2", "has 3 cells"),
     ],
 )
 def test_refusals_name_the_line(text: str, key: str, problem: str) -> None:

@@ -13,7 +13,7 @@ from sinuous.model.poses import pose
 from sinuous.model.rates import Rates
 from sinuous.motion.job import Job, read_problem
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from tests.scene.shapes import cube, together

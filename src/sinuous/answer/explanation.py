@@ -4,17 +4,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from sinuous.answer.binding import Binding, in_words, nearest_limits
-from sinuous.answer.reasons import Reason
 from sinuous.answer.remedies import Remedy, find_remedies
 from sinuous.answer.residual import residual_of
 from sinuous.answer.solve_again import UnknownOptions
-from sinuous.answer.status import Status
+from sinuous.answer.status import Reason, Status
 from sinuous.answer.trials import Case, Trials
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import NotebookMixin, call
 from sinuous.base.words import degrees, number
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, ask_body
 
 LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
 

@@ -12,10 +12,9 @@ import numpy as np
 from sinuous.answer.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.answer.explanation import Explanation, explain
 from sinuous.answer.reading import as_demanded, read_result
-from sinuous.answer.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solve_again import SolveAgain
-from sinuous.answer.status import Status, status_of
+from sinuous.answer.status import Reason, Status, base_in, closed_in, status_of, target_in, unreachable
 from sinuous.answer.trials import Case
 from sinuous.answer.verification import Verification, verify
 from sinuous.answer.worst import Worst, find_worst
@@ -31,8 +30,7 @@ from sinuous.kernels.packing import read_only
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.model.rates import Changes
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, ask_body
 
 if TYPE_CHECKING:
     from sinuous.answer.derivatives.derivative import Derivative
@@ -195,7 +193,7 @@ class Solution(NotebookMixin):
 
     @property
     def route(self) -> Floats | None:
-        """Points (k, 3) of the route that the start was laid along; `None` unless a route led to the solution."""
+        """Points (k, 3) of the route that the start was fitted to; `None` unless a route led to the solution."""
         return self._outcome.route
 
     @property

@@ -19,8 +19,7 @@ from sinuous.measures.reach import target_errors
 from sinuous.measures.statics import imbalance
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Problem, ask_body, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot

@@ -15,7 +15,6 @@ from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
 from sinuous.files.documents import json_line
 from sinuous.motion.job import Job
-from sinuous.scene.extents import box_of
 
 MOST = 12
 """Most obstacles of which sizes are printed."""
@@ -101,7 +100,7 @@ def _actuators(problem: Job) -> dict[str, float] | None:
 def _sizes(problem: Job) -> list[tuple[str, list[float] | None, float]]:
     """Of every obstacle its name, its extents along the axes of the world, and how far it is from the base."""
     base = problem.robot.base[:3, 3]
-    boxes = [box_of(obstacle) for obstacle in problem.scene.obstacles]
+    boxes = [obstacle._box for obstacle in problem.scene.obstacles]
     scene = problem.scene.snapshot().first
     away = [float(scene.distance_to(i, base)[0]) for i in range(len(boxes))]
     return [

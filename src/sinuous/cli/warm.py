@@ -28,14 +28,14 @@ from sinuous.kernels.compile.targets import shipped
 from sinuous.kernels.compile.tiers import TOOK
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import FEWEST_TARGETS, train
-from sinuous.methods.registry import METHODS, name_of
+from sinuous.methods.method import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.memory_search import load_memory_search
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene

@@ -3,11 +3,8 @@
 The parameters of the constructor of a noun are the keys that may stand in its mapping.
 """
 
-import csv
 import inspect
-import io
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache, partial
 from itertools import chain
 from pathlib import Path
@@ -18,7 +15,8 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, suggested
-from sinuous.files.documents import NUMBER, join, parse_json, read_part, read_text
+from sinuous.base.text_tables import axis_of, read_table
+from sinuous.files.documents import join, parse_json, read_part, read_text
 from sinuous.model.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.model.loads import Payload
 from sinuous.model.names import MOST_SEGMENTS, segment_number
@@ -27,7 +25,7 @@ from sinuous.model.robot import Robot, Uncertainty
 from sinuous.model.segment import Segment, Stiffness
 from sinuous.problem.target import Target
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
@@ -344,11 +342,7 @@ def _list_of(what: str, value: Any, least: int = 1) -> list[Any]:
 
 TIME = "t"
 POSITION = ("x", "y", "z")
-ORIENTATIONS = {
-    "direction": ("dx", "dy", "dz"),
-    "rotation": ("qw", "qx", "qy", "qz"),
-    "xyzw": ("qx", "qy", "qz", "qw"),
-}
+ORIENTATIONS = {"direction": ("dx", "dy", "dz"), "rotation": ("qw", "qx", "qy", "qz")}
 HEADERS = {POSITION: None} | {(*POSITION, *columns): name for name, columns in ORIENTATIONS.items()}
 """What an allowed header says beside the position."""
 
@@ -361,7 +355,7 @@ class PathTable(NamedTuple):
 
 
 def parse_path(text: str) -> PathTable:
-    """Read the targets of a CSV file with a header, and their times.
+    """Read the targets of a table with names in its first line, and their times.
 
     Raises
     ------
@@ -369,19 +363,21 @@ def parse_path(text: str) -> PathTable:
         With the number of the line, when the header is another one, a row has not one finite number for each column, or
         times do not increase.
     """
-    (line, names), *rows = list(_rows(text)) or [(1, [])]
-    header = tuple(name.strip() for name in names)
-    timed = header[:1] == (TIME,)
-    if header[timed:] not in HEADERS:
-        expected = " or ".join(",".join(h) for h in HEADERS) + ", perhaps with t in front"
-        raise InputError(f"line {line}", "", ",".join(names), expected)
+    table, rows = read_table(text)
+    names = [axis_of(name) or name.lower() for name in table.names or ()]
+    timed = TIME in names
+    columns = next((each for each in HEADERS if sorted([*each, *([TIME] * timed)]) == sorted(names)), None)
+    if columns is None:
+        expected = " or ".join(",".join(h) for h in HEADERS) + ", perhaps with t"
+        raise InputError("line 1", "", ",".join(table.names or ()) or text[:100], expected)
     if not rows:
-        raise InputError(f"line {line}", "", text, "at least one target")
-    numbers = _numbers(header, rows)
-    orientation, poses = HEADERS[header[timed:]], numbers[:, timed:]
+        raise InputError("line 1", "", text, "at least one target")
+    places = [names.index(name) for name in columns]
+    table.warn_of_units(places, "path")
+    poses, orientation = table.read_finite(rows, places), HEADERS[columns]
     turned: dict[str, Any] = {} if orientation is None else {orientation: poses[:, 3:]}
     try:
-        times = checks.increasing("times", numbers[:, 0], None) if timed else None
+        times = checks.increasing("times", table.read_finite(rows, [names.index(TIME)])[:, 0], None) if timed else None
         return PathTable(Target.each(poses[:, :3], **turned), times)
     except InputError as error:
         if error.row is None:
@@ -389,32 +385,3 @@ def parse_path(text: str) -> PathTable:
         name, row = error.row
         key = f"line {rows[row][0]}.{TIME if name == 'times' else name}"
         raise InputError(key, error.problem, error.value, error.expected) from None
-
-
-def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number of the line and the cells of every row that is not empty."""
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-    try:
-        for cells in reader:
-            if any(cell.strip() for cell in cells):
-                yield reader.line_num, cells
-    except csv.Error as error:
-        raise InputError(f"line {reader.line_num}", str(error), text, "comma-separated values") from None
-
-
-def _numbers(header: tuple[str, ...], rows: list[tuple[int, list[str]]]) -> Floats:
-    """Numbers (m, k) of all rows; a refusal names the line."""
-    numbers = []
-    for line, cells in rows:
-        with checks.inside(f"line {line}"):
-            if len(cells) != len(header):
-                raise InputError("", "wrong number of cells", cells, f"{len(header)}: {','.join(header)}")
-            numbers.append([_number(name, cell.strip()) for name, cell in zip(header, cells, strict=True)])
-    return np.array(numbers)
-
-
-def _number(name: str, cell: str) -> float:
-    if not NUMBER.fullmatch(cell):
-        raise InputError(name, "", cell, "a finite number")
-    value = float(cell)
-    return value if math.isfinite(value) else checks.number(name, value)

@@ -14,7 +14,7 @@ from sinuous.kernels.certificate.query import VERDICT
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
-from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import ask_body
 from sinuous.solver.certificates.steps import Prover
 
 KEPT = 64

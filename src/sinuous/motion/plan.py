@@ -16,7 +16,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import refuse_unknown, warn_of
 from sinuous.base.frozen import call
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
-from sinuous.methods.registry import name_of
+from sinuous.methods.method import name_of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
@@ -28,8 +28,7 @@ from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedP
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.timetable import spread_times
-from sinuous.problem.problem import check_sizes
-from sinuous.problem.suspicions import suspicions
+from sinuous.problem.problem import check_sizes, suspicions
 from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot

@@ -11,10 +11,9 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import NotebookMixin
 from sinuous.model.poses import pose
 from sinuous.scene.moving import Moving, moved
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Origin
+from sinuous.scene.parts import unsampled
 from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.prepared.parts import unsampled
-from sinuous.scene.reading import Origin
 from sinuous.scene.snapshot import Snapshot, Surroundings
 
 

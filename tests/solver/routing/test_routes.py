@@ -123,9 +123,9 @@ def test_a_body_gets_through_a_door_behind_its_base() -> None:
     assert solution.verify().ok
 
 
-def test_elbows_are_gone_through_one_after_the_other(narrow: Scene) -> None:
-    elbow = ROBOT.backbone(HIDDEN, 1)[3]
-    targets = [Target(elbow, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
+def test_intermediate_targets_are_gone_through_one_after_the_other(narrow: Scene) -> None:
+    place = ROBOT.backbone(HIDDEN, 1)[3]
+    targets = [Target(place, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
     solution = Solver(ROBOT, narrow, time=60.0, max_starts=60).solve(targets)
     assert (solution.status, solution.start) == (Status.SOLVED, "route")
 

@@ -26,11 +26,30 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.route_classes.curves import RouteCurves
-from sinuous.solver.routing.bottlenecks import WIDE
-from sinuous.solver.routing.edges import SharpWalls, rims_of, walls_of
-from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, GrownChains, lengthen_route, query_of, settle_chains
-from sinuous.solver.routing.partial_problems import Groups, fit_chain, problem_beyond, reverse_chain, segments_in
-from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around, route_through, tubes_beside
+from sinuous.solver.routing.chains import WIDE
+from sinuous.solver.routing.partial_chains import (
+    FIRST_WIDTH,
+    LEG_POINTS,
+    Groups,
+    GrownChains,
+    fit_chain,
+    lengthen_route,
+    problem_beyond,
+    query_of,
+    reverse_chain,
+    segments_in,
+    settle_chains,
+)
+from sinuous.solver.routing.tubes import (
+    SharpWalls,
+    Tube,
+    chains_out_of_tube,
+    find_tube_around,
+    rims_of,
+    route_through,
+    tubes_beside,
+    walls_of,
+)
 
 
 class BufferPool:

@@ -19,7 +19,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import yaml_text
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.files.documents import join, parse
-from sinuous.methods.registry import name_of
+from sinuous.methods.method import name_of
 from sinuous.model.poses import least_rotation
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot

@@ -28,7 +28,7 @@ def calibrate_file(asked: Calibrate) -> int:
     actuators = [actuator.name for actuator in robot.actuators]
     table = read_table(Path(asked.measured), actuators)
     own = None if asked.motion is None else read_table(asked.motion, actuators)
-    names = None if asked.fit is None else [name.strip() for name in asked.fit.split(",")]
+    names = None if asked.fit is None else [name.strip() for each in asked.fit for name in each.split(",")]
     known = checks.choice("--frame", asked.frame, get_args(Frame))
     with checks.in_file(asked.measured):
         rows = table.actuators, table.measured

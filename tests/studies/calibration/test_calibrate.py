@@ -231,6 +231,21 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     assert not sn.solve(found.robot, sn.Target(target), [sn.Sphere(near, 0.5)], time=0.05).solved
 
 
+def test_few_rows_say_the_level_that_they_allow() -> None:
+    real = real_robot()
+    values = settings(real, 12)
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 1.0), fit=["base"])
+    own = found.robot.uncertainty
+    assert own is not None
+    assert isinstance(own.bound, float)
+    assert own.level == found.level == pytest.approx(12 / 13)
+    assert own.bound == pytest.approx(found.bound(found.level))
+    assert found.bound() == math.inf
+    assert "12 rows allow a bound at 92.3 %; 95 % needs 19" in found.notes
+    assert found.confidence(own.bound) == pytest.approx(12 / 13)
+    assert found.confidence(0.0) == 0.0
+
+
 def test_rows_of_a_motion_bound_its_other_rows() -> None:
     """What is wrong with the robot matters more in some motions; the device lies askew, and points are in metres."""
     values, motion = settings(DRAWN, 30), settings(DRAWN, 160, seed=5) * [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]

@@ -1,5 +1,6 @@
 """Fit a robot to measurements, and say which measurements would tell most about it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal, get_args
 
@@ -12,7 +13,16 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import holds
-from sinuous.studies.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
+from sinuous.studies.calibration.calibration import (
+    LEVEL,
+    ROUNDING,
+    Calibration,
+    Parameter,
+    Trial,
+    attainable,
+    bounds_of,
+    scales_of_points,
+)
 from sinuous.studies.calibration.fit import (
     DRAWING_WEIGHT,
     Fit,
@@ -246,7 +256,14 @@ def _result(
         real = real.changed(base=_orthogonal(state.pose @ robot.base))
     else:
         device = _orthogonal(np.linalg.inv(state.pose))
-    real = real.changed(tool=tool, uncertainty=Uncertainty(bounds_of(len(robot), held, rows, LEVEL), LEVEL))
+    level = attainable(len(rows.labels), LEVEL)
+    if level < LEVEL:
+        needed = math.ceil(LEVEL / (1.0 - LEVEL) - ROUNDING)
+        notes.append(
+            f"{len(rows.labels)} rows allow a bound at {100.0 * level:.3g} %; {100.0 * LEVEL:g} % needs {needed}"
+        )
+    bounds = bounds_of(len(robot), held, rows, level, scales_of_points(held))
+    real = real.changed(tool=tool, uncertainty=Uncertainty(bounds, level))
     fit_names = (frame, *(each.name for each in state.values.groups))
     parameters = tuple(_parameters(last, drawn, rows, frame))
     residuals = np.where(seen, last.residuals, np.nan)

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
+from sinuous.base.documents import result_value
 from sinuous.base.errors import InputError
-from sinuous.files.documents import finite, json_line, parse_json, result
+from sinuous.files.documents import json_line, parse_json, result
 from tests.cases import with_each
 
 
@@ -47,7 +48,7 @@ def test_nothing_of_numpy_and_nothing_infinite_leaks() -> None:
     line = json_line(value)
     assert "\n" not in line
     assert json.loads(line) == {"a": 1.5, "b": [0, 1, 2], "c": [2, None], "d": None, "e": True}
-    assert finite(np.array([np.inf, 1.0])) == [None, 1.0]
+    assert result_value(np.array([np.inf, 1.0])) == [None, 1.0]
 
 
 def test_the_file_comes_first_and_the_time_of_preparing_after_that_of_solving() -> None:

@@ -7,12 +7,14 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 from dataclasses import dataclass
 from enum import StrEnum
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.arguments import BoundName
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.kernels import tables as t
@@ -141,6 +143,10 @@ class Reason(ShortRepr):
     longest: float | None = None
     inside: bool = False
     clearance: float = 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values, in the order of the file format."""
+        return result_of(self, "bound needed available obstacle")
 
     def __str__(self) -> str:
         missing = number(self.needed - self.available)

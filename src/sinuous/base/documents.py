@@ -14,6 +14,7 @@ import threading
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, ElementTree, indent
@@ -261,6 +262,41 @@ def _number(value: float) -> int | float | None:
 
 def _listed(entries: list[Any]) -> list[Any] | None:
     return None if entries and all(entry is None for entry in entries) else entries
+
+
+def result_of(found: object, names: str) -> dict[str, Any]:
+    """Return what a result says under these names, separated by blanks: attributes as plain values, in this order."""
+    return {name: result_value(getattr(found, name)) for name in names.split()}
+
+
+def result_value(value: Any) -> Any:
+    """Return a value as dict, list, str, int, finite float, bool and None; a number that is not finite is None.
+
+    Results have a `to_dict`; of tuples with names, and of data classes, it is a mapping of their fields.
+    """
+    if value is None or isinstance(value, int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, str | Path):
+        return str(value)
+    if isinstance(value, np.ndarray):
+        own = value.tolist()
+        return own if value.dtype.kind in "bi" or np.isfinite(value).all() else result_value(own)
+    return _result_of_several(value)
+
+
+def _result_of_several(value: Any) -> Any:
+    """The same of what holds other values, or of a number of NumPy."""
+    if hasattr(value, "to_dict"):
+        return value.to_dict()
+    if is_dataclass(value) or hasattr(value, "_asdict"):
+        value = vars(value) if is_dataclass(value) else value._asdict()
+    if isinstance(value, Mapping):
+        return {str(key): result_value(entry) for key, entry in value.items()}
+    if isinstance(value, np.generic):
+        return result_value(value.item())
+    return [result_value(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def pose_arguments(pose: Floats) -> dict[str, Any] | None:

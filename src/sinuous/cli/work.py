@@ -21,7 +21,7 @@ from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.checks import Floats
-from sinuous.base.documents import written
+from sinuous.base.documents import result_of, written
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import ProgressBar
 from sinuous.base.words import counted
@@ -85,11 +85,8 @@ class Alternatives:
 
     def to_dict(self) -> dict[str, Any]:
         """Return what they have in common, and each, as plain values in the order of the file format."""
-        best = self.best.to_dict()
-        common = {key: best[key] for key in ("status", "base", "worst", "reason")}
-        asked = {key: best[key] for key in ("method", "seed")}
-        each = [solution.to_dict() for solution in self.solutions]
-        return {**common, "seconds": self.seconds, **asked, "solutions": each}
+        best = result_of(self.best, "status base worst reason")
+        return {**best, "seconds": self.seconds, **result_of(self.best, "method seed"), **result_of(self, "solutions")}
 
     def __str__(self) -> str:
         if not self.solutions:

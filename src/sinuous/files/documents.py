@@ -20,11 +20,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-import numpy as np
 import yaml
 
 from sinuous.base import checks
-from sinuous.base.documents import readable
+from sinuous.base.documents import readable, result_value
 from sinuous.base.errors import InputError, shown
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML has it; only its parser is used
@@ -321,9 +320,9 @@ def read_part(
 def json_line(result: dict[str, Any]) -> str:
     """Return one result as one line, without a line break; numbers that are not finite become null."""
     try:
-        return json.dumps(result, allow_nan=False, default=finite)
+        return json.dumps(result, allow_nan=False, default=result_value)
     except ValueError:  # some number is not finite
-        return json.dumps(finite(result), allow_nan=False)
+        return json.dumps(result_value(result), allow_nan=False)
 
 
 def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:
@@ -341,19 +340,6 @@ def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[st
         if key == "seconds":
             entries["prepare_seconds"] = prepare_seconds
     return entries
-
-
-def finite(value: Any) -> Any:
-    """Return a value with dict, list, str, int, finite float, bool and None in it, nothing else."""
-    if isinstance(value, dict):
-        return {str(key): finite(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [finite(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def read_results(file: Path) -> list[tuple[int, dict[str, Any]]]:

@@ -16,6 +16,7 @@ which every tension and displacement is within its limits.
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.model.actuators import Lines
 from sinuous.model.segment import COORDINATES, Segment
+from sinuous.model.tension_rows import Forces, LineGroup, LineLimits, TensionRows
 
 STEPS = 100
 """Most Newton steps of an equilibrium; a handful is usual."""
@@ -133,33 +135,6 @@ RANK = 1e-9
 
 BALANCE = 1e-9
 """By how much moments may be out of balance, relative to those of the stiffness at 1 rad, and count as balanced."""
-
-
-class LineGroup(NamedTuple):
-    """The elastic lines that end at one segment.
-
-    Attributes
-    ----------
-    lines : ndarray of int (g,)
-        Among the elastic ones.
-    coordinates : ndarray of int (e,)
-        What they pull at: those of this segment that move.
-    spread : ndarray (g, e)
-        From the sums that they have to make to their tensions of least squares.
-    common : ndarray (g,)
-        Tensions that cancel each other, at least 0; 0 where there are none.
-    arm : float
-        The longest distance of a line from the backbone, or 1 for the length alone.
-    hold : float
-        Tension that bends the segment by 1 rad.
-    """
-
-    lines: NDArray[np.intp]
-    coordinates: NDArray[np.intp]
-    spread: Floats
-    common: Floats
-    arm: float
-    hold: float
 
 
 class Balance(NamedTuple):
@@ -299,6 +274,23 @@ class Elastic(Frozen):
             short[:, mine] = np.where(np.isfinite(outside), outside, -np.inf) / springs.stiffness[mine]
             short[:, mine] = np.maximum(short[:, mine], (unheld - BALANCE * group.hold) / springs.stiffness[mine])
         return Balance(tensions, short)
+
+    @cached_property
+    def rows(self) -> TensionRows:
+        """What limits of tension ask of shapes, row by row."""
+        springs, count = self.springs, len(self._lengths)
+        limits = LineLimits(springs.arms, springs.stiffness, self.limits, self._bounds, self._jacobian)
+        own, shortest = self._columns // 3, SHORTEST * float(self._lengths.sum())
+        lengths = np.maximum(self._lengths[own], shortest)
+        forces = Forces(
+            self._columns,
+            self._rod.reshape(3 * count)[self._columns],
+            springs.rest,
+            lengths,
+            self._varies[own],
+            shortest,
+        )
+        return TensionRows(self._groups, limits, forces, BALANCE)
 
     def _carried(self, q: Floats) -> Floats:
         """What coordinates that rigid actuators determine make of the displacements (N, e)."""

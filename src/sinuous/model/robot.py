@@ -36,6 +36,7 @@ from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
 from sinuous.model.poses import as_pose
 from sinuous.model.segment import Segment, Stiffness, segment_names
+from sinuous.model.tension_rows import TensionRows
 
 
 class Uncertainty(Frozen):
@@ -548,6 +549,12 @@ class Robot(NotebookMixin, Frozen):
         if elastic is None or not elastic.bounded:
             return np.ones(q.shape[:-2], np.bool_)
         return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+
+    @property
+    def tension_rows(self) -> TensionRows | None:
+        """What limits of tension ask of shapes without load; `None` where tensions within them hold any shape."""
+        elastic = self.drive.elastic
+        return elastic.rows if elastic is not None and elastic.bounded else None
 
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.

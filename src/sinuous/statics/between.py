@@ -71,3 +71,26 @@ def leave(one: Rest, other: Rest, bow: Floats | None = None) -> Leave:
     tables = packing.pose_row(robot.base), own.sections, own.carried, lines, own.slopes
     measure_departure(*tables, q, held, x, tensions, aside, buffer, found, stretches)
     return Leave(float(found[0]), float(found[1]), stretches)
+
+
+def stretches_between(one: Rest, other: Rest, left: Leave) -> Floats:
+    """Least and most (t, 2) that lines stretch on the way between two shapes, which the body leaves by so much.
+
+    What a line would stretch by is linear in the state, and in the drive, which runs evenly; it is negative where the
+    line is slack. Infinite where nothing is bounded.
+    """
+    ends = np.array([_stretches(each) for each in (one, other)])
+    off = left.stretches if left.aside < np.inf else np.full(ends.shape[1], np.inf)
+    return np.stack([ends.min(axis=0) - off, ends.max(axis=0) + off], axis=1)
+
+
+def _stretches(rest: Rest) -> Floats:
+    """What lines (t,) stretch by, negative of slack ones."""
+    states, tensions = rest.found
+    result = tensions * rest.tables.lines[:, t.COMPLIANCE]
+    for i in np.flatnonzero((tensions <= 0.0) & (rest.tables.lines[:, t.PUSHES] == 0.0)).tolist():
+        line = rest.tables.lines[i]
+        through = slice(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1)
+        long = states[through, t.LENGTH] - states[through, :2] @ line[t.ARM : t.ARM + 2]
+        result[i] = min(0.0, float(long.sum() - line[t.LINE_VALUE]))
+    return np.asarray(result)

@@ -153,18 +153,6 @@ def test_an_elastic_robot_is_found_from_its_tips() -> None:
     assert "elastic tendons" in found.explain()
 
 
-def test_groups_that_are_told_are_fitted_alone() -> None:
-    real = DRAWN.changed(base=POSE)
-    values = settings(DRAWN, 40)
-    found = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["base"])
-    np.testing.assert_allclose(found.robot.base, POSE, atol=1e-6)
-    assert found.groups == ("base",)
-    assert found.robot.changed(base=None, uncertainty=None).equals(DRAWN)
-    device = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["lengths"], frame="device")
-    np.testing.assert_allclose(device.device @ POSE, np.eye(4), atol=1e-6)
-    assert np.array_equal(device.robot.base, np.eye(4))
-
-
 def test_outliers_and_rows_that_were_not_seen_count_little() -> None:
     real = DRAWN.changed(base=POSE)
     values = settings(DRAWN, 60)

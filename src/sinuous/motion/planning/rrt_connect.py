@@ -126,6 +126,7 @@ class RRTConnect:
             answers[i] = self._prover.prove(q[i : i + 2], slack=1.0, seconds=seconds)[0]
             if answers[i, VERDICT] != CLEAR:
                 break
+        self._prover.keep_tensions(q, answers)
         return ProvedPath(q, answers)
 
 

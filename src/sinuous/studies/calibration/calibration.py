@@ -11,6 +11,7 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of, result_value
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr, call
 from sinuous.model.inverse import fitting
@@ -289,16 +290,13 @@ class Calibration(ShortRepr):
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values."""
         return {
-            "robot": self.robot.to_dict(),
-            "device": self.device.tolist(),
+            **result_of(self, "robot device"),
             "fitted": list(self.groups),
-            "parameters": [each._asdict() for each in self.parameters],
-            "errors": {"fitted": self.fitted._asdict(), "held_back": self.expected._asdict()},
-            "patterns": {label: each._asdict() for label, each in self.by_pattern.items()},
+            **result_of(self, "parameters"),
+            "errors": result_value({"fitted": self.fitted, "held_back": self.expected}),
+            "patterns": result_value(self.by_pattern),
             "bound": self.bound(self.level),
-            "level": self.level,
-            "dropped": list(self.dropped),
-            "notes": list(self.notes),
+            **result_of(self, "level dropped notes"),
         }
 
     def _off(self, residuals: Floats) -> Floats:

@@ -61,7 +61,6 @@ PIECES = (
             "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
-            "kernels.roadmap.enclosed.rays_met",
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.follow_tube",

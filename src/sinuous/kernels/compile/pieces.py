@@ -137,6 +137,12 @@ PIECES = (
     ),
     Piece("control loops", 15, ("kernels.velocity.query.control_step",), most=0),
     Piece(
+        "control loops under load",
+        15,
+        ("kernels.velocity.loaded.loaded_step", "kernels.velocity.loaded.certify_step"),
+        most=0,
+    ),
+    Piece(
         "derivatives",
         6,
         ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.problem.problem import suspicions
+from sinuous.problem.suspicions import suspicions
 from tests.cases import with_each
 from tests.helpers import refused, refused_each
 

@@ -227,17 +227,6 @@ def test_figures_that_spread_may_change_by_more_and_the_best_round_counts() -> N
     assert not against([TIME], [together([changed(TIME, value) for value in (30e-6, 9e-6, 20e-6)])]).worse
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        Line("s", "w", 2.5, "ms", Goal(1.0, False, True), Times(3, 1.0, 2.0, 3.0, 4.0), (2, 3), "n", 0.5, 1e-6),
-        Line("s", "w", 1.0),
-    ],
-)
-def test_a_journal_gives_lines_back(line: Line) -> None:
-    assert Line.of(json.loads(json_line(dataclasses.asdict(line)))) == line
-
-
 def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> None:
     times = [Line("s", "t", value, solved=(right, 10)) for value, right in ((3.0, 9), (1.0, 10), (2.0, 10))]
     middle = together(times)

@@ -198,16 +198,6 @@ def wall() -> doors.Wall:
     return doors.make(0, 1)
 
 
-def test_walls_have_only_their_doors() -> None:
-    rng = np.random.default_rng(0)
-    places = np.column_stack([rng.uniform(-150.0, 150.0, (4000, 2)), np.full(4000, wall().middle)])
-    inside = np.zeros(len(places), bool)
-    for low, high in wall().doors:
-        inside |= ((low < places[:, :2]) & (places[:, :2] < high)).all(axis=1)
-    np.testing.assert_array_equal(wall().scene.distance(places) > 0.0, inside)
-    assert inside.any()
-
-
 def test_a_solver_that_misses_a_door_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Solver(doors.ROBOT, wall().scene, tolerance=doors.TOLERANCE, time=60.0).solve_all(wall().target, count=3)
 
@@ -250,7 +240,7 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
 @pytest.mark.parametrize("what", ["solve", "track", "check", "job"])
 def test_calls_can_be_made(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calls, "CALLS", {what: calls.CALLS[what]})
-    made = [calls.called(3, number) for number in range(6)]
+    made = [calls.called(3, number) for number in range(3)]
     assert any(call.answered for call in made)
     assert not any(call.false for call in made)
     for number in range(30):

@@ -15,9 +15,12 @@ from sinuous.base.documents import yaml_text
 from sinuous.files.documents import parse_yaml
 from sinuous.motion.job import Job, job_of, read_problem
 from tests.helpers import random_pose, refused
+from tests.model import test_elastic as elastic
 from tests.model.test_actuation import MIXED
+from tests.model.test_actuators import DRIVEN
 from tests.model.test_laws import robots
 from tests.scene.shapes import cube, together
+from tests.statics import test_equilibrium as loaded
 
 LAMP = sn.Sphere((0, 0, 9), 1.0)
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
@@ -91,6 +94,16 @@ def test_examples(tmp_path: Path, file: Path, ending: str) -> None:
     found = read_problem(tmp_path / f"again.{ending}")
     assert found.equals(problem)
     assert names_of(found.scene) == names_of(problem.scene)
+
+
+@pytest.mark.parametrize("ending", ["yaml", "json"])
+def test_robots_with_motors_elastic_tendons_and_payloads(tmp_path: Path, ending: str) -> None:
+    payload = [sn.Payload(0.1, (0, 0.05, 0.1)), sn.Payload(0.2, segment=1)]
+    uncertain = sn.Uncertainty((0.004, 0.01))
+    for robot in (DRIVEN, elastic.arm(tension=(0.5, 30.0)), loaded.arm(payload=payload, uncertainty=uncertain)):
+        robot.save(tmp_path / f"arm.{ending}")
+        assert sn.load(tmp_path / f"arm.{ending}", sn.Robot).equals(robot)
+    assert not DRIVEN.equals(DRIVEN.changed(segments=[s.changed(tendons=None) for s in DRIVEN.segments]))
 
 
 def test_a_robot_with_everything(tmp_path: Path) -> None:

@@ -23,7 +23,8 @@ from sinuous.files.nouns import (
 )
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot, demanding
-from sinuous.problem.problem import Preferences, check_sizes, suspicions
+from sinuous.problem.problem import Preferences, check_sizes
+from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Tolerance, target_list
 from sinuous.scene.scene import Scene
 

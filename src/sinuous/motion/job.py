@@ -21,7 +21,8 @@ from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import TimedArguments, track
-from sinuous.problem.problem import Preferences, Problem, all_suspicions, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes
+from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene

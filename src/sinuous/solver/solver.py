@@ -30,7 +30,8 @@ from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
-from sinuous.problem.problem import Problem, base_blocked, check_sizes, suspicions
+from sinuous.problem.problem import Problem, base_blocked, check_sizes
+from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene

@@ -129,7 +129,7 @@ def test_overlap_is_seen_and_distance_is_not(which: int) -> None:
     assert overlaps(ARM, Scene([beside(1e-6)[which]]), STRAIGHT).tolist() == [False]
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
     """Clearly free and clearly touching bodies, as told by the library's own distances, are told so."""
     asked = problems.clutter(seed, 60)

@@ -21,8 +21,8 @@ from sinuous.scene.point_cloud import PointCloud
 made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""
 
-DRAWN = [name for name in FAMILIES if not name.startswith("p")] + ["pipe 1.3", "pipe 1.6 scan", "plates"]
-DRAWN += ["pipe between", "pipe between scan"]
+DRAWN = [name for name in FAMILIES if not name.startswith("p") and not name.endswith("scan")] + ["pipe 1.3", "plates"]
+DRAWN += ["pipe between", "pipe 1.6 scan", "drum scan"]
 
 
 def backbone(made: Place) -> tuple[Floats, Floats, list[Floats]]:
@@ -91,7 +91,7 @@ def test_nobody_gets_out_of_what_is_closed(family: str) -> None:
     assert not overlaps(made.robot, made.scene, made.hidden_q[None]).any()
 
 
-@pytest.mark.parametrize("family", ["spheres 12", "drum scan", "two doors mesh", "small world", "p4 pose"])
+@pytest.mark.parametrize("family", ["spheres 12", "small world", "p4 pose"])
 def test_a_seed_makes_its_place_again(family: str) -> None:
     first, again, other = made_once(family, 10), make(family, 10), made_once(family, 13)
     np.testing.assert_array_equal(first.hidden_q, again.hidden_q)

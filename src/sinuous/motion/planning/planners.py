@@ -70,9 +70,7 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
 
 def _by_proofs(query: Query) -> ProvedPath | None:
     """Find a path by a tree whose edges the prover itself proves; it grows in a time that is made up."""
-    prover = Prover(query.robot, query.scene)
-    seed, deadline = query.seed, query.deadline
-    timed = TimedQuery(query.robot, prover, query.start, 0.0, 1.0, False, query.goals, None, seed, deadline)
+    timed = query.in_time(Prover(query.robot, query.scene), 0.0, 1.0)
     path = _straight(timed) or grow_timed_tree(timed)
     return None if path is None else join_edges(timed, path)._replace(times=None)
 
@@ -140,7 +138,7 @@ def _untimed_path(query: TimedQuery, scene: Snapshot, seed: int) -> Floats | Non
         return None
     load_trees(query.robot, scene)
     deadline = Deadline(SHARE * query.deadline.left())
-    path = find_path(Query(query.robot, scene, query.start, query.goals, seed % 2**31, 0, deadline))
+    path = find_path(Query(query.robot, scene, query.start, query.goals, seed % 2**31, deadline))
     return None if path is None else path.q
 
 

@@ -35,6 +35,7 @@ from sinuous.studies.calibration.fit import (
     left_out,
 )
 from sinuous.studies.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
+from sinuous.studies.calibration.mistakes import find_mistake
 from sinuous.studies.calibration.model import derivatives, model
 from sinuous.studies.calibration.parameters import (
     ORDER,
@@ -144,7 +145,10 @@ def calibrate(
     refuse_size(robot, rows)
     names = _names(fit, checks.choice("frame", frame, get_args(Frame)))
     drawn = robot.changed(tool=None, uncertainty=None)
-    notes = [f"rows without a measurement: {_few(rows.dropped)}"] if rows.dropped else []
+    notes = [f"rows that say 0, 0, 0, taken as not seen: {_few(rows.zeros)}"] if rows.zeros else []
+    dropped = tuple(row for row in rows.dropped if row not in rows.zeros)
+    if dropped:
+        notes.append(f"rows without a measurement: {_few(dropped)}")
     still = [a.name for a, moves in zip(robot.actuators, np.ptp(rows.actuators, axis=0), strict=True) if moves == 0.0]
     if still:
         notes.append(f"never move, so nothing is known of them: {', '.join(still)}")
@@ -155,6 +159,9 @@ def calibrate(
         drawn = _giving(drawn, names)
         chosen = _fit_as_told(drawn, rows, frame == "base", names, notes)
     last = fitted(drawn, chosen, rows)
+    plain = robot.changed(tool=None, uncertainty=None)
+    mistake = find_mistake(plain, rows, frame == "base", float(np.median(errors(last.residuals))))
+    notes += [] if mistake is None else [mistake]
     return _result(robot, drawn, last, rows, trials, notes, frame)
 
 

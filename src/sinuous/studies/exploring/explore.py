@@ -26,7 +26,8 @@ from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
 from sinuous.motion.configurations import lever_metric, violated_by
-from sinuous.problem.problem import check_sizes, suspicions
+from sinuous.problem.problem import check_sizes
+from sinuous.problem.suspicions import suspicions
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import Explored, Memory

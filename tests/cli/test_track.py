@@ -104,6 +104,25 @@ def test_how_far_the_tip_may_leave_the_line(run: Run) -> None:
     assert counts[0] == 2 < counts[1]
 
 
+def test_a_path_that_the_tip_leaves_is_not_solved(run: Run) -> None:
+    text = ROBOT + "scene: [{sphere: {center: [0, 0, 2], radius: 0.3}}]\n"
+    text += "path: [{position: [1, 0, 2]}, {position: [-1, 0, 2]}]\n"
+    Path("across.yaml").write_text(text)
+    Path("allowed.yaml").write_text(text + "reconfigure: allow\n")
+    said = run("track across.yaml", 1).out
+    assert said.startswith("across.yaml: left_path (2 of 2 waypoints reached; in step")
+    (found,) = run("track across.yaml --json --csv rows.csv", 1).results
+    assert (found["status"], found["reconfigured"]) == ("left_path", [2])
+    assert found["left_steps"]
+    assert found["largest_deviation"]["position"] > 0.2
+    for typed in ("across.yaml --reconfigure allow", "allowed.yaml"):
+        (allowed,) = run(f"track {typed} --json").results
+        assert (allowed["status"], allowed["knots"]) == ("solved", found["knots"])
+        assert allowed["left_steps"] == found["left_steps"]
+    run("track allowed.yaml --reconfigure refuse", 1)
+    assert "--reconfigure: expected refuse or allow" in run("track path.yaml --reconfigure no", 2).err
+
+
 @pytest.mark.parametrize("name", ["path.yaml", "far.yaml"])
 def test_pictures_of_motions_solved_or_not(run: Run, name: str) -> None:
     pytest.importorskip("matplotlib")

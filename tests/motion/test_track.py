@@ -39,7 +39,7 @@ ACROSS = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
 
 
 def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:
-    track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0)
+    track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, reconfigure="allow")
     assert track.solved
     assert track.reconfigured == (3,)
     sampled = track.at(np.linspace(0.0, 3.0, 2000))
@@ -51,20 +51,20 @@ def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:
 
 def test_a_way_around_that_was_searched_for_once_is_walked_from_then_on(monkeypatch: pytest.MonkeyPatch) -> None:
     memory = sn.Memory(ROBOT)
-    first = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, memory=memory)
+    first = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, reconfigure="allow", memory=memory)
     assert first.reconfigured == (3,)
     assert len(memory.edges) > 0
     monkeypatch.setattr("sinuous.motion.tracker.find_path", lambda query, trees: None)
-    again = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, memory=memory)
+    again = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, reconfigure="allow", memory=memory)
     assert again.solved
     assert again.reconfigured == (3,)
     assert all(each.ok for each in again.verify())
-    assert not sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, memory=sn.Memory(ROBOT)).solved
+    assert not sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, reconfigure="allow", memory=sn.Memory(ROBOT)).solved
 
 
 def test_where_no_way_is_found_the_step_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sinuous.motion.tracker.find_path", lambda query, trees: None)
-    track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0)
+    track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0, reconfigure="allow")
     assert all(solution.solved for solution in track.solutions)
     assert (track.between, len(track.unproved_steps), track.reconfigured) == ("unproved", 1, (3,))
     assert track.status is sn.Status.UNPROVED

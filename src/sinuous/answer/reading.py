@@ -12,8 +12,8 @@ from sinuous.kernels import tables as t
 from sinuous.model.robot import demanding
 from sinuous.problem.problem import Problem
 
-_STATUSES = tuple(status for status in Status if status is not Status.START_BLOCKED)
-"""What a solve may end with; motions alone can be blocked at their start."""
+_STATUSES = tuple(status for status in Status if status not in (Status.START_BLOCKED, Status.LEFT_PATH))
+"""What a solve may end with; motions alone can be blocked at their start, or leave their path."""
 
 
 def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, UnknownOptions, RouteClass | None]:

@@ -38,6 +38,7 @@ class Status(StrEnum):
     RATE_BOUND = "rate_bound"
     STALLED = "stalled"
     TIME_LIMIT = "time_limit"
+    LEFT_PATH = "left_path"
 
     @property
     def sentence(self) -> str:
@@ -59,6 +60,7 @@ _SENTENCES = {
     Status.RATE_BOUND: "not solved: the allowed changes lead no nearer",
     Status.STALLED: "not solved: no progress from any start",
     Status.TIME_LIMIT: "not solved within the time budget",
+    Status.LEFT_PATH: "the tip left the line between two waypoints, where the robot could not follow it",
 }
 
 CODES = {

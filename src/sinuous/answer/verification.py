@@ -1,6 +1,6 @@
 """Judge shapes by an independent, slow path: what `sinuous.measures` computes. No kernel is used, nothing is solved."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, overload
 
@@ -80,12 +80,27 @@ class Verification(ShortRepr):
 
 
 class MotionVerification(list[Verification]):
-    """What the slow path found of a motion: of each waypoint, then of each step."""
+    """What the slow path found of a motion: of each waypoint, then of each step.
+
+    Parameters
+    ----------
+    verifications : list of Verification
+    left_steps : tuple of int
+        Numbers of the steps in which the tip was seen to leave the line between waypoints, and may not, 1 = first.
+
+    Attributes
+    ----------
+    left_steps : tuple of int
+    """
+
+    def __init__(self, verifications: Iterable[Verification] = (), left_steps: tuple[int, ...] = ()) -> None:
+        super().__init__(verifications)
+        self.left_steps = left_steps
 
     @property
     def ok(self) -> bool:
-        """Whether all of them are."""
-        return all(each.ok for each in self)
+        """Whether all of them are, and the tip leaves no line that it has to follow."""
+        return not self.left_steps and all(each.ok for each in self)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

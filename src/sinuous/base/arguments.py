@@ -86,6 +86,7 @@ SelfCollision = Literal["avoid", "allow"]
 StartKind = Literal["given", "arc", "random", "route", "remembered"]
 """Where a start comes from."""
 
+Reconfigure = Literal["refuse", "allow"]
 Shortest = Literal["configuration", "actuators"]
 """What a motion may be shortest in."""
 

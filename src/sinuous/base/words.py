@@ -53,6 +53,17 @@ def span(pair: Sequence[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
+def ranges(numbers: Iterable[int]) -> str:
+    """Increasing numbers as `1 to 3, 7`."""
+    runs: list[list[int]] = []
+    for one in numbers:
+        if runs and one == runs[-1][-1] + 1:
+            runs[-1].append(one)
+        else:
+            runs.append([one])
+    return ", ".join(span((run[0], run[-1])) if len(run) > 1 else str(run[0]) for run in runs)
+
+
 def listed(texts: Iterable[str]) -> str:
     """`a, b and c`."""
     *front, last = tuple(texts)

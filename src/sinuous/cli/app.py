@@ -90,6 +90,10 @@ class Track:
     output: MotionOutput
     timed: Timed
     deviation: float | None = opt("How far the tip may be from the straight line between waypoints.", "LENGTH")
+    reconfigure: str | None = opt(
+        "refuse or allow: may the tip leave that line where the robot cannot follow it? By default as in the file.",
+        "WORD",
+    )
 
 
 @command("work", "plan_files")

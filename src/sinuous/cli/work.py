@@ -45,6 +45,7 @@ from sinuous.motion.knots import TrackedWaypoint, read_entry, read_outcome, writ
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
+from sinuous.motion.report import RECONFIGURE
 from sinuous.motion.tables import write_csv
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
@@ -274,6 +275,8 @@ def track_files(asked: Track) -> int:
     _check(asked)
     if deviation is not None:
         checks.number("--deviation", deviation, above=0.0)
+    if asked.reconfigure is not None:
+        checks.choice("--reconfigure", asked.reconfigure, RECONFIGURE)
     read = read_all(asked.files, asked.solving.demands)
     for one in read:
         one.problem._refuse("goal")
@@ -286,12 +289,20 @@ def track_files(asked: Track) -> int:
     def prepare(problem: Job, **options: Any) -> Tracker:
         options["prefer"] = problem.prefer or None  # without any, those of `track`
         times = _paces(problem, timed)[1]
-        own: dict[str, Any] = {"start": problem.start, "times": times, "deviation": deviation}
+        reconfigure = asked.reconfigure or problem.reconfigure
+        own: dict[str, Any] = {
+            "start": problem.start,
+            "times": times,
+            "deviation": deviation,
+            "reconfigure": reconfigure,
+        }
         return tracker_of(problem.robot, len(problem.waypoints), problem.scene, **own, **options)
 
     _say_nominal(read, asked.output)
     find = partial(_track, timed)
-    return _answer_all(asked, read, prepare, find, {"deviation": deviation, **vars(timed)})
+    return _answer_all(
+        asked, read, prepare, find, {"deviation": deviation, "reconfigure": asked.reconfigure, **vars(timed)}
+    )
 
 
 def plan_files(asked: Plan) -> int:

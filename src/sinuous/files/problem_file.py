@@ -30,7 +30,7 @@ from sinuous.scene.scene import Scene
 
 QUESTIONS = ("target", "targets", "path", "goal")
 DEMANDS = ("clearance", "self_clearance")
-KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times", *DEMANDS)
+KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times", "reconfigure", *DEMANDS)
 
 
 def problem_arguments(value: Any, file: str) -> dict[str, Any]:
@@ -43,6 +43,7 @@ def problem_arguments(value: Any, file: str) -> dict[str, Any]:
     return {
         **_in_place(place, entries, folder),
         "rates": _rates(entries),
+        "reconfigure": "refuse" if entries.get("reconfigure") is None else entries["reconfigure"],
         "clearance": entries.get("clearance"),
         "self_clearance": entries.get("self_clearance"),
         "file": file,

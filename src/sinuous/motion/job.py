@@ -6,7 +6,7 @@ from typing import Any, Self, TypeVar, Unpack, overload
 
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
-from sinuous.base.arguments import OneEach, Rows, Vector
+from sinuous.base.arguments import OneEach, Reconfigure, Rows, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
@@ -53,6 +53,8 @@ class Job(Frozen):
     prefer : Preferences, optional
     rates : Rates, optional
         How fast the robot may move.
+    reconfigure : str
+        Whether the tip may leave the line between two waypoints, see `track`: `refuse` or `allow`.
     clearance, self_clearance : float or array_like (n,), optional
         Distance from obstacles, and from itself, that the body has to keep, instead of what the robot demands.
     file : str
@@ -82,6 +84,7 @@ class Job(Frozen):
     start: Floats | None
     prefer: Preferences
     rates: Rates
+    reconfigure: Reconfigure
     file: str
 
     def __init__(
@@ -97,6 +100,7 @@ class Job(Frozen):
         start: Rows | None = None,
         prefer: Preferences | None = None,
         rates: Rates | None = None,
+        reconfigure: Reconfigure = "refuse",
         clearance: OneEach | None = None,
         self_clearance: OneEach | None = None,
         file: str = "",
@@ -127,6 +131,7 @@ class Job(Frozen):
             start=None if start is None else checks.array("start", start, (len(robot), 3)),
             prefer=prefer or Preferences(),
             rates=Rates() if rates is None else rates,
+            reconfigure=checks.choice("reconfigure", reconfigure, report.RECONFIGURE),
             file=file,
         )
 
@@ -193,6 +198,7 @@ class Job(Frozen):
             "start": None if self.start is None else self.start.tolist(),
             "prefer": described(self.prefer),
             "rates": described(self.rates),
+            "reconfigure": "" if self.reconfigure == "refuse" else self.reconfigure,
         }
         return {key: value for key, value in parts.items() if value}
 
@@ -242,7 +248,11 @@ class Job(Frozen):
             When it speaks of a goal, or an option is not what it should be.
         """
         self._refuse("goal")
-        asked: TimedArguments = {"tolerance": self.tolerance, "rates": self.rates or None}
+        asked: TimedArguments = {
+            "tolerance": self.tolerance,
+            "rates": self.rates or None,
+            "reconfigure": self.reconfigure,
+        }
         if self.prefer:
             asked["prefer"] = self.prefer
         given: TimedArguments = {**asked, **options}

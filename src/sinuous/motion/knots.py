@@ -1,7 +1,7 @@
 """The straight line of the tip from one waypoint to the next, and the knots of a motion along it."""
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.kernels.tables import Outcome
 from sinuous.problem.target import Target
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 
 class TipLine:
@@ -33,15 +36,24 @@ class TipLine:
 
     def at(self, share: float) -> Target:
         """Return what is asked of the tip at a share of the line, from 0 to 1."""
-        direction = rotation = None
-        if self.begin.direction is not None and self.end.direction is not None:
-            direction = _turned(self.begin.direction, self.end.direction, share)
-        if self.begin.rotation is not None and self.end.rotation is not None:
-            from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415  # as long as all of this package
-
-            ends = Rotation.from_matrix(np.stack([self.begin.rotation, self.end.rotation]))
-            rotation = Slerp([0.0, 1.0], ends)(share)
+        direction = None if self.begin.direction is None else self.direction(share)
+        rotation = None if self.begin.rotation is None else self.rotation(share)
         return Target(self._place(share), direction=direction, rotation=rotation)
+
+    def direction(self, share: float) -> Floats:
+        """Return where the tangent points at a share of the line, where it is asked to point anywhere."""
+        assert self.begin.direction is not None
+        assert self.end.direction is not None
+        return _turned(self.begin.direction, self.end.direction, share)
+
+    def rotation(self, share: float | Floats) -> "Rotation":
+        """Return the orientation at a share of the line, or at many, where one is asked for."""
+        from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415  # as long as all of this package
+
+        assert self.begin.rotation is not None
+        assert self.end.rotation is not None
+        ends = Rotation.from_matrix(np.stack([self.begin.rotation, self.end.rotation]))
+        return Slerp([0.0, 1.0], ends)(share)
 
     def draw(self, shares: tuple[float, float], line: Floats) -> None:
         """Fill `line` (2, 3) with where the tip is meant to be at two shares of the line."""

@@ -13,18 +13,19 @@ from sinuous.answer.solution import Solution, demanded
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base import checks
-from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
+from sinuous.base.arguments import Number, Reconfigure, Rows, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.documents import described, result_of, result_value, write_document
 from sinuous.base.entrance import door
 from sinuous.base.errors import InputError, NotSolvedError, answers_attributes, warn_of
 from sinuous.base.frozen import Frozen, NotebookMixin
-from sinuous.base.words import duration
+from sinuous.base.words import duration, ranges
 from sinuous.files.ros import Of
 from sinuous.kernels.packing import read_only
 from sinuous.model.robot import Robot
 from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
+from sinuous.motion.departure import Departure, Leg, find_departure, legs_between, measured_tips, tip_poses
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import lines_between
 from sinuous.scene.scene import SceneLike, as_snapshot, entries_of
@@ -47,6 +48,10 @@ if TYPE_CHECKING:
 Between = Literal["proved", "sampled", "unproved"]
 """What is known of the motion between knots: all of it is proved clear; or, of a loaded body, what is not proved is
 clear at samples; or some step is neither."""
+
+
+PRIVATE = {"ended": "_ended", "blocking": "_blocking", "deviation": "_deviation"}
+"""Fields of a report that a motion has under other names."""
 
 
 @answers_attributes(
@@ -89,6 +94,8 @@ class Motion(NotebookMixin, Frozen):
     reconfigured : tuple of int
         Waypoints (1 = first) to which the tip could not go straight: the robot changed its configuration on another
         way, or, where no way was found, on a step that is not proved.
+    reconfigure : str
+        `refuse`: a motion of which the tip left the line between two waypoints is `left_path`. `allow`: it may.
     remaining : int
         Waypoints that were never tried, because the work was interrupted.
     seconds : float
@@ -113,6 +120,7 @@ class Motion(NotebookMixin, Frozen):
     solutions: tuple[Solution, ...]
     waypoint_knots: tuple[int | None, ...]
     reconfigured: tuple[int, ...]
+    reconfigure: Reconfigure
     remaining: int
     seconds: float
     method: str
@@ -120,6 +128,7 @@ class Motion(NotebookMixin, Frozen):
     notes: tuple[str, ...]
     _ended: Status | None
     _blocking: Worst | None
+    _deviation: float
 
     def __init__(
         self,
@@ -154,14 +163,14 @@ class Motion(NotebookMixin, Frozen):
         self, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, found: Report
     ) -> None:
         self._set(robot=robot, scene=scene, q=q, times=times, steps=steps)
-        private = {"ended": "_ended", "blocking": "_blocking"}
-        self._set(**{private.get(name, name): value for name, value in vars(found).items()})
+        self._set(**{PRIVATE.get(name, name): value for name, value in vars(found).items()})
 
     @property
     def status(self) -> Status:
         """`solved` when every waypoint is and the whole motion is proved; `unproved` when only the proof lacks.
 
         Else the status of the first waypoint that is not solved, or `time_limit` when waypoints were not tried.
+        `left_path` when all is proved, but the tip left the line between two waypoints, which it may not.
         """
         if self._ended is not None:
             return self._ended
@@ -170,11 +179,13 @@ class Motion(NotebookMixin, Frozen):
             return unsolved
         if self.remaining:
             return Status.TIME_LIMIT
-        return Status.UNPROVED if self.unproved_steps else Status.SOLVED
+        if self.unproved_steps:
+            return Status.UNPROVED
+        return Status.LEFT_PATH if self.reconfigure == "refuse" and self.left_steps else Status.SOLVED
 
     @property
     def solved(self) -> bool:
-        """Whether every waypoint is solved and the whole motion is proved clear."""
+        """Whether every waypoint is solved, the whole motion is proved clear, and the tip followed its lines."""
         return self.status is Status.SOLVED
 
     @property
@@ -192,6 +203,30 @@ class Motion(NotebookMixin, Frozen):
     def unproved_steps(self) -> tuple[int, ...]:
         """Numbers of the steps that are not proved; step 1 leads from the first knot to the second."""
         return tuple((np.flatnonzero(~self.steps.proved) + 1).tolist())
+
+    @cached_property
+    def _departure(self) -> Departure:
+        """How the tip left lines on the way to the waypoints where it was reconfigured."""
+        numbers = set(self.reconfigured)
+        legs = (leg for leg in self._legs() if numbers.intersection(range(leg.waypoints[0] + 1, leg.waypoints[1] + 1)))
+        return find_departure(self.robot, self.q, legs, self._deviation, tip_poses) if numbers else Departure()
+
+    def _legs(self) -> Iterator[Leg]:
+        return legs_between(self.solutions, self.waypoint_knots)
+
+    @property
+    def left_steps(self) -> tuple[int, ...]:
+        """Numbers of the steps in which the tip leaves the line between two waypoints, 1 = first.
+
+        It is off by more than `deviation` of `track`, or turned by more than ten tolerances of angles, as far as that
+        is seen by dense sampling.
+        """
+        return self._departure.steps
+
+    @property
+    def largest_deviation(self) -> tuple[float, float]:
+        """How far the tip is off the line in these steps, and turned from it, at most (length unit, rad)."""
+        return self._departure.position, self._departure.angle
 
     @property
     def clearance(self) -> float | None:
@@ -228,9 +263,7 @@ class Motion(NotebookMixin, Frozen):
     @property
     def tips(self) -> Floats:
         """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
-        if self.robot.has_external_load:
-            return np.array([self.robot.shape(q).tip for q in self.q]).reshape(-1, 4, 4)
-        return self.robot.tip(self.q)
+        return tip_poses(self.robot, self.q)
 
     @property
     def actuators(self) -> Floats:
@@ -298,8 +331,7 @@ class Motion(NotebookMixin, Frozen):
 
     def _report(self, **changed: Any) -> Report:
         """How it was found, with other values of some fields."""
-        private = {"ended": "_ended", "blocking": "_blocking"}
-        own = {field.name: getattr(self, private.get(field.name, field.name)) for field in fields(Report)}
+        own = {field.name: getattr(self, PRIVATE.get(field.name, field.name)) for field in fields(Report)}
         return Report(**{**own, **changed})
 
     def with_waypoints(self, other: "Motion", waypoint_knots: tuple[int | None, ...]) -> Self:
@@ -482,12 +514,21 @@ class Motion(NotebookMixin, Frozen):
             A list, which is `ok` when all are: one `Verification` of each waypoint that was tried, then one of each
             step, also of those that are not proved: its least
             clearances over so many configurations that no place of the body moves by more than a hundredth of the
-            length of the body from one to the next. Of a step no target is asked.
+            length of the body from one to the next. Of a step no target is asked; its `left_steps` are those in which
+            the tip leaves a line that it has to follow.
         """
         from sinuous.answer.verification import MotionVerification, verify_steps  # noqa: PLC0415
 
         waypoints = [solution.verify() for solution in self.solutions]
-        return MotionVerification(waypoints + verify_steps(self.robot, self.q, self.scene, self.times))
+        return MotionVerification(
+            waypoints + verify_steps(self.robot, self.q, self.scene, self.times), self._seen_to_leave()
+        )
+
+    def _seen_to_leave(self) -> tuple[int, ...]:
+        """Numbers of the steps in which the tip is off a line that it has to follow, by the slow path."""
+        if self.reconfigure == "allow":
+            return ()
+        return find_departure(self.robot, self.q, self._legs(), self._deviation, measured_tips, np.inf).steps
 
     def raise_for_status(self) -> Self:
         """Return this motion when it is solved.
@@ -550,7 +591,10 @@ class Motion(NotebookMixin, Frozen):
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
             "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
             **{name: sum(w[name] for w in waypoints) for name in ("iterations", "starts")},
-            **result_of(self, "seconds method seed between unproved_steps reconfigured"),
+            **result_of(self, "seconds method seed between unproved_steps reconfigured reconfigure"),
+            "deviation": None if self._deviation == np.inf else self._deviation,
+            "left_steps": list(self.left_steps),
+            "largest_deviation": dict(zip(("position", "angle"), self.largest_deviation, strict=True)),
             "largest_step": {"bend": bend, "length": length},
             **result_of(self, "remaining times"),
             "knots": self.q.tolist(),
@@ -616,6 +660,7 @@ class Motion(NotebookMixin, Frozen):
             "times",
             "waypoint_knots",
             "reconfigured",
+            "reconfigure",
             "remaining",
             "seconds",
             "method",
@@ -646,6 +691,8 @@ def _text(motion: Motion) -> str:
         parts.append(
             f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear{seen}"
         )
+    if motion.left_steps:
+        parts.append(f"  left       {left_in_words(motion)}")
     if len(motion.q) > 1:
         parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots")
     parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
@@ -661,6 +708,16 @@ def reached_in_words(motion: Motion) -> str:
     return "the target is reached" if reached else "the target is not reached"
 
 
+def left_in_words(motion: Motion) -> str:
+    """Say in which steps the tip is off the line between two waypoints, and how far at most; nothing where in none."""
+    if not motion.left_steps:
+        return ""
+    off, turned = motion.largest_deviation
+    turn = f" and turned by {turned:.3g} rad" if turned > 0.0 else ""
+    steps, many = ranges(motion.left_steps), "s" if len(motion.left_steps) > 1 else ""
+    return f"in step{many} {steps} the tip is up to {off:.3g} off the line between two waypoints{turn}"
+
+
 def _sentence(motion: Motion) -> str:
     failed = next((i for i, solution in enumerate(motion.solutions) if not solution.solved), None)
     if failed is not None:
@@ -670,6 +727,8 @@ def _sentence(motion: Motion) -> str:
     begun = reached_in_words(motion) if motion.solutions else motion.status.sentence
     if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
         return f"{begun}; the times that were asked for are too short for the rates"
+    if motion.status is Status.LEFT_PATH:
+        return f"{begun}; {left_in_words(motion)}"
     if motion.worst is not None:
         return f"{begun}; {motion.worst}"
     if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:

@@ -55,7 +55,7 @@ def pace_motion(motion: Motion, rates: Rates | None, duration: float | None = No
     times = motion.times
     if not motion.scene.moves:
         times = np.concatenate([times[:1], times[0] + np.cumsum(factor * durations)])
-    solved = motion.status in (Status.SOLVED, Status.UNPROVED)
+    solved = motion.status in (Status.SOLVED, Status.UNPROVED, Status.LEFT_PATH)
     return motion.with_times(times, Status.RATE_BOUND if late and solved else None)
 
 

@@ -11,6 +11,7 @@ from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base import checks
+from sinuous.base.arguments import Reconfigure
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
@@ -18,6 +19,9 @@ from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Problem
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Steps
+
+RECONFIGURE: tuple[Reconfigure, ...] = ("refuse", "allow")
+"""What may be said of leaving a line."""
 
 MOST_WAYPOINTS = 1_000_000
 MOST_KNOTS = 10_000_000
@@ -29,8 +33,10 @@ class Report:
 
     Attributes
     ----------
-    solutions, waypoint_knots, reconfigured, remaining, seconds, method, seed
+    solutions, waypoint_knots, reconfigured, reconfigure, remaining, seconds, method, seed
         As for `Motion`.
+    deviation : float
+        How far the tip may be from the line between waypoints (length unit).
     ended : Status or None
         How it ended, where solutions and steps do not say it.
     blocking : Worst or None
@@ -42,6 +48,8 @@ class Report:
     solutions: tuple[Solution, ...] = ()
     waypoint_knots: tuple[int | None, ...] = ()
     reconfigured: tuple[int, ...] = ()
+    reconfigure: Reconfigure = "allow"
+    deviation: float = math.inf
     remaining: int = 0
     seconds: float = 0.0
     method: str = "newton"
@@ -92,6 +100,8 @@ def read(
         solutions=tuple(solutions),
         waypoint_knots=_read_knots(values, len(solutions), len(q)),
         reconfigured=tuple(_read_numbers(values, "reconfigured", count)),
+        reconfigure=checks.choice("reconfigure", values.get("reconfigure", "allow"), RECONFIGURE),
+        deviation=math.inf if values.get("deviation") is None else entries.number("deviation", low=0.0),
         remaining=count - len(solutions),
         seconds=entries.number("seconds", low=0.0),
         method=entries.text("method"),

@@ -5,7 +5,7 @@ from typing import Any, Unpack
 
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
-from sinuous.base.arguments import Number, Shortest, Vector
+from sinuous.base.arguments import Number, Reconfigure, Shortest, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.methods.method import Choice, capabilities
@@ -13,7 +13,7 @@ from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import Pace
-from sinuous.motion.report import MOST_WAYPOINTS
+from sinuous.motion.report import MOST_WAYPOINTS, RECONFIGURE
 from sinuous.motion.timetable import Timetable
 from sinuous.motion.tracker import Tracker
 from sinuous.problem.path import Path
@@ -38,10 +38,13 @@ TOLERANCES = 10.0
 
 
 class TimedArguments(SolveArguments, total=False):
-    """Options of `Solver`, and how fast a path is followed."""
+    """Options of `Solver`, and how a path is followed, and how fast."""
 
     rates: Rates | None
     duration: Number | None
+    deviation: Number | None
+    reconfigure: Reconfigure
+    shortest: Shortest | None
 
 
 class TrackArguments(SolveArguments, GoalArrays, total=False):
@@ -55,6 +58,7 @@ def track(
     *,
     start: Initial | None = None,
     deviation: Number | None = None,
+    reconfigure: Reconfigure = "refuse",
     shortest: Shortest | None = None,
     times: Vector | None = None,
     rates: Rates | None = None,
@@ -77,6 +81,10 @@ def track(
     deviation : float, optional
         How far the tip may be from the straight line between waypoints, where these ask for the same of the tip, in the
         length unit. By default ten times the tolerance of positions.
+    reconfigure : str
+        Whether the tip may leave that line where the robot cannot follow it: `refuse` or `allow`. It then changes its
+        configuration on another way, to go on from there, and `Motion.left_steps` says where. Unless that is allowed,
+        the motion is `left_path` and not solved.
     shortest : str, optional
         `configuration` or `actuators`: at last, the whole motion is made shorter in these, all knots together, as far
         as the waypoints and the line between them leave it open. By default it is not.
@@ -116,7 +124,8 @@ def track(
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
     pace = Pace.of(robot, rates, duration, times=when)
     when = pace.waypoints(len(path), start is not None) if when is None else when
-    tracker = tracker_of(robot, len(path), scene, start=start, times=when, deviation=deviation, **given)
+    given |= {"deviation": deviation, "reconfigure": reconfigure}
+    tracker = tracker_of(robot, len(path), scene, start=start, times=when, **given)
     tracker.follow(map(path.targets, range(len(path))), progress=progress)
     if wanted is not None:
         tracker.shorten(wanted)
@@ -131,6 +140,7 @@ def tracker_of(
     start: Initial | None = None,
     times: Floats | None = None,
     deviation: Number | None = None,
+    reconfigure: Reconfigure = "refuse",
     **options: Unpack[SolveArguments],
 ) -> Tracker:
     """Return a tracker for a path of so many waypoints, for which everything is compiled; arguments as for `track`.
@@ -145,7 +155,8 @@ def tracker_of(
     place = as_scene(scene)
     timetable = timetable_of(place, times, waypoints, start is not None)
     solver = Solver(robot, place if timetable is None else timetable.live, **options)
-    return Tracker(solver, start, read_deviation(solver, deviation), timetable)
+    own = read_deviation(solver, deviation), timetable, checks.choice("reconfigure", reconfigure, RECONFIGURE)
+    return Tracker(solver, start, *own)
 
 
 class ClearanceWish(Preferences):

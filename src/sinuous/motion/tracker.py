@@ -9,7 +9,7 @@ import numpy as np
 from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
-from sinuous.base.arguments import Shortest
+from sinuous.base.arguments import Reconfigure, Shortest
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
@@ -50,6 +50,8 @@ class Tracker:
         How far the tip may be from the straight line between waypoints (length unit).
     timetable : Timetable, optional
         Where obstacles move: its live scene is that of the solver.
+    reconfigure : str
+        Whether the tip may leave that line, see `track`.
 
     Attributes
     ----------
@@ -68,6 +70,7 @@ class Tracker:
         start: Initial | None = None,
         deviation: float = math.inf,
         timetable: Timetable | None = None,
+        reconfigure: Reconfigure = "refuse",
     ) -> None:
         scene = solver.scene.snapshot() if timetable is None else timetable.scene
         self._timetable = timetable
@@ -78,7 +81,7 @@ class Tracker:
         self._knots: list[Knot] = []
         self._tried: list[tuple[Solution, int | None]] = []
         self._at: tuple[Target, ...] | None = None
-        self._deviation = deviation
+        self._deviation, self._reconfigure = deviation, reconfigure
         self._reconfigured: list[int] = []
         self._follows: Solver | None = None
         self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
@@ -350,6 +353,8 @@ class Tracker:
             solutions=tuple(solution for solution, _ in self._tried),
             waypoint_knots=tuple(knot for _, knot in self._tried),
             reconfigured=tuple(self._reconfigured),
+            reconfigure=self._reconfigure,
+            deviation=self._deviation,
             remaining=remaining,
             seconds=work_time() - self._began,
             method=self._solver.method,

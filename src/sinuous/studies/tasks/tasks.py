@@ -128,7 +128,9 @@ class Follow(_Several):
         """Follow it."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
-            motion = track(solver.robot, self.targets, solver.scene, start=self.start, **vars(solver.options))
+            motion = track(
+                solver.robot, self.targets, solver.scene, start=self.start, reconfigure="allow", **vars(solver.options)
+            )
         share = sum(solution.solved for solution in motion.solutions) / len(self.targets)
         duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
         return _done(motion, share, duration, binds_of(motion.solutions), motion.q)

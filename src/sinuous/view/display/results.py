@@ -10,7 +10,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.words import counted, duration
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
-from sinuous.motion.motion import Motion, reached_in_words
+from sinuous.motion.motion import Motion, left_in_words, reached_in_words
 from sinuous.motion.timing import largest
 from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
@@ -111,6 +111,7 @@ def _of_motion(motion: Motion) -> dict[str, str]:
     return {
         "target": reached_in_words(motion) if motion.solutions else "",
         "worst": "" if motion.worst is None else str(motion.worst),
+        "left": left_in_words(motion),
         "between": between if moves else "",
         "time": times,
         "clearance": format_number(motion.clearance, confidence_of(motion)),

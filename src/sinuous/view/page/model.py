@@ -572,12 +572,17 @@ class PageModel:
             self._asked_anew()
 
     @property
+    def step(self) -> int:
+        """Number of the step of the motion that is on the page, 1 = first; 0 without a motion."""
+        if self.motion is None:
+            return 0
+        step = int(np.searchsorted(self.motion.times, self.time, side="right"))
+        return min(step, len(self.motion.steps.proved))
+
+    @property
     def step_is_proved(self) -> bool:
         """Whether the step of the motion that is on the page is proved clear."""
-        if self.motion is None:
-            return False
-        step = int(np.searchsorted(self.motion.times, self.time, side="right")) - 1
-        return bool(self.motion.steps.proved[min(step, len(self.motion.steps.proved) - 1)])
+        return self.motion is not None and bool(self.motion.steps.proved[self.step - 1])
 
     # The obstacles
 

@@ -128,6 +128,8 @@ def status_html(model: PageModel, near: NearestPlace | None, judged: Judgement |
         summary = str(model.motion).split("\n", maxsplit=1)[0].partition(": ")[2]
         proved = model.step_is_proved
         badge = _badge("proved clear here" if proved else "not proved clear here", proved)
+        if model.step in model.motion.left_steps:
+            badge += " " + _badge("off the line here", model.motion.reconfigure == "allow")
         return _table([badge], {"motion": [summary], **there})
     if model.by_hand and judged is not None:
         return _table([_badge("bent by hand", not judged.violations)], {**_of_judgement(judged), **there})

@@ -75,6 +75,7 @@ class LoadedControlStep:
         self._tables = own.sections, self._stretches, own.carried, own.line_table.copy(), own.slopes
         self._follow = lines_that_follow(robot, np.zeros((len(robot), 3))) if robot.drive.elastic is None else None
         self._bounded, self._last = bounded(robot), KnownShape(*[np.empty(0)] * 4)
+        self._space, self._sizes = np.empty(0), (0,) * 5
         self.lines = tuple(robot.actuators[i] for i in own.lines.actuators)
 
     def __call__(
@@ -107,8 +108,12 @@ class LoadedControlStep:
         return answer
 
     def _workspace(self, asked: StepQuery, actuators: int) -> Floats:
+        """Scratch that is kept: memory that is new takes longer than the arithmetic."""
         sizes = len(self._robot), len(self._own.owners), len(self.scene), len(asked.targets), actuators
-        return np.empty(kernel.loaded_size(*sizes, len(self._own.line_table), self._own.slopes))
+        if sizes != self._sizes:
+            self._sizes = sizes
+            self._space = np.empty(kernel.loaded_size(*sizes, len(self._own.line_table), self._own.slopes))
+        return self._space
 
     def _advance(
         self,
@@ -142,10 +147,10 @@ class LoadedControlStep:
             lines = lengths_of_lines(self._own, drive.displacements(q) + drive.stretch(q))
         both, held, states, tensions = (np.array([known, np.zeros_like(known)]) for known in begin)
         both[1] = q
-        groups, space = (robot, arcs.copy(), scene, settings, asked.targets), self._workspace(asked, 0)
-        way = both, held, states, tensions
-        kernel.certify_step(*groups, *self._tables, lines, *way, asked.seconds, space, answer)
-        self._last = KnownShape(both[1], held[1], states[1], tensions[1])
+        groups, way = (robot, arcs, scene, settings, asked.targets), (both, held, states, tensions)
+        kernel.certify_step(*groups, *self._tables, lines, *way, asked.seconds, self._space, answer)
+        if answer[t.START] != kernel.NO_BODY:
+            self._last = KnownShape(both[1], held[1], states[1], tensions[1])
 
     def _prove(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats) -> Floats:
         """Prove the way to `q`, which is shortened until all of it is proved; returns where it ends."""

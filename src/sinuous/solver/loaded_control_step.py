@@ -41,6 +41,10 @@ SHORTENINGS, HALVINGS = 8, 4
 """How often a way is shortened until all of it is proved; and how often, until it does not lead into a contact."""
 
 
+CREEPS = 0.1, 0.01
+"""Shares of a way that are tried where a first sixty-fourth of it cannot be proved: shorter ones bend less."""
+
+
 class KnownShape(NamedTuple):
     """A body at rest: its drive (n, 3), at what lengths lines are held (t,), states (N, 4) and tensions (t,)."""
 
@@ -181,8 +185,7 @@ class LoadedControlStep:
         self._certify(answer, asked, begin, start)
         found = answer[t.START]
         if found == CLEAR and excess == 0.0:
-            answer[[t.PROVED, t.STEP_FRACTION]] = 1.0, 0.0
-            return start.copy()
+            return self._creep(answer, asked, begin, q)
         gap, share = self._gap(start), 1.0
         for _ in range(HALVINGS):
             end = start + share * (q - start)
@@ -195,6 +198,16 @@ class LoadedControlStep:
             self._certify(answer, asked, begin, start)
             end, share = start.copy(), 0.0
         answer[[t.PROVED, t.STEP_FRACTION, t.START]] = 0.0, share, CLEAR if found == kernel.TENSE else found
+        return end
+
+    def _creep(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats) -> Floats:
+        """Go a little of a way whose first piece was too long for a proof, or stay where it is clear."""
+        for share in (*(CREEPS if self._bounded else ()), 0.0):
+            end = begin.q + share * (q - begin.q)
+            self._certify(answer, asked, begin, end)
+            if answer[t.START] == CLEAR:
+                break
+        answer[t.PROVED], answer[t.STEP_FRACTION], answer[t.START] = 1.0, share, CLEAR
         return end
 
     def _sample(self, answer: Floats, start: Floats, q: Floats) -> tuple[float, float]:

@@ -376,8 +376,8 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     Returns
     -------
     Job, Robot, Scene or Motion
-        A Scene when it is a list, a Robot when there are `segments`, a Motion when there is a `motion`, else a Job; without
-        a target, path or goal, it asks nothing.
+        A Scene when it is a list, a Robot when there are `segments`, a Motion when there is a `motion`, else a Job;
+        without a target, path or goal, it asks nothing.
 
     Raises
     ------

@@ -25,8 +25,9 @@ ODD_FILE = 100.0
 THIN = 10000.0
 """How many times longer than its radius, or than the arm of its tendons, a robot is when these are in another unit."""
 
-SHORT_TOOL, LONG_TOOL = 1000.0, 10.0
-"""How many times longer than its tool a robot is, or the other way round, when the tool is in another unit."""
+SHORT_TOOL, LONG_TOOL, NO_TOOL = 1000.0, 10.0, 1e5
+"""How many times longer than its tool a robot is, or the other way round, when the tool is in another unit. A tool that
+is shorter still is a small change of one, as of a difference quotient."""
 
 TIGHT, SLACK = 50.0, 300.0
 """How many times smaller, or larger, than what the largest bends need the limits of tendons are in another unit."""
@@ -78,7 +79,7 @@ def _of_lengths(robot: Robot) -> Iterator[str]:
         if odd:
             yield f"the {key} is {odd[0]:.4g}, the robot {length:.4g} long; {ask}"
     tool = float(np.linalg.norm(robot.tool[:3, 3]))
-    if tool > LONG_TOOL * length or 0.0 < tool * SHORT_TOOL < length:
+    if tool > LONG_TOOL * length or length / NO_TOOL < tool < length / SHORT_TOOL:
         yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
     for k, segment in enumerate(robot.segments, 1):
         if segment.tendons is None or segment.max_bend == 0.0:

@@ -1,6 +1,5 @@
 """Configurations on the way: how far they are apart, and whether a robot can be there."""
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import cast
 
@@ -17,6 +16,7 @@ from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.problem import ask_body
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Prover
 from sinuous.statics.rest import tensions_violated
 
@@ -131,8 +131,12 @@ def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Wo
     """Return where a configuration (n, 3) overlaps an obstacle or itself at a time; `None` when no overlap is seen."""
     if prover.prove(np.stack([q, q]), slack=1.0, times=np.array([when, when]))[0, VERDICT] == CLEAR:
         return None
+    return overlap_of(robot, q, prover.scene.at(when))
+
+
+def overlap_of(robot: Robot, q: Floats, scene: Snapshot) -> Worst | None:
+    """Return where a configuration (n, 3) overlaps an obstacle or itself the deepest; `None` where none is seen."""
     asked = ask_body(robot, q, ())
-    worst = find_overlap(asked.body, prover.scene.at(when), asked.arcs)
-    worst = replace(worst, segment=asked.segment(worst.segment), other_segment=asked.segment(worst.other_segment))
+    worst = find_overlap(asked.body, scene, asked.arcs).on_robot(asked)
     # So near to contact that a proof fails: no overlap is seen.
     return worst if worst.amount > SLACK * robot.mean_length else None

@@ -523,7 +523,7 @@ class Solution(NotebookMixin):
         ):
             if value is not None:
                 unsure = self.problem.robot.uncertainty if label == "clearance" else None
-                parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
+                parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure.confidence}"))
         if self.route_class is not None:
             parts.append(f"  route          {self.route_class}")
         effort = f"{counted(self.iterations, 'iteration')} from {counted(self.starts, 'start')}"

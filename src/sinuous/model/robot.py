@@ -27,6 +27,7 @@ from sinuous.base.documents import counted, described, write_document
 from sinuous.base.entrance import Renamed, door
 from sinuous.base.errors import InputError, answers_attributes
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
+from sinuous.base.words import listed, number
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
@@ -62,8 +63,14 @@ class Uncertainty(Frozen):
         self._set(bound=checks.one_each("bound", bound, None, "segment"))
         self._set(level=checks.number("level", level, above=0.0, high=1.0))
 
-    def __str__(self) -> str:
+    @property
+    def confidence(self) -> str:
+        """At which level the bound holds: `at 95 %`."""
         return f"at {100.0 * self.level:.3g} %"
+
+    def __str__(self) -> str:
+        bounds = self.bound if isinstance(self.bound, tuple) else (self.bound,)
+        return f"{listed(map(number, bounds))} {self.confidence}"
 
 
 if TYPE_CHECKING:

@@ -677,7 +677,9 @@ def _sentence(motion: Motion) -> str:
     if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
         return f"{begun}; the times that were asked for are too short for the rates"
     if motion.worst is not None:
-        begun = "a place was seen to overlap" if motion.worst.step is not None else begun
+        if motion.worst.step is not None:
+            less = " or is nearer than is demanded" if motion.robot._demands_clearance else ""
+            begun = f"a place of the body was seen that overlaps{less}"
         return f"{begun}; {motion.worst}"
     if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:
         return f"{begun}; {motion.status.sentence}"

@@ -60,10 +60,7 @@ def test_places_are_where_they_say(seed: int) -> None:
         part = q.copy()
         part[place.segment - 1] *= place.share
         assert place.position == pytest.approx(CONTACTS_ROBOT.forward(part)[place.segment - 1, :3, 3], abs=1e-9)
-        nearest = min(
-            np.linalg.norm(ball.center - place.position) - ball.radius for ball in problem.scene.obstacles[:3]
-        )
-        assert nearest - 0.06 <= clearance + 1e-9
+        assert float(problem.scene.distance(place.position)) - 0.06 <= clearance + 1e-9
     assert (worst.place.segment if worst.place else None) == worst.segment
 
 

@@ -152,7 +152,8 @@ class ProblemFile(Frozen):
             if isinstance(obstacle, Mesh)
             for defect in obstacle.defects
         ]
-        return (*defects, *all_suspicions(self.robot, self.scene.snapshot(), self.waypoints))
+        suspicious = all_suspicions(self.robot, self.scene.snapshot(), self.waypoints)
+        return (*defects, *suspicious, *self.robot.coordinate_notes)
 
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
@@ -319,7 +320,10 @@ def setting_of_values(value: Any, folder: Path) -> Setting:
         robot, scene = read_place(entries, folder)
     robot = demanding(robot, *(entries.get(key) for key in DEMANDS))
     check_sizes(robot, scene)
-    return Setting(**_in_place((robot, scene), entries, folder), notes=tuple(suspicions(robot, scene.snapshot())))
+    return Setting(
+        **_in_place((robot, scene), entries, folder),
+        notes=(*suspicions(robot, scene.snapshot()), *robot.coordinate_notes),
+    )
 
 
 def _rates(entries: dict[str, Any]) -> Rates:

@@ -43,7 +43,7 @@ def reverse_problem(groups: Groups, root: Floats) -> Groups:
     base = robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH]
     against = base[: t.POSE_POSITION].reshape(3, 3) @ FLIP
     header = [robot[0], 0.0, robot[2]]
-    other = np.concatenate([header, rows[::-1].ravel(), root, np.eye(3).ravel(), np.zeros(3)])
+    other = np.concatenate([header, _to_all_sides(rows[::-1]).ravel(), root, np.eye(3).ravel(), np.zeros(3)])
     row = np.zeros((1, t.TARGET_WIDTH))
     row[0, t.TARGET_SEGMENT], row[0, t.HAS_POSITION] = -1.0, 1.0
     row[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] = base[t.POSE_POSITION :]
@@ -60,6 +60,19 @@ def reverse_problem(groups: Groups, root: Floats) -> Groups:
     told = settings.copy()
     told[t.MOUNT] = 0.0
     return other, scene, told, np.vstack([elbows, row])
+
+
+def _to_all_sides(rows: Floats) -> Floats:
+    """Rows (n, 18) of segments that bend to all sides instead of in one plane.
+
+    How that plane would lie the other way round depends on how the tip is turned. A chain that is turned back is
+    brought into its plane where the solve of the whole robot begins.
+    """
+    result = rows.copy()
+    planar = result[:, t.IN_PLANE] > 0.0
+    result[planar, t.BEND_SCALE] = np.where(result[planar, t.MAX_BEND] > 0.0, 1.0, 0.0)
+    result[:, t.IN_PLANE] = 0.0
+    return result
 
 
 def problem_from_pose(groups: Groups, root: Floats) -> Groups:

@@ -1,6 +1,7 @@
-"""`python -m benchmarks many`: batches through files, on one worker and on several, killed and not; and a map.
+"""`python -m benchmarks many`: batches through files, on one worker and on several; and a map.
 
-What is timed with its memory, or killed, runs in a process of its own.
+What is timed with its memory runs in a process of its own. That a batch which is killed loses nothing is tested in
+`tests/studies/batch/test_deaths.py`.
 """
 
 import json
@@ -33,7 +34,6 @@ TOGETHER = 100_000
 
 FILES = "batches from NPZ to NPZ, 5 segments, 2 threads, end to end; at most 16 starts, among spheres 6"
 
-KILLED = "killed with -9 half-way, and begun again"
 NONE = Goal(0.0, correctness=True)
 
 KINDS = {
@@ -84,16 +84,11 @@ class Ran(NamedTuple):
     counts: dict[str, int]
 
 
-def begin(**settings: Any) -> "subprocess.Popen[str]":
-    """Begin a batch."""
-    command = [sys.executable, "-c", "from benchmarks.many import run_child; run_child()", json.dumps(settings)]
-    return subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=subprocess.PIPE, text=True)
-
-
 def run(**settings: Any) -> Ran:
-    """Run a batch, and wait for it."""
-    out, _ = begin(**settings).communicate()
-    seconds, megabytes, counts = json.loads(out.splitlines()[-1])
+    """Run a batch in a process of its own."""
+    command = [sys.executable, "-c", "from benchmarks.many import run_child; run_child()", json.dumps(settings)]
+    done = subprocess.run(command, cwd=Path(__file__).parents[1], stdout=subprocess.PIPE, text=True, check=True)
+    seconds, megabytes, counts = json.loads(done.stdout.splitlines()[-1])
     return Ran(seconds, megabytes, counts)
 
 
@@ -132,38 +127,6 @@ def through_files(plan: Plan) -> Iterator[Line]:
         rate = Goal(goal, at_most=False)
         yield Line(FILES, kind, count / ran.seconds, "/s", rate, None, solved, note)
         yield Line(FILES, f"{kind}, memory", ran.megabytes, "MB", Goal(500.0), None, None, note)
-
-
-def deaths(plan: Plan) -> Iterator[Line]:
-    """Count chunks that were lost or done twice, and differences in the end."""
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        count = plan.count(500_000, 60_000)
-        options = {"chunk": -(-count // 60), "time": 60.0, "max_starts": 20}  # nothing may depend on time
-        targets = str(table(folder / "in.npz", count, plan.rng(35), directions=True))
-        run(targets=targets, out=str(folder / "whole.npz"), options=options)
-        out = folder / "out.npz"
-        process = begin(targets=targets, out=str(out), options=options)
-        while len(_chunks(out)) < 30 and process.poll() is None:
-            time.sleep(0.002)
-        process.kill()
-        process.communicate()
-        before = _chunks(out)
-        run(targets=targets, out=str(out), options={**options, "shard": (1, 1)})
-        after = _chunks(out)
-        again = sum(after.get(chunk) != written for chunk, written in before.items())
-        run(targets=targets, out=str(out), options=options)
-        same = out.read_bytes() == (folder / "whole.npz").read_bytes()
-    yield Line(KILLED, "chunks done when it was killed", float(len(before)), "", note="of 60")
-    yield Line(KILLED, "chunks done twice", float(again), "", NONE)
-    yield Line(KILLED, "chunks lost", float(60 - len(after)), "", NONE)
-    yield Line(KILLED, "results that differ from an undisturbed run", float(not same), "", NONE)
-
-
-def _chunks(out: Path) -> dict[str, int]:
-    """Chunks that are there, and when they were written."""
-    found = out.with_name(out.name + ".parts").glob("chunk-*.npz")
-    return {file.name: file.stat().st_mtime_ns for file in found}
 
 
 def engines(plan: Plan) -> Iterator[Line]:
@@ -241,7 +204,6 @@ def _denied(scene: sn.Scene, tips: Floats) -> int:
 PARTS: dict[str, Part] = {
     "files": through_files,
     "workers": engines,
-    "deaths": deaths,
     "workspace": map_workspace,
 }
 """What is measured, in order."""

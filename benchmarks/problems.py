@@ -9,7 +9,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.judges.collisions import Body
+from benchmarks.judges.clearances import overlaps
+from benchmarks.judges.judge import Flags, right
 from benchmarks.judges.kinematics import bend_caps, tip_poses
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
@@ -36,6 +37,10 @@ class ProblemSet:
     def only(self, numbers: Iterable[int]) -> "ProblemSet":
         """Return some of the problems."""
         return ProblemSet(self.robot, [self.targets[i] for i in numbers], self.scene, self.tolerance)
+
+    def right(self, q: Floats) -> Flags:
+        """Judge one configuration a problem."""
+        return right(self.robot, self.targets, q, self.tolerance, self.scene)
 
 
 def relative_tolerance(robot: sn.Robot, relative: float) -> sn.Tolerance:
@@ -87,11 +92,10 @@ def among_spheres(robot: sn.Robot, spheres: int, count: int, rng: Generator) -> 
 
 def free_configurations(robot: sn.Robot, scene: sn.Scene, count: int, rng: Generator) -> Floats:
     """Draw configurations (count, n, 3) that the judge finds free."""
-    body = Body(robot, scene)
     found: list[Floats] = []
     for _ in range(PATIENCE):
         drawn = random_configurations(robot, 20, rng)
-        found += [q for q, hit in zip(drawn, body.overlaps(drawn), strict=True) if not hit]
+        found += list(drawn[~overlaps(robot, scene, drawn)])
         if len(found) >= count:
             return np.array(found[:count])
     raise RuntimeError("the scene leaves no room")
@@ -117,6 +121,52 @@ def paper_poses() -> ProblemSet:
     """Return the paper's four targets (P1), each to 1e-6 mm and 1e-6 rad."""
     targets = [sn.Target(position, direction=direction) for position, direction in PAPER_POSES.values()]
     return ProblemSet(arm(5, 2.4), targets, sn.Scene(), sn.Tolerance(1e-6, 1e-6))
+
+
+FREE_BEND = 6.0
+"""The paper limits no bends, but its arcs end short of a full turn."""
+
+PAPER_TOLERANCE = sn.Tolerance(1.0, 0.0175)
+"""In mm and rad: the paper's for the orientation; 1 mm for the position, which the published answers are within."""
+
+PATH_LENGTH = 480.0
+"""Mean length of a robot that follows a path, mm, whatever the number of its segments."""
+
+WAYPOINTS = 180
+"""Points of a path, as in the paper."""
+
+HALF_WIDTH, LOWEST, HIGHEST = 0.45, 0.1, 0.7
+"""Where spheres have their centers, of the robot's length: across its first axis, and along it."""
+
+PATH_GAP, BASE_GAP, BASE_LENGTH = 0.03, 0.03, 0.12
+"""What spheres leave free, of the robot's length: around the path, and around the first piece of the straight robot."""
+
+
+def path_through(segments: int, spheres: int, rng: Generator, points: int = WAYPOINTS) -> ProblemSet:
+    """Return a closed figure of eight behind random spheres of 0.03 to 0.08 of the length; the direction is free.
+
+    The robot stands upright, 1 mm thick, with lengths within a tenth. Spheres leave free the path and the first piece
+    of the robot, nothing else: whether a waypoint can be reached at all is not known.
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, WAYPOINTS, endpoint=False)
+    eight = [0.3 * np.sin(turn), 0.22 * np.sin(2.0 * turn), 0.72 + 0.1 * np.cos(turn)]
+    path = PATH_LENGTH * np.stack(eight, axis=-1)
+    base = np.linspace(0.0, BASE_LENGTH * PATH_LENGTH, 20)[:, None] * [0.0, 0.0, 1.0]
+    found: list[Obstacle] = []
+    while len(found) < spheres:
+        across = rng.uniform(-HALF_WIDTH, HALF_WIDTH, 2)
+        center = PATH_LENGTH * np.array([*across, rng.uniform(LOWEST, HIGHEST)])
+        radius = PATH_LENGTH * rng.uniform(0.03, 0.08)
+        gaps = [
+            np.linalg.norm(line - center, axis=-1).min() - radius - gap * PATH_LENGTH
+            for line, gap in ((path, PATH_GAP), (base, BASE_GAP))
+        ]
+        if min(gaps) > 0.0:
+            found.append(sn.Sphere(center, radius))
+    length = PATH_LENGTH / segments
+    robot = sn.Robot.uniform(segments, (0.9 * length, 1.1 * length), FREE_BEND, radius=1.0)
+    targets = [sn.Target(point) for point in path[:: WAYPOINTS // points][:points]]
+    return ProblemSet(robot, targets, sn.Scene(found), sn.Tolerance().for_robot(robot))
 
 
 def full_poses(seed: int, count: int) -> ProblemSet:
@@ -148,7 +198,7 @@ def clutter(seed: int, count: int) -> ProblemSet:
         obstacles.append(sn.Box(base + 0.1 * unit * in_ball(rng), room, _rotation(rng), inside=True))
     scene = sn.Scene(obstacles)
     drawn = random_configurations(robot, 2 * count, rng)
-    hit = np.array(Body(robot, scene).overlaps(drawn))
+    hit = overlaps(robot, scene, drawn)
     free = drawn[~hit]
     q = np.concatenate([free[: count // 2], drawn[hit], free[count // 2 :]])[:count]
     targets = [_random_target(tip, rng) for tip in tip_poses(robot, q)]

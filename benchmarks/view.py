@@ -13,9 +13,8 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.harness.experiment import Part
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.places.parts.surfaces import ball, solid
 from sinuous.base.checks import Floats
 from sinuous.cli.view import TURN

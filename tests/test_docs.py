@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.paper.entrants import FAITHFUL
+from benchmarks.methods import FAITHFUL
 from sinuous.cli.app import main
-from sinuous.methods.prepared import LIMITS
-from sinuous.methods.registry import METHODS, capabilities
+from sinuous.methods.method import LIMITS, METHODS, capabilities
 from tests.cases import with_each
 
 DOCS = Path(__file__).parent.parent / "docs"

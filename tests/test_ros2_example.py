@@ -146,16 +146,6 @@ def test_motors_say_where_the_next_plan_begins() -> None:
 
 
 @pytest.mark.usefixtures("package")
-def test_what_cannot_be_reached_moves_nothing() -> None:
-    arm = planner(Clock())
-    before = arm.q
-    assert not arm.go((0, 0, 900)).solved
-    assert arm.piece(1.0) is None
-    assert not arm.moves
-    np.testing.assert_array_equal(arm.q, before)
-
-
-@pytest.mark.usefixtures("package")
 def test_files_are_checked(tmp_path: Path) -> None:
     text = Path(JOB).read_text(encoding="utf-8")
     for start, wanted in (("start:", "where the robot is at first"), ("rates:", "how fast")):

@@ -11,8 +11,8 @@ import sinuous as sn
 from benchmarks.corpus.answers import Problem
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import known, leader, moving, p5
-from benchmarks.paper.scenes import path_through
 from benchmarks.places import make
+from benchmarks.problems import path_through
 from benchmarks.wild import audit, odd, worlds
 
 TIME = 20.0

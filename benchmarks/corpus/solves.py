@@ -12,7 +12,7 @@ from benchmarks.derivatives import families
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.problems import clutter, full_poses, paper_poses
-from benchmarks.real import under_load
+from benchmarks.real import loaded_robot
 from benchmarks.wild import audit, doors, odd, trials, worlds
 from benchmarks.wild.worlds import World
 
@@ -145,7 +145,7 @@ def under_gravity() -> Iterator[Problem]:
         for i, targets in enumerate(world.targets[:4]):
             yield Problem(f"{number}.{i}", partial(solver.solve, targets), partial(_right_in_world, world, i))
     for sections in (3, 5):
-        robot, rng = under_load.robot_of(sections), np.random.default_rng(sections)
+        robot, rng = loaded_robot(sections), np.random.default_rng(sections)
         balls = [sn.Sphere(place, 0.02) for place in rng.uniform(-0.35, 0.35, (12, 3)) if np.linalg.norm(place) > 0.15]
         for i, place in enumerate(rng.uniform((-0.2, -0.2, 0.1), (0.2, 0.2, 0.5), (20, 3))):
             yield Problem(

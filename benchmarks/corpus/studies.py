@@ -11,7 +11,7 @@ import numpy as np
 import sinuous as sn
 from benchmarks.corpus.answers import Problem
 from benchmarks.design import problem
-from benchmarks.real.calibration import robot_of, rows_of
+from benchmarks.real import captured_robot, rows_of
 from benchmarks.wild import audit, odd, worlds
 
 BUDGET: dict[str, Any] = {"time": 20.0, "max_starts": 6}
@@ -23,7 +23,7 @@ TASKS = 8
 def calibrations() -> Iterator[Problem]:
     """Robots of motion capture and odd ones, fitted as told and by choice; settings that are worth measuring."""
     for name in ("v4", "v6"):
-        robot = robot_of(name)
+        robot = captured_robot(name)
         rows = rows_of(robot, f"{name}_train")
         given = rows.actuators[::40], rows.measured[::40]
         for fit in (["offsets"], ["lengths", "angles"], ["stretch", "offsets", "circles"]):

@@ -75,8 +75,8 @@ def targets_at(robot: sn.Robot, q: Floats, rng: Generator) -> list[sn.Target]:
     elif kind == 2:
         targets = [sn.Target(direction=tip[:3, 2])]
     elif kind == 3 and free > 6 and len(robot) > 2:
-        elbow = robot.forward(q)[len(robot) - 2, :3, 2]
-        targets = [sn.Target(tip[:3, 3]), sn.Target(direction=elbow, segment=len(robot) - 1)]
+        before = robot.forward(q)[len(robot) - 2, :3, 2]
+        targets = [sn.Target(tip[:3, 3]), sn.Target(direction=before, segment=len(robot) - 1)]
     else:
         targets = [sn.Target(tip[:3, 3])]
     return targets

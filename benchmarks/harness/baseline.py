@@ -17,7 +17,7 @@ from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.markdown import table
 from benchmarks.harness.report import Report, number
 from sinuous.base.errors import InputError, shown
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 
 SAFETY = 2.0
 """Ranges of the rounds that a figure may change by."""

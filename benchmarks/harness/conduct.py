@@ -13,14 +13,13 @@ from benchmarks.harness.journal import Journal, code_version
 from benchmarks.harness.lines import Line
 from benchmarks.harness.report import Report
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 
 INTERRUPTED = 130
 
 NEEDED = {
     "casadi": "casadi",
     "distributed": "distributed",
-    "fcl": "python-fcl",
     "igl": "libigl",
     "matplotlib": "matplotlib",
     "trimesh": "trimesh",
@@ -42,10 +41,6 @@ class Output:
     ----------
     folder : Path, optional
         Of journal and results; default: `bench-` and the name of the experiment.
-    json : bool
-        Print JSON, one line, instead of Markdown.
-    anew : bool
-        Whether to throw away what the folder holds.
     against : Path, optional
         Baseline to compare with.
     save_baseline : Path, optional
@@ -57,8 +52,6 @@ class Output:
     """
 
     folder: Path | None = None
-    json: bool = False
-    anew: bool = False
     against: Path | None = None
     save_baseline: Path | None = None
     whole: bool = True
@@ -97,7 +90,7 @@ def conduct(experiment: Experiment, output: Output) -> int:
     before = None
     if output.against is not None:  # refused before anything is measured where it does not fit
         before = load(output.against, "--against", Report(experiment, facts, Findings()).to_dict())
-    journal = Journal.open(folder, _settings(experiment, facts), anew=output.anew)
+    journal = Journal.open(folder, _settings(experiment, facts))
     work = list(experiment.pieces())
     try:
         _measure(experiment, work, journal)
@@ -105,8 +98,7 @@ def conduct(experiment: Experiment, output: Output) -> int:
         report = Report(experiment, facts, experiment.findings(journal.pieces))
         _give(report, folder, output, comparison)
     except BaseException as error:  # whatever ended it: what was measured until then took minutes
-        if experiment.divisible:
-            _give(Report(experiment, facts, experiment.findings(journal.pieces), interrupted=True), folder, output)
+        _give(Report(experiment, facts, experiment.findings(journal.pieces), interrupted=True), folder, output)
         if not isinstance(error, KeyboardInterrupt):
             raise
         done = sum(name in journal.pieces for name, _ in work)
@@ -122,7 +114,7 @@ def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> Non
     """Measure what the journal lacks."""
     lacking = [(name, measure) for name, measure in work if name not in journal.pieces]
     if not lacking:
-        _say("all of this was measured before; --anew measures it again")
+        _say("all of this was measured before; another --out measures it again")
     for name, measured in experiment.plan.track(experiment.done(lacking), experiment.name, len(lacking)):
         journal.add(name, measured)
 
@@ -145,7 +137,7 @@ def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
         "experiment": experiment.name,
         "seed": experiment.plan.seed,
         "quick": experiment.plan.quick,
-        **experiment.settings(),
+        **experiment.settings,
         **{key: value for key, value in facts.items() if key not in MOMENTARY},
         "code": code_version(),
     }
@@ -154,18 +146,15 @@ def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
 def _give(report: Report, folder: Path, output: Output, comparison: Comparison | None = None) -> None:
     """Write the results into the folder, and print them."""
     name = report.experiment.name
-    for picture, drawn in report.findings.pictures.items():
-        drawn.savefig(folder / f"{picture}.png", bbox_inches="tight", pad_inches=0.15)
     data, text = report.to_dict(), report.to_text()
     if comparison is not None and output.against is not None:
         data["against"] = comparison.to_dict()
         text += "\n" + comparison.to_text(str(output.against))
-    line = json_line(data) + "\n"
-    (folder / f"{name}.json").write_text(line, encoding="utf-8")
+    (folder / f"{name}.json").write_text(json_line(data) + "\n", encoding="utf-8")
     (folder / f"{name}.md").write_text(text, encoding="utf-8")
     if output.record is not None:
         (output.record / f"{name}.txt").write_text(f"# {name}\n\n{text}", encoding="utf-8")
-    sys.stdout.write(line if output.json else text)
+    sys.stdout.write(text)
     sys.stdout.flush()
     _say(f"results are in {folder}")
 

@@ -1,4 +1,4 @@
-"""What an experiment is: pieces of work, whose plain values are kept, and findings that are made of these alone."""
+"""What an experiment is: parts whose shares of work are measured, kept as plain values, and summed up as lines."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -8,7 +8,7 @@ from itertools import count
 from statistics import fmean
 from typing import Any, NamedTuple
 
-from benchmarks.harness import reference
+from benchmarks.harness import parallel, reference
 from benchmarks.harness.lines import Line, together
 from benchmarks.harness.plan import Plan
 from sinuous.base.errors import InputError
@@ -25,69 +25,17 @@ class Findings:
     ----------
     lines : list of Line
         Figures, to be printed as tables and compared with a baseline.
-    text : str
-        Markdown, which shows the pictures by their names.
-    data : dict
-        The same for programs.
-    pictures : dict
-        Matplotlib figures by name, without ending.
-    wrong : int
-        Claims of "solved" that verification rejected.
     busy : float
         Largest share of the processor that other processes had before or after a piece, 0 to 1.
     """
 
     lines: list[Line] = field(default_factory=list)
-    text: str = ""
-    data: dict[str, Any] = field(default_factory=dict)
-    pictures: dict[str, Any] = field(default_factory=dict)
-    wrong: int = 0
     busy: float = 0.0
 
     @property
     def correct(self) -> bool:
-        """Whether no claim was wrong, and every goal of correctness was held; speed is another matter."""
-        return self.wrong == 0 and all(line.held is not False for line in self.lines if line.correctness)
-
-
-class Experiment:
-    """What the harness asks of an experiment.
-
-    Attributes
-    ----------
-    name : str
-    plan : Plan
-    divisible : bool
-        Whether some of the pieces have findings of their own, so that an interrupted run has something to say.
-    protocol : str
-        What is counted, and how it is timed, in a sentence for the head of the report.
-    """
-
-    name: str
-    plan: Plan
-    divisible = False
-    protocol = ""
-
-    def settings(self) -> dict[str, Any]:
-        """Return plain values, all that the figures depend on besides machine, code, seed and size."""
-        return {}
-
-    def pieces(self) -> Iterable[Piece]:
-        """Return the work, in order."""
-        raise NotImplementedError
-
-    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
-        """Do pieces, and yield name and values of each as soon as it is done: one after the other by default."""
-        for name, measure in pieces:
-            yield name, measure()
-
-    def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterable[Piece]:
-        """Return more work, after all pieces, to make sure of figures, which are named by section and what."""
-        return ()
-
-    def findings(self, pieces: dict[str, Any]) -> Findings:
-        """Sum up what was measured, by the names of the pieces."""
-        raise NotImplementedError
+        """Whether every goal of correctness was held; speed is another matter."""
+        return all(line.held is not False for line in self.lines if line.correctness)
 
 
 class Divided(NamedTuple):
@@ -109,57 +57,69 @@ Part = Callable[[Plan], Iterable[Line]]
 """From a plan to the lines of a part of an experiment."""
 
 
-class OfLines(Experiment):
-    """An experiment whose parts each measure some lines, as often as there are rounds.
+@dataclass(frozen=True)
+class Experiment:
+    """Parts that each measure some lines, as often as there are rounds.
 
-    Parameters
+    Attributes
     ----------
     name : str
     plan : Plan
-    measured : mapping of str to Part, optional
-        The parts by their names; of those that override `parts`, nothing.
+    parts : mapping of str to Divided
+    protocol : str
+        What is counted, and how it is timed, in a sentence for the head of the report.
+    settings : mapping
+        Plain values, all that the figures depend on besides machine, code, seed and size.
+    fresh : bool
+        Whether the shares know of rounds themselves, and each has problems of its own.
+    abreast : bool
+        Whether shares are done in as many processes as there are cores, each as soon as one is free: no process waits
+        for the others between two parts, and what is timed has a core of its own. A quick run uses this process alone.
     """
 
-    divisible = True
+    name: str
+    plan: Plan
+    parts: Mapping[str, Divided]
+    protocol: str = ""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    fresh: bool = False
+    abreast: bool = False
 
-    fresh = False
-    """Whether the shares of a part know of rounds themselves, and each has problems of its own."""
+    @classmethod
+    def of(cls, name: str, plan: Plan, measured: Mapping[str, Part]) -> "Experiment":
+        """Return one of parts that are measured in one go each."""
+        parts = {part: Divided([partial(_plain_lines, measure, plan)], _read) for part, measure in measured.items()}
+        return cls(name, plan, parts)
 
-    def __init__(self, name: str, plan: Plan, measured: Mapping[str, Part] | None = None) -> None:
-        self.name = name
-        self.plan = plan
-        self._measured = measured or {}
-        self._only: frozenset[str] | None = None
-
-    def parts(self) -> Iterator[tuple[str, Divided]]:
-        """Return names, and what measures each in shares."""
-        for name, measure in self._measured.items():
-            yield name, Divided([partial(_plain_lines, measure, self.plan)], _read)
-
-    def choose(self, patterns: Sequence[str]) -> None:
-        """Measure some of the parts alone; see `chosen`."""
-        self._only = chosen([name for name, _ in self.parts()], patterns)
-
-    def _chosen(self) -> Iterator[tuple[str, Divided]]:
-        return ((name, part) for name, part in self.parts() if self._only is None or name in self._only)
+    def only(self, patterns: Sequence[str]) -> "Experiment":
+        """Return the experiment with some of the parts alone; see `chosen`."""
+        names = chosen(list(self.parts), patterns)
+        return replace(self, parts={name: part for name, part in self.parts.items() if name in names})
 
     def pieces(self) -> Iterator[Piece]:
         """Every part, then every part again: a slow minute of the machine meets one round alone."""
         for number in range(1 if self.fresh else self.plan.rounds):
-            for name, part in self._chosen():
+            for name, part in self.parts.items():
                 yield from _round(name, part, number)
 
+    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
+        """Do pieces, and yield name and values of each as soon as it is done."""
+        if self.abreast and not self.plan.quick:
+            yield from parallel.as_done(pieces)
+        else:
+            yield from ((name, measure()) for name, measure in pieces)
+
     def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterator[Piece]:
-        """One more round of the parts that have some of these figures."""
-        for name, part in self._chosen():
+        """One more round of the parts that have some of these figures, which are named by section and what."""
+        for name, part in self.parts.items():
             rounds = list(_rounds(name, part, pieces))
             if not self.fresh and any((line.section, line.what) in doubtful for lines in rounds for line in lines):
                 yield from _round(name, part, len(rounds))
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
-        """Put all rounds of every figure together."""
+        """Put all rounds of every figure together, from the values of pieces by their names."""
         found: dict[tuple[str, str], list[Line]] = {}
-        for name, part in self._chosen():
+        for name, part in self.parts.items():
             for lines in _rounds(name, part, pieces):
                 for line in lines:
                     found.setdefault((line.section, line.what), []).append(line)

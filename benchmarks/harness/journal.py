@@ -10,7 +10,7 @@ from typing import Any
 import benchmarks
 import sinuous
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 
 NAME = "journal.jsonl"
 
@@ -39,7 +39,7 @@ class Journal:
     pieces: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def open(cls, folder: Path, settings: dict[str, Any], *, anew: bool) -> "Journal":
+    def open(cls, folder: Path, settings: dict[str, Any]) -> "Journal":
         """Open the journal of a folder: a new one, or the one that is there if it was begun with the same settings.
 
         Parameters
@@ -49,8 +49,6 @@ class Journal:
         settings : dict
             Plain values, all that the figures depend on: what a line measured under other settings says is no part of
             this experiment.
-        anew : bool
-            Whether to throw away what is there.
 
         Raises
         ------
@@ -61,7 +59,7 @@ class Journal:
             raise InputError("--out", "is a file", str(folder), "a folder")
         folder.mkdir(parents=True, exist_ok=True)
         journal = cls(folder / NAME)
-        if anew or not journal.file.exists():
+        if not journal.file.exists():
             journal.file.write_text(json_line({"settings": settings}) + "\n", encoding="utf-8")
             return journal
         lines, size = _whole_lines(journal.file)
@@ -98,7 +96,7 @@ def _whole_lines(file: Path) -> tuple[list[dict[str, Any]], int]:
 def _refuse_others(folder: Path, before: Any, now: dict[str, Any]) -> None:
     if before == now:
         return
-    remedy = "the settings of before, another folder, or --anew"
+    remedy = "the settings of before, or another folder"
     if not isinstance(before, dict):
         raise InputError("--out", "its journal cannot be read", str(folder), remedy)
     key = next(key for key in {**before, **now} if before.get(key) != now.get(key))

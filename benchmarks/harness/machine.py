@@ -9,7 +9,7 @@ from pathlib import Path
 import sinuous
 from sinuous.kernels.compile import cores
 
-PACKAGES = ("numpy", "scipy", "numba", "casadi", "python-fcl", "libigl", "ompl")
+PACKAGES = ("numpy", "scipy", "numba", "casadi", "libigl", "ompl")
 
 
 def describe() -> dict[str, str]:

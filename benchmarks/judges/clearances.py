@@ -6,7 +6,7 @@ plain NumPy, kind by kind.
 """
 
 import math
-from functools import cache, partial, singledispatch
+from functools import cache, lru_cache, partial, singledispatch
 from typing import NamedTuple
 
 import igl
@@ -27,6 +27,9 @@ MOST_PLACES = 5_000
 
 TOGETHER = 64
 """Configurations that are looked at in one go."""
+
+GRACE = 1e-9
+"""What rounding may make of a clearance, in robot lengths."""
 
 COARSE, FINEST = 4, 4096
 """Intervals of a segment to begin with, and the finest that they are halved to."""
@@ -115,6 +118,15 @@ def _lowest(before: Floats, after: Floats, lengths: Floats) -> Floats:
 def least_clearance(robot: sn.Robot, scene: sn.Scene, q: Floats, enough: float = math.inf) -> Floats:
     """Return the least clearance (m,) of configurations (m, n, 3); see `Clearances.least`."""
     return Clearances(robot, scene).least(q, enough)
+
+
+prepared = lru_cache(maxsize=2)(Clearances)
+"""For a robot and a scene: whoever looks at a place again finds it prepared."""
+
+
+def overlaps(robot: sn.Robot, scene: sn.Scene, q: Floats) -> NDArray[np.bool_]:
+    """Say for every configuration (m, n, 3) whether its body overlaps an obstacle, by more than rounding."""
+    return np.asarray(prepared(robot, scene).least(q, 0.0) < -GRACE * robot.mean_length)
 
 
 @singledispatch

@@ -1,19 +1,22 @@
 """Independent judges: an answer counts only once it was found right here. Nothing in this file calls a kernel."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.judges import actuators
-from benchmarks.judges.collisions import Body
+from benchmarks.judges.clearances import overlaps
 from benchmarks.judges.kinematics import bend_caps, segment_ends
 from sinuous.base.checks import Floats
+from sinuous.model.actuators import Lines
+from sinuous.model.robot import Robot
 
 Flags = NDArray[np.bool_]
+
+IMPOSSIBLE = (sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED, sn.Status.NO_ROUTE)
+"""What no problem with a hidden solution may be called."""
 
 LIMIT_SLACK = 1e-9
 """How far outside its limits a configuration may be: rad, or of the robot's mean length."""
@@ -22,46 +25,18 @@ ROUNDING = 1e-12
 """What two computations of one error may differ by: rad, or of the robot's mean length."""
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What was found of m configurations, each a judgement on its own.
-
-    Attributes
-    ----------
-    at_target, within_limits, free : ndarray (m,) of bool
-    """
-
-    at_target: Flags
-    within_limits: Flags
-    free: Flags
-
-    @property
-    def right(self) -> Flags:
-        """Whether everything is as asked."""
-        result: Flags = self.at_target & self.within_limits & self.free
-        return result
-
-
-def judge(
-    robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance, body: Body | None = None
-) -> Judgement:
-    """Judge one configuration a target.
-
-    Parameters
-    ----------
-    robot : Robot
-    targets : sequence of m Target
-    q : ndarray (m, n, 3)
-    tolerance : Tolerance
-        With its position filled in.
-    body : Body, optional
-        Robot and scene; without it there are no obstacles.
-    """
+def right(
+    robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance, scene: sn.Scene | None = None
+) -> Flags:
+    """Say of configurations (m, n, 3), one a target, whether each is at it, within limits, and clear of obstacles."""
     position, angle = target_errors(robot, targets, q)
     allowed = tolerance.for_robot(robot).position or 0.0
-    at_target = (position <= allowed + ROUNDING * robot.mean_length) & (angle <= tolerance.angle + ROUNDING)
-    touching = np.zeros(len(q), bool) if body is None else np.array(body.overlaps(q), bool)
-    return Judgement(at_target, within_limits(robot, q), ~touching)
+    good = (position <= allowed + ROUNDING * robot.mean_length) & (angle <= tolerance.angle + ROUNDING)
+    good &= within_limits(robot, q)
+    if scene is not None and len(scene):
+        good &= ~overlaps(robot, scene, q)
+    result: Flags = good
+    return result
 
 
 def target_errors(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats) -> tuple[Floats, Floats]:
@@ -90,5 +65,29 @@ def within_limits(robot: sn.Robot, q: Floats) -> Flags:
     low, high = np.array([segment.length for segment in robot.segments]).T
     slack = LIMIT_SLACK * robot.mean_length
     good = (lengths >= low - slack) & (lengths <= high + slack) & (bends <= bend_caps(robot, lengths) + LIMIT_SLACK)
-    result: Flags = good.all(axis=1) & np.isfinite(q).all(axis=(1, 2)) & actuators.within(robot, q, slack)
+    result: Flags = good.all(axis=1) & np.isfinite(q).all(axis=(1, 2)) & actuators_within(robot, q, slack)
     return result
+
+
+def actuators_within(robot: Robot, q: Floats, slack: float) -> Flags:
+    """Say for every configuration (m, n, 3) whether all tendons and chambers keep their limits, to within a length."""
+    good = np.ones(len(q), bool)
+    bends = np.cumsum(q[..., :2], axis=1)
+    for k, segment in enumerate(robot.segments):
+        if segment.tendons is not None:
+            low, high = segment.tendons.displacement
+            good &= _between(_pulled(segment.tendons, bends[:, k]), low, high, slack)
+        if segment.chambers is not None:
+            low, high = segment.chambers.length
+            good &= _between(q[:, k, 2:] - _pulled(segment.chambers, q[:, k, :2]), low, high, slack)
+    return good
+
+
+def _pulled(lines: Lines, bends: Floats) -> Floats:
+    """By how much bends (m, 2) shorten each line (m, lines): its distance from the backbone, times the bend its way."""
+    angle, side = np.hypot(bends[:, 0], bends[:, 1]), np.arctan2(bends[:, 1], bends[:, 0])
+    return np.asarray(lines.radius * angle[:, None] * np.cos(side[:, None] - lines.angles))
+
+
+def _between(values: Floats, low: float, high: float, slack: float) -> Flags:
+    return np.asarray((values >= low - slack).all(axis=1) & (values <= high + slack).all(axis=1))

@@ -7,15 +7,12 @@ import numpy as np
 import sinuous as sn
 from benchmarks.judges import self_collision
 from benchmarks.judges.bodies import needed_body, self_body
-from benchmarks.judges.clearances import Clearances
+from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.judge import within_limits
 from sinuous.base.checks import Floats
 
 A_STEP = 50
 """Configurations that are looked at in every step."""
-
-GRACE = 1e-9
-"""What rounding may make of a clearance, in robot lengths."""
 
 EXCESS = 1e-6
 """By how much of itself a rate may seem to be exceeded, by differences."""

@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.judges.folds import least_self_clearance
 from benchmarks.judges.kinematics import segment_ends
 from benchmarks.judges.motions import samples
+from benchmarks.judges.self_collision import look
 from benchmarks.places.parts.shapes import curve_of, draw_shape
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
@@ -70,7 +70,8 @@ def draw_motion(robot: Robot, kind: str, rng: Generator) -> Floats:
 
 def keeps_apart(robot: Robot, knots: Floats) -> bool:
     """Whether a motion through knots (T, n, 3) is nowhere near itself."""
-    return bool(least_self_clearance(robot, samples(knots, FINE)).min() > ROOM * max(robot.radii))
+    room = ROOM * max(robot.radii)
+    return bool(look(robot, samples(knots, FINE), room).least.min() > room)
 
 
 def straight(robot: Robot) -> Floats:

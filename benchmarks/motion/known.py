@@ -9,15 +9,14 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.around import balls, door_in, door_out, pipe, plates, two_doors
 from benchmarks.motion.hidden import KINDS, THREADING, draw_motion, keeps_apart
 from benchmarks.places.parts.robots import longest, robot_of
 from benchmarks.places.scans import one_mesh
-from benchmarks.solvers.parallel import in_processes
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 

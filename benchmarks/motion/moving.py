@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.judges import self_collision
-from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.motions import GRACE, too_fast, wrong_at
+from benchmarks.judges.clearances import GRACE, Clearances
+from benchmarks.judges.motions import too_fast, wrong_at
 from sinuous.base.checks import Floats
 from sinuous.motion.plan import PlanArguments
 

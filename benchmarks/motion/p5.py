@@ -3,28 +3,96 @@
 n sections of length 1, bent by up to half a turn; n^3 spheres, or more of them, with centres even in a cube of
 half-side n and radii from 0.15 to 0.30, off the straight robot; start and goal are drawn evenly from the states that
 are clear, with tips at least a tenth of the length apart. The body has a radius of 0.05 and must not run through
-itself.
+itself. Planners of OMPL (Sucan, Moll & Kavraki 2012) plan some pairs, over the same proofs of states and motions.
 """
 
 from collections.abc import Callable, Iterator
 from functools import cache, partial
+from importlib.util import find_spec
 from statistics import median
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.motions import wrong_in
-from benchmarks.motion import peers
-from benchmarks.solvers.parallel import in_processes
 from sinuous.base.checks import Floats
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import VERDICT
+from sinuous.solver.certificates.steps import Prover
+
+OTHER_PLANNERS = ("RRTConnect", "BITstar")
+"""Those to compare with; the second goes on to shorten the way until its time is over."""
+
+
+def installed() -> bool:
+    """Whether OMPL is there; it has no wheels for every platform."""
+    return find_spec("ompl") is not None
+
+
+def plan_all(
+    robot: sn.Robot, scene: sn.Scene, start: Floats, goal: Floats, seconds: float
+) -> dict[str, tuple[float, bool]]:
+    """Return the time that each planner took from one configuration (n, 3) to another, and whether it found a way."""
+    names = OTHER_PLANNERS if installed() else ()
+    return {name: _plan_by(name, _checker(robot, scene), start, goal, seconds) for name in names}
+
+
+def _plan_by(name: str, clear: Callable[..., bool], start: Floats, goal: Floats, seconds: float) -> tuple[float, bool]:
+    from ompl import base, geometric, util  # noqa: PLC0415
+
+    util.setLogLevel(util.LogLevel.LOG_ERROR)
+    n = len(start)
+    space, bounds = base.RealVectorStateSpace(2 * n), base.RealVectorBounds(2 * n)
+    bounds.setLow(-np.pi)
+    bounds.setHigh(np.pi)
+    space.setBounds(bounds)
+    setup = geometric.SimpleSetup(space)
+    setup.setStateValidityChecker(lambda state: clear(_of_state(state, n)))
+
+    class Proof(base.MotionValidator):  # type: ignore[misc]
+        def checkMotion(self, one: Any, other: Any, *_: Any) -> bool:  # noqa: N802
+            return clear(_of_state(one, n), _of_state(other, n))
+
+    information = setup.getSpaceInformation()
+    information.setMotionValidator(Proof(information))
+    setup.setStartAndGoalStates(_state_of(space, start), _state_of(space, goal))
+    setup.setPlanner(getattr(geometric, name)(information))
+    began = perf_counter()
+    setup.solve(seconds)
+    return perf_counter() - began, bool(setup.haveExactSolutionPath())
+
+
+def _checker(robot: sn.Robot, scene: sn.Scene) -> Callable[..., bool]:
+    prover = Prover(robot, scene.snapshot())
+
+    def clear(one: Floats, other: Floats | None = None) -> bool:
+        q = np.stack([one, one if other is None else other])
+        if (np.hypot(q[..., 0], q[..., 1]) > np.pi).any():
+            return False
+        return bool(prover.prove(q, slack=1.0)[0, VERDICT] == CLEAR)
+
+    return clear
+
+
+def _of_state(state: Any, n: int) -> Floats:
+    bends = np.array([state[i] for i in range(2 * n)]).reshape(n, 2)
+    return np.concatenate([bends, np.ones((n, 1))], axis=1)
+
+
+def _state_of(space: Any, q: Floats) -> Any:
+    state = space.allocState()
+    for i, value in enumerate(q[:, :2].ravel()):
+        state[i] = float(value)
+    return state
+
 
 RADIUS = 0.05
 
@@ -136,7 +204,7 @@ def examine(task: Task) -> Trial:
     motion = planner.plan(pair.start, goal)
     seconds = perf_counter() - began
     wrong = wrong_in(pair.robot, pair.scene, motion.q) if motion.solved else ""
-    others = peers.plan_all(pair.robot, pair.scene, pair.start, pair.goal, PATIENCE) if task.compared else {}
+    others = plan_all(pair.robot, pair.scene, pair.start, pair.goal, PATIENCE) if task.compared else {}
     return Trial(task.number, seconds, str(motion.status), wrong, others)
 
 
@@ -154,7 +222,7 @@ def measure(plan: Plan, segments: int, density: int, to_target: bool = False) ->
     """Plan all pairs of a kind."""
     what = f"{segments} segments, {density * segments**3} spheres, to a {'target' if to_target else 'configuration'}"
     plain = density == 1 and not to_target
-    compares = plain and segments in (3, 6) and peers.installed()
+    compares = plain and segments in (3, 6) and installed()
     tasks = [
         Task(segments, density, i, plan.seed, to_target, compared=compares and i < COMPARED)
         for i in range(plan.count(COUNT, QUICK))
@@ -179,7 +247,7 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
     yield Line(PLANNED, what, reached, "%", Goal(share, at_most=False), times, (sum(good), len(good)), note)
     yield _false(what, trials)
     yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None, noise=NOISE)
-    for name in peers.PLANNERS:
+    for name in OTHER_PLANNERS:
         others = [trial.others[name] for trial in trials if name in trial.others]
         if others:
             found, spent = sum(solved for _, solved in others), Times.of([seconds for seconds, _ in others])

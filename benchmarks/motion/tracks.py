@@ -8,13 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.judges.motions import wrong_in
-from benchmarks.paper.scenes import path_through
-from benchmarks.problems import ProblemSet
-from benchmarks.solvers.parallel import in_processes
+from benchmarks.problems import ProblemSet, path_through
 from sinuous.motion.planning.rrt_connect import load_trees
 
 SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12

@@ -12,8 +12,8 @@ limits, and at the target. In "p3", "p4 direction" and "p4 pose" the scenes are 
 places with the same `robot` and `scene` objects can share a `Solver`.
 
 `parts` has robots, hidden shapes and surfaces; `around`, `tubes`, `cells` and `media` what stands about a shape. Traps
-are narrow where a search begins or ends: there bodies are slender or thick, tapered, some with a tool or an elbow that
-is asked for too.
+are narrow where a search begins or ends: there bodies are slender or thick, tapered, some with a tool or an
+intermediate target that is asked for too.
 """
 
 from benchmarks.places.families import FAMILIES, Family

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.judges.collisions import body_of
-from benchmarks.judges.folds import least_self_clearance
-from benchmarks.judges.judge import judge
+from benchmarks.judges import judge, self_collision
+from benchmarks.judges.clearances import overlaps, prepared
 from benchmarks.judges.kinematics import segment_ends, tip_poses
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
@@ -19,8 +18,8 @@ from sinuous.scene.obstacles import Obstacle
 PATIENCE = 3000
 """Draws of one place before its family counts as having none."""
 
-JOINTED, ELBOWS = 5, 0.2
-"""Fewest segments of robots that are asked for an elbow, and the share of these that are."""
+JOINTED, INTERMEDIATE = 5, 0.2
+"""Fewest segments of robots that are asked for an intermediate target, and the share of these that are."""
 
 ROOM = 0.05
 """Clearance that every hidden shape has, of the body's radius: none is in just by rounding."""
@@ -38,7 +37,7 @@ class Place:
     scene : Scene
     targets : tuple of Target
         The last is the position of the hidden tip; for half of the seeds its direction too. Before it there may be the
-        position of an elbow: of the end of a segment further back.
+        position of the end of a segment further back.
     tolerance : Tolerance
         With its position filled in.
     hidden_q : ndarray (n, 3)
@@ -65,13 +64,13 @@ class Sketch(NamedTuple):
     robot: sn.Robot
     obstacles: Iterable[Obstacle]
     q: Floats
-    elbow: int | None = None
+    intermediate: int | None = None
     """Segment whose end is asked for too."""
 
 
 def sketch_of(robot: sn.Robot, obstacles: Iterable[Obstacle], q: Floats, rng: Generator) -> Sketch:
-    """Return a sketch; of robots with enough segments, some are asked for an elbow too."""
-    asked = len(robot) >= JOINTED and rng.random() < ELBOWS
+    """Return a sketch; of robots with enough segments, some are asked for an intermediate target too."""
+    asked = len(robot) >= JOINTED and rng.random() < INTERMEDIATE
     return Sketch(robot, obstacles, q, int(rng.integers(len(robot) // 2, len(robot) - 1)) if asked else None)
 
 
@@ -112,8 +111,10 @@ def place_of(family: str, seed: int, sketch: Sketch) -> Place:
     tip = tip_poses(robot, q[None])[0]
     direction = tip[:3, 2] if (seed + seed // 20) % 2 else None
     targets = [sn.Target(tip[:3, 3], direction=direction)]
-    if sketch.elbow is not None:
-        targets.insert(0, sn.Target(segment_ends(robot, q[None])[0, sketch.elbow, :3, 3], segment=sketch.elbow))
+    if sketch.intermediate is not None:
+        targets.insert(
+            0, sn.Target(segment_ends(robot, q[None])[0, sketch.intermediate, :3, 3], segment=sketch.intermediate)
+        )
     return Place(family, seed, robot, sn.Scene(sketch.obstacles), tuple(targets), sn.Tolerance().for_robot(robot), q)
 
 
@@ -129,18 +130,18 @@ def proper(scene: sn.Scene) -> bool:
 def feasible(place: Place) -> bool:
     """Whether the judge finds the hidden shape at the targets, within limits, and free with room to spare."""
     robot, q = place.robot, place.hidden_q[None]
-    room, body = ROOM * min(robot.radii), body_of(robot, place.scene)
-    if body.clearance(q, room)[0] < room or least_self_clearance(robot, q)[0] < room:
+    room = ROOM * min(robot.radii)
+    if prepared(robot, place.scene).least(q, room)[0] < room or self_collision.look(robot, q, room).least[0] < room:
         return False
-    return _at_targets(place, q[0]) and not body.touches(q)[0]
+    return _at_targets(place, q[0])
 
 
 def right(place: Place, q: Floats) -> bool:
     """Whether the judges find a configuration (n, 3) right for all targets of a place, and clear of all obstacles."""
-    return _at_targets(place, q) and not body_of(place.robot, place.scene).overlaps(q[None])[0]
+    return _at_targets(place, q) and not overlaps(place.robot, place.scene, q[None])[0]
 
 
 def _at_targets(place: Place, q: Floats) -> bool:
     """Whether a configuration (n, 3) is at all targets, and within limits."""
-    found = judge(place.robot, place.targets, np.repeat(q[None], len(place.targets), axis=0), place.tolerance)
-    return bool(found.right.all())
+    count = len(place.targets)
+    return bool(judge.right(place.robot, place.targets, np.repeat(q[None], count, axis=0), place.tolerance).all())

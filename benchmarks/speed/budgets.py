@@ -9,13 +9,12 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.places import Place, make
 from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
 from sinuous.base.checks import Floats
-from sinuous.methods.registry import METHODS, capabilities
+from sinuous.methods.method import METHODS, capabilities
 
 SECTION = "budgets of 1 to 100 ms: how much longer a solve takes that uses its budget up"
 SHORTEST, LONGEST = 1e-3, 0.1

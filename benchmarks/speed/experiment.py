@@ -1,16 +1,14 @@
 """`python -m benchmarks speed`: every figure that this project claims, measured in one run."""
 
 from benchmarks.harness.experiment import Part
-from benchmarks.speed import budgets, cold, endurance, fields, honesty, published, rivals, startup
+from benchmarks.speed import budgets, endurance, fields, rivals, solves, startup
 
 PARTS: dict[str, Part] = {
-    "cold": cold.measure,
-    "reachable": cold.reachable_targets,
-    "growth": cold.growth,
-    "paper": published.paper,
-    "poses": published.poses,
+    "cold": solves.measure,
+    "reachable": solves.reachable_targets,
+    "poses": solves.poses,
     "rivals": rivals.measure,
-    "honesty": honesty.measure,
+    "honesty": solves.false_claims,
     "budgets": budgets.measure,
     "fields": fields.measure,
     "startup": startup.measure,

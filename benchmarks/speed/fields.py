@@ -10,12 +10,11 @@ from unittest.mock import patch
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.plan import Plan
-from benchmarks.harness.times import Times
 from benchmarks.places.parts.surfaces import Surface, ball, solid
 from benchmarks.problems import arm, reachable
-from benchmarks.solvers.answers import solve_all
+from benchmarks.speed.solves import solve_all
 
 SECTION = "large meshes and live clouds"
 SIDES = 224

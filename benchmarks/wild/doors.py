@@ -10,8 +10,8 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.judges.collisions import Body
-from benchmarks.judges.judge import judge
+from benchmarks.judges.clearances import overlaps
+from benchmarks.judges.judge import right
 from benchmarks.judges.kinematics import body_points
 from benchmarks.wild.trials import named
 from sinuous.base.checks import Floats
@@ -117,7 +117,7 @@ def _draw(rng: Generator, wanted: int) -> Wall | None:
             doors.append(door)
         if len(doors) == wanted:
             scene = sn.Scene(_boxes(np.array(doors), middle, half))
-            kept = [q for q in shapes if not Body(ROBOT, scene).overlaps(q[None])[0]]
+            kept = [q for q in shapes if not overlaps(ROBOT, scene, q[None])[0]]
             through = {tuple(gates_of(q, middle, np.array(doors))) for q in kept}
             return Wall(scene, target, middle, np.array(doors)) if through >= {(i,) for i in range(wanted)} else None
     return None
@@ -192,13 +192,13 @@ def compare(wall: Wall) -> Passed:
     found = solver.solve_all(wall.target, count=ASKED)
     seconds = perf_counter() - began
     q = np.array([solution.q for solution in found]).reshape(-1, len(ROBOT), 3)
-    right = judge(ROBOT, [wall.target] * len(q), q, TOLERANCE, Body(ROBOT, wall.scene)).right
+    good = right(ROBOT, [wall.target] * len(q), q, TOLERANCE, wall.scene)
     gates = [tuple(gates_of(each, wall.middle, wall.doors)) for each in q]
     single = {each[0] for each in gates if len(each) == 1 and each[0] >= 0}
     classes = [solution.route_class for solution in found if solution.route_class is not None]
     said = [tuple((each.obstacle, each.side, each.at) for each in one.passes) for one in classes]
     again, alike = len(gates) - len(set(gates)), len(said) - len(set(said))
-    return Passed(len(wall.doors), len(single), again, alike, int((~right).sum()), seconds)
+    return Passed(len(wall.doors), len(single), again, alike, int((~good).sum()), seconds)
 
 
 def passed(seed: int, number: int) -> Passed:

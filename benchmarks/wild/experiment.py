@@ -1,11 +1,11 @@
 """`python -m benchmarks wild`: anything that can be built, with a hidden solution each, and every claim judged."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from benchmarks.harness.experiment import Divided, OfLines
+from benchmarks.harness.experiment import Divided, Experiment
 from benchmarks.harness.plan import Plan
 from benchmarks.wild import audit, calls, doors, motions, trials, worlds
 
@@ -31,44 +31,36 @@ MOST, MOST_THICK = 30, 100
 """Of 100,000 problems, how many may be not solved within the budget."""
 
 
-class Wild(OfLines):
-    """The experiment; see `Experiment`. Every round has fresh problems, and all of them are counted together.
+def wild(plan: Plan) -> Experiment:
+    """First what is short: thick arms, what an audit asked for, motions, calls and doors; then wild worlds.
 
-    Parameters
-    ----------
-    plan : Plan
+    Every round has fresh problems, and all of them are counted together.
     """
+    seed, count, rounds = plan.seed, plan.count, plan.rounds
+    parts: dict[str, Divided] = {}
 
-    fresh = True
+    def shares(work: Callable[[range], Any], size: int, many: int) -> list[Callable[[], Any]]:
+        return [partial(work, range(i * size, (i + 1) * size)) for i in range(many)]
 
-    def __init__(self, plan: Plan) -> None:
-        super().__init__("wild", plan)
-
-    def parts(self) -> Iterator[tuple[str, Divided]]:
-        """First what is short: thick arms, what an audit asked for, motions, calls and doors; then wild worlds."""
-        seed, count, rounds = self.plan.seed, self.plan.count, self.plan.rounds
-
-        def shares(work: Callable[[range], Any], size: int, many: int) -> list[Callable[[], Any]]:
-            return [partial(work, range(i * size, (i + 1) * size)) for i in range(many)]
-
-        for n in ARMS:
-            work = partial(trials.tallied, partial(worlds.thick_arm, n, seed))
-            summed = partial(trials.lines_of, THICK, f"{n} segments", MOST_THICK)
-            yield f"{n} segments", Divided(shares(work, count(ARM_WORLDS, 1), 1), summed)
-        for kind, make in audit.KINDS.items():
-            work, summed = partial(trials.tallied, partial(make, seed)), partial(trials.lines_of, AUDIT, kind, math.inf)
-            yield kind, Divided(shares(work, count(BLOCK, 10), count(AUDITED, 1) * rounds), summed)
-        for kind, judge, lines_of in (
-            *((kind, judge, motions.lines_of) for kind, judge in motions.KINDS.items()),
-            ("public calls of odd robots", calls.called, calls.lines_of),
-            ("walls with doors", doors.passed, doors.lines_of),
-        ):
-            size = count(WALLS, 3) if lines_of is doors.lines_of else count(MADE, 2)
-            many = 1 if lines_of is doors.lines_of else count(MADES, 1)
-            yield kind, Divided(shares(partial(made, judge, seed), size, many * rounds), partial(lines_of, kind))
-        work = partial(trials.tallied, partial(worlds.make, seed))
-        summed = partial(trials.lines_of, SECTION, self.name, MOST)
-        yield self.name, Divided(shares(work, count(BLOCK, 10), count(BLOCKS, 1) * rounds), summed)
+    for n in ARMS:
+        work = partial(trials.tallied, partial(worlds.thick_arm, n, seed))
+        summed = partial(trials.lines_of, THICK, f"{n} segments", MOST_THICK)
+        parts[f"{n} segments"] = Divided(shares(work, count(ARM_WORLDS, 1), 1), summed)
+    for kind, make in audit.KINDS.items():
+        work, summed = partial(trials.tallied, partial(make, seed)), partial(trials.lines_of, AUDIT, kind, math.inf)
+        parts[kind] = Divided(shares(work, count(BLOCK, 10), count(AUDITED, 1) * rounds), summed)
+    for kind, judge, lines_of in (
+        *((kind, judge, motions.lines_of) for kind, judge in motions.KINDS.items()),
+        ("public calls of odd robots", calls.called, calls.lines_of),
+    ):
+        parts[kind] = Divided(
+            shares(partial(made, judge, seed), count(MADE, 2), count(MADES, 1) * rounds), partial(lines_of, kind)
+        )
+    kind, walls = "walls with doors", shares(partial(made, doors.passed, seed), count(WALLS, 3), rounds)
+    parts[kind] = Divided(walls, partial(doors.lines_of, kind))
+    work, summed = partial(trials.tallied, partial(worlds.make, seed)), partial(trials.lines_of, SECTION, "wild", MOST)
+    parts["wild"] = Divided(shares(work, count(BLOCK, 10), count(BLOCKS, 1) * rounds), summed)
+    return Experiment("wild", plan, parts, fresh=True)
 
 
 def made(judge: Callable[[int, int], Sequence[Any]], seed: int, numbers: range) -> list[list[Any]]:

@@ -11,8 +11,9 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.judges.clearances import GRACE
 from benchmarks.judges.judge import within_limits
-from benchmarks.judges.motions import GRACE, overlap, samples, too_fast, wrong_at
+from benchmarks.judges.motions import overlap, samples, too_fast, wrong_at
 from benchmarks.wild import audit
 from benchmarks.wild.trials import named
 from benchmarks.wild.worlds import World, standing

@@ -8,21 +8,14 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.times import Times
+from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.judges.bodies import measured_body, needed_body, self_body
-from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.judge import ROUNDING, Flags, target_errors, within_limits
-from benchmarks.judges.motions import GRACE
+from benchmarks.judges.clearances import GRACE, Clearances
+from benchmarks.judges.judge import IMPOSSIBLE, ROUNDING, Flags, target_errors, within_limits
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import worlds
 from benchmarks.wild.worlds import LIMIT, World, standing
-from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at
-
-IMPOSSIBLE = (sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED, sn.Status.NO_ROUTE)
-"""What no problem may be called: it has a hidden solution."""
 
 TARGET, LIMITS, OVERLAP, SELF_OVERLAP = "target missed", "limits", "overlap", "overlap with itself"
 DEMAND, REST = "less clearance than is demanded", "no equilibrium"
@@ -179,33 +172,3 @@ def named(names: Sequence[str]) -> str:
     """Say the first names."""
     more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
     return f"problems: {', '.join(names[:SHOWN])}{more}" if names else ""
-
-
-def replay(seed: int, names: Sequence[str]) -> Iterator[str]:
-    """Solve problems of `wild` again, by names WORLD.PROBLEM, or WORLD for all of its, and describe what came of each.
-
-    Raises
-    ------
-    InputError
-        When a name is none.
-    """
-    for name in names:
-        number, _, which = name.partition(".")
-        if not number.isdecimal() or not (which.isdecimal() or which == ""):
-            raise sn.InputError("--only", "", name, "WORLD.PROBLEM, or WORLD for all its problems")
-        world = worlds.make(seed, checks.integer("--only", int(number), 0, 2**31 - 1))
-        if which and int(which) >= len(world.targets):
-            raise sn.InputError("--only", "", name, f"{number}.0 to {number}.{len(world.targets) - 1}")
-        solutions, seconds = solutions_of(world)
-        yield f"world {number}: {world.robot!r}, {len(world.scene)} obstacles, {world.tolerance!r}"
-        for i in [int(which)] if which else range(len(world.targets)):
-            solution = solutions[i]
-            if isinstance(solution, Exception):
-                raise solution
-            false = ", ".join(refuted(world, {i: solution})[i])
-            yield f"  {number}.{i}: {', '.join(map(repr, world.targets[i]))}"
-            yield f"    {solution.status} in {1e3 * seconds[i]:.3g} ms, {solution.start}" + f"; FALSE: {false}" * bool(
-                false
-            )
-            if not solution.solved:
-                yield f"    {solution.reason or solution.worst}"

@@ -29,7 +29,7 @@ TOLERANCES = (-8.0, -2.0)
 KINDS = {"position": 0.2, "direction": 0.3, "rotation": 0.4, "direction alone": 0.05, "rotation alone": 0.05}
 """What is asked of the tip, and how often."""
 
-ELBOWS = 0.15
+INTERMEDIATE = 0.15
 """Share of worlds that ask for the place of another segment's end as well."""
 
 NEAR, TOGETHER = 0.35, 50
@@ -89,7 +89,7 @@ def make(seed: int, number: int) -> World:
 def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -> list[list[sn.Target]]:
     """Return targets for every shape, all of one of the `KINDS`: by default any."""
     kind = str(rng.choice(list(KINDS), p=list(KINDS.values()))) if kind is None else kind
-    elbow = int(rng.integers(1, len(robot))) if len(robot) > 1 and rng.random() < ELBOWS else 0
+    segment = int(rng.integers(1, len(robot))) if len(robot) > 1 and rng.random() < INTERMEDIATE else 0
     questions = []
     for ends in segment_ends(robot, q):
         tip = ends[-1] @ robot.tool
@@ -101,8 +101,8 @@ def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -
                 rotation=tip[:3, :3] if kind.startswith("rotation") else None,
             )
         ]
-        if elbow:
-            targets.append(sn.Target(ends[elbow][:3, 3], segment=elbow))
+        if segment:
+            targets.append(sn.Target(ends[segment][:3, 3], segment=segment))
         questions.append(targets)
     return questions
 

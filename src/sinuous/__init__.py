@@ -5,11 +5,8 @@ What everybody needs is here; the rest is in `sinuous.studies` (what asks the so
 """
 
 import sys
-from importlib import import_module
-from typing import Any
 
 from sinuous.base.entrance import MovedModules, entrance
-from sinuous.base.notebook import NotebookMixin
 
 __version__ = "0.2.0"
 
@@ -36,7 +33,7 @@ _HOMES = {
     "sinuous.problem.problem": "Preferences Problem",
     "sinuous.problem.target": "Target Tolerance",
     "sinuous.scene.grids": "Field Grid",
-    "sinuous.scene.meshes.mesh": "Mesh",
+    "sinuous.scene.mesh": "Mesh",
     "sinuous.scene.moving": "Moving",
     "sinuous.scene.obstacles": "Box Capsule Cylinder HalfSpace Sphere",
     "sinuous.scene.point_cloud": "PointCloud",
@@ -80,10 +77,3 @@ __getattr__, __dir__, __all__ = entrance(__name__, _HOMES, "answer files methods
 __all__ += ["__version__"]
 
 sys.meta_path.insert(0, MovedModules(_MOVED_MODULES))
-
-
-def _html(noun: Any) -> str:
-    return import_module("sinuous.view.pictures.reports").html(noun)
-
-
-NotebookMixin._html_renderer = _html

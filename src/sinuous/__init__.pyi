@@ -43,7 +43,7 @@ from sinuous.problem.target import Target as Target
 from sinuous.problem.target import Tolerance as Tolerance
 from sinuous.scene.grids import Field as Field
 from sinuous.scene.grids import Grid as Grid
-from sinuous.scene.meshes.mesh import Mesh as Mesh
+from sinuous.scene.mesh import Mesh as Mesh
 from sinuous.scene.moving import Moving as Moving
 from sinuous.scene.obstacles import Box as Box
 from sinuous.scene.obstacles import Capsule as Capsule

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous import Box, Problem, Robot, Scene, Segment, Solver, Sphere, Status, Target, Tolerance, pose
-from sinuous.answer.reasons import unreachable
+from sinuous.answer.status import unreachable
 from sinuous.kernels.tables import OUT_OF_REACH
 from tests.cases import with_each
 from tests.helpers import random_pose

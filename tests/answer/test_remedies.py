@@ -250,7 +250,7 @@ def test_the_nearest_is_no_farther_than_the_best_that_was_found() -> None:
     """A tip whose place no search finds anew is offered with the start from which it is met."""
     place, seed = (100.0, 30.0, -130.0), 1
     target = sn.Target(place, direction=(0, 0, 1))
-    solution = sn.solve(BELLOWS, target, seed=seed, max_starts=1000, time=ENOUGH)
+    solution = sn.solve(BELLOWS, target, seed=seed, max_starts=200, time=ENOUGH)
     assert solution.position_error is not None
     remedies = helped(solution)
     for key in ("position", "direction"):

@@ -13,8 +13,8 @@ import sinuous as sn
 from sinuous.base import arguments
 from sinuous.base.signatures import Shown
 from sinuous.kernels.tables import SOURCES
+from sinuous.methods.method import METHODS
 from sinuous.methods.opti_path.gradient import OptiPathArguments
-from sinuous.methods.registry import METHODS
 from sinuous.model.robot import RobotArguments
 from sinuous.model.segment import SegmentArguments
 from sinuous.problem.problem import ProblemArguments

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 import sinuous as sn
 from sinuous.base.frozen import Frozen
 from sinuous.files.joint_chain import JointChain
-from sinuous.scene.prepared.parts import Part
-from sinuous.scene.reading import Placement
+from sinuous.scene.obstacles import Placement
+from sinuous.scene.parts import Part
 from tests.cases import with_each
 from tests.scene.shapes import cube
 
@@ -73,6 +73,7 @@ NOUNS: dict[str, Callable[[], Any]] = {
     "job": lambda: sn.Job(ROBOT, TARGET, [LAMP]),
     "problems": lambda: sn.Problem(ROBOT, [TARGET, sn.Target((0, 0, 1), segment=1)]),
     "solution": solution,
+    "moving": lambda: sn.Moving(LAMP, [0, 1], [(0, 0, 0), (1, 0, 0)]),
     "curve": lambda: sn.Curve(np.eye(3), start=(3, 0, 0)),
     "path": lambda: sn.Path([0, 1, 2], positions=np.eye(3)),
     "chain": lambda: JointChain(ROBOT, 2),

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from sinuous.base.gc_pause import gc_paused
+from sinuous.base.work_time import gc_paused
 
 
 def failing() -> None:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 import sinuous as sn
 from sinuous import methods
 from sinuous.answer.binding import Binding
-from sinuous.answer.reasons import Reason
 from sinuous.answer.remedies import Remedy
+from sinuous.answer.status import Reason
 from sinuous.answer.step import Active
 from sinuous.answer.worst import Worst
-from sinuous.base.reprs import LONGEST, text
+from sinuous.base.frozen import LONGEST, text
 from sinuous.files.joint_chain import JointChain
 from sinuous.studies.designing.design import Design
 from sinuous.studies.workspace.reach import Verdict

@@ -16,17 +16,15 @@ from hypothesis import strategies as st
 from benchmarks.harness import journal, reference
 from benchmarks.harness.baseline import Comparison, _kept, _line, compare, load
 from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
-from benchmarks.harness.experiment import Divided, Experiment, Findings, OfLines, Piece
+from benchmarks.harness.experiment import Divided, Experiment
 from benchmarks.harness.journal import Journal
-from benchmarks.harness.lines import Goal, Line, together
+from benchmarks.harness.lines import Goal, Line, Times, exponent, together
 from benchmarks.harness.markdown import span, table
+from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.reference import Look
-from benchmarks.harness.times import Times, exponent
-from benchmarks.paper.pictures import new_figure
-from benchmarks.solvers.parallel import Abreast, in_processes
 from sinuous.base.errors import InputError
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
 from tests.cases import with_each
 
 
@@ -36,32 +34,7 @@ def steady(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference, "look", lambda: Look(5e-4, 0.0))
 
 
-class Squares(Experiment):
-    """Three pieces of work; one of them may be interrupted."""
-
-    name = "squares"
-
-    def __init__(self, plan: Plan, interrupted_at: int = -1, wrong: int = 0) -> None:
-        self.plan, self.interrupted_at, self.wrong = plan, interrupted_at, wrong
-        self.measured: list[int] = []
-
-    def pieces(self) -> Iterator[Piece]:
-        return ((f"piece {i}", partial(self.measure, i)) for i in range(3))
-
-    def measure(self, i: int) -> float:
-        if i == self.interrupted_at:
-            raise KeyboardInterrupt
-        self.measured.append(i)
-        return float(i * i)
-
-    def findings(self, pieces: dict[str, Any]) -> Findings:
-        figure = new_figure(3.0, 2.0)
-        figure.add_subplot().plot(list(pieces.values()))
-        text, data = "![squares](squares_plot.png)", {"squares": list(pieces.values())}
-        return Findings(text=text, data=data, pictures={"squares_plot": figure}, wrong=self.wrong)
-
-
-def steps(plan: Plan, *ends: float | BaseException) -> OfLines:
+def steps(plan: Plan, *ends: float | BaseException) -> Experiment:
     """Two parts of one line each, the second of which takes as long as is said, in each round, or breaks."""
     left = list(ends)
 
@@ -74,30 +47,28 @@ def steps(plan: Plan, *ends: float | BaseException) -> OfLines:
             raise end
         yield Line("steps", "second", end, "ms")
 
-    return OfLines("steps", plan, {"first": first, "second": second})
+    return Experiment.of("steps", plan, {"first": first, "second": second})
 
 
+@pytest.mark.usefixtures("steady")
 def test_results_are_written_and_say_where_they_come_from(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert conduct(Squares(Plan(7)), Output(tmp_path, record=tmp_path)) == 0
-    written, text = json.loads((tmp_path / "squares.json").read_text()), (tmp_path / "squares.md").read_text()
-    assert (written["squares"], written["seed"]) == ([0.0, 1.0, 4.0], 7)
+    assert conduct(steps(Plan(7), 2e-3), Output(tmp_path, record=tmp_path)) == 0
+    written, text = json.loads((tmp_path / "steps.json").read_text()), (tmp_path / "steps.md").read_text()
+    assert ([line["reached"] for line in written["lines"]], written["seed"]) == ([1e-3, 2e-3], 7)
     assert {"processor", "python", "numba", "sinuous"} <= set(written["machine"])
     assert "- processor: " in text
-    assert (tmp_path / "squares.txt").read_text() == f"# squares\n\n{text}"
-    assert (tmp_path / "squares_plot.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "steps.txt").read_text() == f"# steps\n\n{text}"
     assert capsys.readouterr().out == text
 
 
+@pytest.mark.usefixtures("steady")
 def test_an_interrupted_run_goes_on_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    output = Output(tmp_path, json=True)
-    first, second, third = Squares(Plan(), interrupted_at=1), Squares(Plan()), Squares(Plan())
-    assert conduct(first, output) == INTERRUPTED
-    assert "interrupted after 1 of 3 pieces" in capsys.readouterr().err
-    assert conduct(second, output) == 0
-    assert (first.measured, second.measured) == ([0], [1, 2])
-    assert json.loads(capsys.readouterr().out)["squares"] == [0.0, 1.0, 4.0]
-    assert conduct(third, dataclasses.replace(output, anew=True)) == 0
-    assert third.measured == [0, 1, 2]
+    output = Output(tmp_path)
+    assert conduct(steps(Plan(), KeyboardInterrupt()), output) == INTERRUPTED
+    assert "interrupted after 1 of 2 pieces" in capsys.readouterr().err
+    assert conduct(steps(Plan(), 2e-3), output) == 0
+    assert conduct(steps(Plan()), output) == 0
+    assert "all of this was measured before" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("steady")
@@ -129,9 +100,9 @@ def test_a_baseline_is_kept_and_compared_with(tmp_path: Path, capsys: pytest.Cap
     assert conduct(steps(Plan(), 2e-3), Output(tmp_path / "a", save_baseline=baseline)) == 0
     assert conduct(steps(Plan()), Output(tmp_path / "a", against=baseline)) == 0
     assert "2 figures compared: 0 worse, 0 better" in capsys.readouterr().out
-    slower = Output(tmp_path / "b", against=baseline, json=True)
+    slower = Output(tmp_path / "b", against=baseline)
     assert conduct(steps(Plan(), 2e-2, 2.2e-2, 2.1e-2), slower) == 1
-    (change,) = json.loads(capsys.readouterr().out)["against"]["changes"]
+    (change,) = json.loads((tmp_path / "b" / "steps.json").read_text())["against"]["changes"]
     assert (change["what"], change["before"], change["now"], change["worse"]) == ("second", "2 ms", "21 ms", True)
     assert conduct(steps(Plan(), 2e-2, 2.1e-3), Output(tmp_path / "d", against=baseline)) == 0
     assert "second, round 1: measured again, for something seems worse" in capsys.readouterr().err
@@ -148,34 +119,37 @@ def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str | None) -> 
         load(tmp_path / "some.json", "--against", {})
 
 
+@pytest.mark.usefixtures("steady")
 @pytest.mark.parametrize("plan", [Plan(1), Plan(0, quick=True)])
 def test_another_seed_or_size_is_another_experiment(tmp_path: Path, plan: Plan) -> None:
-    conduct(Squares(Plan()), Output(tmp_path, json=True))
+    conduct(steps(Plan(), 2e-3), Output(tmp_path))
     with pytest.raises(InputError, match=r"(seed was 0, is 1|quick was False, is True)"):
-        conduct(Squares(plan), Output(tmp_path, json=True))
+        conduct(steps(plan), Output(tmp_path))
 
 
+@pytest.mark.usefixtures("steady")
 def test_a_wrong_claim_is_an_exit_code(tmp_path: Path) -> None:
-    assert conduct(Squares(Plan(), wrong=2), Output(tmp_path, json=True)) == 1
-    assert "WRONG: 2 claims" in (tmp_path / "squares.md").read_text()
+    wrong = {"claims": lambda _: [Line("steps", "false claims", 2.0, "", Goal(0.0, correctness=True))]}
+    assert conduct(Experiment.of("steps", Plan(), wrong), Output(tmp_path)) == 1
+    assert "WRONG" in (tmp_path / "steps.md").read_text()
 
 
 @pytest.mark.parametrize("torn", ['{"piece": "b", "mea', '{"piece": "b", "measured": 2}', "\n", "3\n", "\0\0\0"])
 def test_a_torn_end_of_a_journal_costs_that_line_only(tmp_path: Path, torn: str) -> None:
-    Journal.open(tmp_path, {"seed": 3}, anew=False).add("a", {"clearance": math.inf})
+    Journal.open(tmp_path, {"seed": 3}).add("a", {"clearance": math.inf})
     with (tmp_path / journal.NAME).open("a") as stream:
         stream.write(torn)
-    again = Journal.open(tmp_path, {"seed": 3}, anew=False)
+    again = Journal.open(tmp_path, {"seed": 3})
     assert again.pieces == {"a": {"clearance": None}}
     again.add("c", 3)
-    assert Journal.open(tmp_path, {"seed": 3}, anew=False).pieces == {"a": {"clearance": None}, "c": 3}
+    assert Journal.open(tmp_path, {"seed": 3}).pieces == {"a": {"clearance": None}, "c": 3}
 
 
 @pytest.mark.parametrize("content", ["", "something else\n", '{"settings"', "[]\n", '{"settings": 3}\n'])
 def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, content: str) -> None:
     (tmp_path / journal.NAME).write_text(content)
     with pytest.raises(InputError, match="cannot be read"):
-        Journal.open(tmp_path, {}, anew=False)
+        Journal.open(tmp_path, {})
     assert (tmp_path / journal.NAME).read_text() == content
 
 
@@ -253,17 +227,6 @@ def test_figures_that_spread_may_change_by_more_and_the_best_round_counts() -> N
     assert not against([TIME], [together([changed(TIME, value) for value in (30e-6, 9e-6, 20e-6)])]).worse
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        Line("s", "w", 2.5, "ms", Goal(1.0, False, True), Times(3, 1.0, 2.0, 3.0, 4.0), (2, 3), "n", 0.5, 1e-6),
-        Line("s", "w", 1.0),
-    ],
-)
-def test_a_journal_gives_lines_back(line: Line) -> None:
-    assert Line.of(json.loads(json_line(dataclasses.asdict(line)))) == line
-
-
 def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> None:
     times = [Line("s", "t", value, solved=(right, 10)) for value, right in ((3.0, 9), (1.0, 10), (2.0, 10))]
     middle = together(times)
@@ -286,12 +249,11 @@ def square(number: int) -> int:
     return number * number
 
 
-class Sums(Abreast, OfLines):
+def sums() -> Experiment:
     """Numbers that are squared in any order, in processes."""
-
-    def parts(self) -> Iterator[tuple[str, Divided]]:
-        shares = [partial(square, i) for i in range(8)]
-        yield "squares", Divided(shares, lambda found: [Line("s", "sum", float(sum(found)), "", note=str(len(found)))])
+    shares = [partial(square, i) for i in range(8)]
+    part = Divided(shares, lambda found: [Line("s", "sum", float(sum(found)), "", note=str(len(found)))])
+    return Experiment("sums", Plan(), {"squares": part}, abreast=True)
 
 
 def test_an_interrupted_run_in_processes_loses_nothing_that_was_done(
@@ -306,9 +268,9 @@ def test_an_interrupted_run_in_processes_loses_nothing_that_was_done(
         add(journal, piece, measured)
 
     monkeypatch.setattr(Journal, "add", interrupted)
-    assert conduct(Sums("sums", Plan()), Output(tmp_path)) == INTERRUPTED
+    assert conduct(sums(), Output(tmp_path)) == INTERRUPTED
     assert json.loads((tmp_path / "sums.json").read_text())["lines"][0]["note"] == "3"
     monkeypatch.setattr(Journal, "add", add)
-    assert conduct(Sums("sums", Plan()), Output(tmp_path)) == 0
+    assert conduct(sums(), Output(tmp_path)) == 0
     (line,) = json.loads((tmp_path / "sums.json").read_text())["lines"]
     assert (line["reached"], line["note"]) == (140.0, "8")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.judges import judge
 from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import audit, calls, doors, motions, odd, trials, worlds
@@ -163,13 +163,13 @@ def test_some_worlds_are_solved_and_hold(make: Callable[[int, int], World]) -> N
 
 @pytest.mark.parametrize("kind", [k for k in motions.KINDS if "timed" not in k and "tracked" not in k])
 def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    judge = motions.KINDS[kind]
-    found = [judge(0, number) for number in range(4)]
+    made = motions.KINDS[kind]
+    found = [made(0, number) for number in range(4)]
     assert all(each.false == "" for each in found)
     assert any(each.proved for each in found)
     for name in ("needed_body", "self_body"):
         monkeypatch.setattr(f"benchmarks.judges.motions.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
-    assert any(judge(0, number).false for number in range(4))
+    assert any(made(0, number).false for number in range(4))
 
 
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -198,16 +198,6 @@ def wall() -> doors.Wall:
     return doors.make(0, 1)
 
 
-def test_walls_have_only_their_doors() -> None:
-    rng = np.random.default_rng(0)
-    places = np.column_stack([rng.uniform(-150.0, 150.0, (4000, 2)), np.full(4000, wall().middle)])
-    inside = np.zeros(len(places), bool)
-    for low, high in wall().doors:
-        inside |= ((low < places[:, :2]) & (places[:, :2] < high)).all(axis=1)
-    np.testing.assert_array_equal(wall().scene.distance(places) > 0.0, inside)
-    assert inside.any()
-
-
 def test_a_solver_that_misses_a_door_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Solver(doors.ROBOT, wall().scene, tolerance=doors.TOLERANCE, time=60.0).solve_all(wall().target, count=3)
 
@@ -218,7 +208,7 @@ def test_a_solver_that_misses_a_door_is_found_out(monkeypatch: pytest.MonkeyPatc
     whole, lacking, doubled = compare(found), compare(found[:1]), compare(found * 2)
     assert whole[:5] == (3, 3, 0, 0, 0)
     assert (lacking.found, doubled.again, doubled.alike) == (1, 3, 3)
-    monkeypatch.setattr(Body, "overlaps", lambda self, q: np.ones(len(q), bool))
+    monkeypatch.setattr(judge, "overlaps", lambda _robot, _scene, q: np.ones(len(q), bool))
     assert compare(found).false == 3
 
 
@@ -250,7 +240,7 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
 @pytest.mark.parametrize("what", ["solve", "track", "check", "job"])
 def test_calls_can_be_made(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calls, "CALLS", {what: calls.CALLS[what]})
-    made = [calls.called(3, number) for number in range(6)]
+    made = [calls.called(3, number) for number in range(3)]
     assert any(call.answered for call in made)
     assert not any(call.false for call in made)
     for number in range(30):

@@ -66,5 +66,5 @@ def test_a_disk_that_fills_up_is_no_traceback(run: Run, monkeypatch: pytest.Monk
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("sinuous.cli.answers.AnswerWriter.write", full)
+    monkeypatch.setattr("sinuous.cli.work.AnswerWriter.write", full)
     assert run("solve easy.yaml", 1).err.splitlines()[-1] == "sinuous: [Errno 28] No space left on device"

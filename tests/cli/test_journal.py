@@ -15,7 +15,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli import journal
-from sinuous.cli.answers import read_solution, write_solution
+from sinuous.cli.work import read_solution, write_solution
 from sinuous.motion.plan import Planner
 from sinuous.motion.tracker import Tracker
 from sinuous.solver.solver import Solver

@@ -8,7 +8,7 @@ import pytest
 from sinuous.answer.verification import verify
 from sinuous.cli import app
 from sinuous.cli.app import main
-from sinuous.files.problem_file import read_problem
+from sinuous.motion.job import read_problem
 from sinuous.problem.problem import Problem
 from tests.cli.conftest import Run
 

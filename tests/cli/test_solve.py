@@ -8,8 +8,8 @@ import pytest
 
 from sinuous.answer.solution import Solution
 from sinuous.cli import work
-from sinuous.cli.answers import AnswerWriter
-from sinuous.files.problem_file import read_problem
+from sinuous.cli.work import AnswerWriter
+from sinuous.motion.job import read_problem
 from sinuous.solver.routing.searches import Searches
 from sinuous.solver.solver import Solver
 from tests.cli.conftest import Run

@@ -1,18 +1,23 @@
-"""The command warm."""
+"""The command warm, and the steps that it takes."""
 
+import re
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
 
+import sinuous
 from sinuous.base.errors import InputError
 from sinuous.base.progress import LONG
 from sinuous.cli import warm
 from sinuous.cli.app import main
-from sinuous.cli.warm_steps import WarmStep, steps
+from sinuous.cli.warm import WarmStep, steps
 from sinuous.kernels.compile import pieces
+from sinuous.kernels.compile.pieces import FREE, PIECES
+from sinuous.methods.method import METHODS
 from tests.base.test_progress import Terminal
+from tests.kernels.test_compile import decorated
 
 FIRST, SECOND = pieces.PIECES[:2]
 
@@ -119,3 +124,31 @@ def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], m
     assert said[:2] == ["   2.50 s  b", "   1.00 s  a"]
     assert said[2].startswith("   3.50 s of CPU for 2 entries")
     assert said[3].startswith("   1.00 s of CPU")
+
+
+PACKAGE = Path(sinuous.__file__).parent
+
+
+def made_around(file: Path) -> list[str]:
+    """Names of the entries of a file that are made around another kernel."""
+    return re.findall(r"^(\w+) = search_by\(", file.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def test_every_entry_is_in_one_piece() -> None:
+    listed = [entry for piece in PIECES for entry in piece.entries]
+    assert len(set(listed)) == len(listed)
+    entries = {
+        ".".join([*file.relative_to(PACKAGE).with_suffix("").parts, name])
+        for room in ("kernels", "methods")
+        for file in (PACKAGE / room).rglob("*.py")
+        for name in (*decorated(file, "entry"), *made_around(file))
+    }
+    assert {entry.removesuffix(FREE) for entry in listed} == entries
+
+
+def test_methods_that_are_not_asked_for_are_left_out() -> None:
+    named = [step.what for step in steps(["dls", "dls"])]
+    geometry = ["kinematics", "starts of a memory", "distances", "classes of routes", "motions", "plans"]
+    bodies = ["derivatives", "derivatives among obstacles", "shapes under load"]
+    assert named == [*geometry, "control loops", *bodies, "the method dls"]
+    assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

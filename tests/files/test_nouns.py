@@ -1,12 +1,16 @@
-"""Obstacles that move, as problem files say it."""
+"""Obstacles that move, and paths as tables, as problem files say them."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import sinuous as sn
 from sinuous.base.errors import InputError
+from sinuous.files.nouns import HEADERS, parse_path
+from sinuous.problem.target import Target
+from tests.cases import with_each
 
 
 def read(folder: Path, moving: str) -> sn.Moving:
@@ -57,3 +61,72 @@ def test_what_is_wrong_is_refused_by_its_place(tmp_path: Path, moving: str, said
     with pytest.raises(InputError) as caught:
         read(tmp_path, moving)
     assert said in str(caught.value)
+
+
+def test_quaternions_are_wxyz() -> None:
+    ((target,), _) = parse_path("x,y,z,qw,qx,qy,qz\n1,2,3,0,2,0,0\n")
+    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
+@pytest.mark.parametrize("header", HEADERS, ids=",".join)
+def test_rows_are_targets_of_their_numbers(header: tuple[str, ...]) -> None:
+    numbers = np.random.default_rng(1).normal(size=(50, len(header)))
+    text = ",".join(header) + "\n" + "\n".join(" , ".join(map(repr, row)) for row in numbers.tolist())
+    targets, name = parse_path(text).targets, HEADERS[header]
+    assert len(targets) == 50
+    for target, row in zip(targets, numbers, strict=True):
+        turned: dict[str, Any] = {} if name is None else {name: row[3:]}
+        np.testing.assert_array_equal(target.table, Target(row[:3], **turned).table)
+
+
+def test_the_columns_name_the_order() -> None:
+    ((target,), _) = parse_path("x,y,z,qx,qy,qz,qw\n1,2,3,2,0,0,0\n")
+    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
+def test_columns_may_stand_in_any_order_with_any_separator() -> None:
+    targets, times = parse_path("z;y;x;t\n3,5;2;1;0,5\n")
+    assert times == [0.5]
+    np.testing.assert_array_equal(targets[0].position, (1.0, 2.0, 3.5))
+
+
+def test_a_column_in_front_has_times() -> None:
+    targets, times = parse_path("t,x,y,z,dx,dy,dz\n0.5,1,2,3,0,0,2\n2,4,5,6,0,1,0\n")
+    assert times is not None
+    assert times.tolist() == [0.5, 2.0]
+    assert [
+        target.equals(wanted)
+        for target, wanted in zip(
+            targets, [Target((1, 2, 3), direction=(0, 0, 1)), Target((4, 5, 6), direction=(0, 1, 0))], strict=True
+        )
+    ] == [True] * 2
+    assert parse_path("x,y,z\n1,2,3\n").times is None
+
+
+@with_each(
+    ("text", "key", "problem"),
+    [
+        ("", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
+        ("1,2,3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
+        ("x,y,z,dx\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
+        ("x;y;w\n1;2;3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
+        ("x,y,z\n", "line 1", "expected at least one target"),
+        ("x,y,z\n\n1,2\n", "line 3", "has 2 cells; expected as many as in line 1: x,y,z"),
+        ("x,y,z\n1,2,nan\n", "line 2.z", "expected a finite number, got '"),
+        ("x,y,z\n1,,3\n", "line 2.y", "expected a finite number, got '"),
+        ("x,y,z\n1_0,2,3\n", "line 2.x", "expected a finite number, got '"),
+        ("x,y,z\n1e999,2,3\n", "line 2.x", "expected a finite number, got '1e999'"),
+        ("x,y,z,dx,dy,dz\n1,2,3,0,0,0\n", "line 2.direction", "expected a vector that is not zero"),
+        ("x,y,z\n" + "1,2,3\n" * 1000 + "1,2,x\n", "line 1002.z", "expected a finite number, got 'x'"),
+        ('x,y,z\n"1,2,3\n', "line 1", "the table cannot be read"),
+        ("t,x,y\n1,2,3\n", "line 1", "perhaps with t"),
+        ("t,x,y,z\n0,1,2,3\n1,1,2,3\n1,4,5,6\n", "line 4.t", "times must increase; expected more than 1, got 1.0"),
+        ("t,x,y,z\nsoon,1,2,3\n", "line 2.t", "expected a finite number, got 'soon'"),
+        ("t,x,y,z\n0,1,2\n", "line 2", "has 3 cells"),
+    ],
+)
+def test_refusals_name_the_line(text: str, key: str, problem: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        parse_path(text)
+    assert refusal.value.key.startswith(key)
+    assert problem in str(refusal.value)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
-from sinuous.files.problem_file import ProblemFile, read_problem
 from sinuous.model.poses import pose
 from sinuous.model.rates import Rates
+from sinuous.motion.job import Job, read_problem
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from tests.scene.shapes import cube, together
@@ -60,7 +60,7 @@ rates: {bend: 1.5, length: [1, 2, 3, 4], acceleration: {bend: 10}}
 """
 
 
-Read = Callable[[str], ProblemFile]
+Read = Callable[[str], Job]
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Read:
     monkeypatch.chdir(tmp_path)
     Path("timed.csv").write_text("t,x,y,z\n0,0,0,3\n2.5,0,0.1,3\n")
 
-    def read(text: str) -> ProblemFile:
+    def read(text: str) -> Job:
         Path("problem.yaml").write_text(text, encoding="utf-8")
         return read_problem("problem.yaml")
 

@@ -13,11 +13,14 @@ from hypothesis import strategies as st
 import sinuous as sn
 from sinuous.base.documents import yaml_text
 from sinuous.files.documents import parse_yaml
-from sinuous.files.problem_file import ProblemFile, problem_of, read_problem
+from sinuous.motion.job import Job, job_of, read_problem
 from tests.helpers import random_pose, refused
+from tests.model import test_elastic as elastic
 from tests.model.test_actuation import MIXED
+from tests.model.test_actuators import DRIVEN
 from tests.model.test_laws import robots
 from tests.scene.shapes import cube, together
+from tests.statics import test_equilibrium as loaded
 
 LAMP = sn.Sphere((0, 0, 9), 1.0)
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
@@ -55,8 +58,8 @@ def names_of(scene: sn.Scene) -> list[str]:
     return [scene.name(i) for i in range(len(scene))]
 
 
-def again(problem: ProblemFile) -> ProblemFile:
-    return problem_of(parse_yaml(yaml_text(problem.to_dict())), "", ProblemFile)
+def again(problem: Job) -> Job:
+    return job_of(parse_yaml(yaml_text(problem.to_dict())), "")
 
 
 @given(robots, st.lists(obstacles, max_size=3), waypoints, st.booleans(), st.data())
@@ -65,7 +68,7 @@ def test_problems_of_all_kinds(
 ) -> None:
     times = data.draw(st.sampled_from([None, np.arange(len(asked) + 1) / 3]))
     question: Any = {"path": [asked, *asked], "times": times} if is_path else {"target": asked}
-    problem = ProblemFile(
+    problem = Job(
         robot,
         scene=scene,
         tolerance=data.draw(st.sampled_from([None, sn.Tolerance(0.1), sn.Tolerance(angle=1e-7)])),
@@ -77,7 +80,7 @@ def test_problems_of_all_kinds(
     found = again(problem)
     assert found.equals(problem)
     assert found.robot.equals(robot)
-    assert not found.equals(ProblemFile(robot, asked[0], scene, tolerance=sn.Tolerance(0.2)))
+    assert not found.equals(Job(robot, asked[0], scene, tolerance=sn.Tolerance(0.2)))
 
 
 @pytest.mark.parametrize(
@@ -91,6 +94,16 @@ def test_examples(tmp_path: Path, file: Path, ending: str) -> None:
     found = read_problem(tmp_path / f"again.{ending}")
     assert found.equals(problem)
     assert names_of(found.scene) == names_of(problem.scene)
+
+
+@pytest.mark.parametrize("ending", ["yaml", "json"])
+def test_robots_with_motors_elastic_tendons_and_payloads(tmp_path: Path, ending: str) -> None:
+    payload = [sn.Payload(0.1, (0, 0.05, 0.1)), sn.Payload(0.2, segment=1)]
+    uncertain = sn.Uncertainty((0.004, 0.01))
+    for robot in (DRIVEN, elastic.arm(tension=(0.5, 30.0)), loaded.arm(payload=payload, uncertainty=uncertain)):
+        robot.save(tmp_path / f"arm.{ending}")
+        assert sn.load(tmp_path / f"arm.{ending}", sn.Robot).equals(robot)
+    assert not DRIVEN.equals(DRIVEN.changed(segments=[s.changed(tendons=None) for s in DRIVEN.segments]))
 
 
 def test_a_robot_with_everything(tmp_path: Path) -> None:
@@ -158,7 +171,7 @@ HELD = {
 
 @pytest.mark.parametrize("name", HELD)
 def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
-    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
+    problem = Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
     problem.save(tmp_path / "a.yaml")
     assert read_problem(tmp_path / "a.yaml").equals(problem)
     assert os.listdir(tmp_path) == ["a.yaml"]
@@ -171,6 +184,6 @@ def test_a_matrix_that_looks_like_no_turn_is_kept() -> None:
 
 def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     field = sn.Field(lambda p: p[:, 2] + 9, (0, 0, 0), (1, 1, 1), 1)
-    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
+    problem = Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
     refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "a file can hold")
     assert os.listdir(tmp_path) == []

@@ -219,8 +219,8 @@ def use_all() -> None:
 def main() -> None:
     """Run all problems and print what was seen, as JSON."""
     install()
-    from sinuous.cli.warm_steps import steps
-    from sinuous.scene.prepared import sampling
+    from sinuous.cli.warm import steps
+    from sinuous.scene import sampling
 
     failed, sampled = [], {name: getattr(sampling, name) for name in ("LEAST", "MOST", "CELLS", "PAD")}
     sampling.THREADS = 1  # threads write into one array, and each call is compared by itself

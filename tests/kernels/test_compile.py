@@ -94,17 +94,3 @@ def test_whole_numbers_are_of_one_kind() -> None:
 
     assert twelve() == 12
     assert len(compiling.compiled_form(double).signatures) == 1
-
-
-def test_an_inner_kernel_is_one_to_kernels_and_another_to_python() -> None:
-    @compiling.kernel
-    def double(x: float) -> float:
-        return 2.0 * x
-
-    @compiling.entry
-    def six() -> float:
-        return double(3.0)
-
-    assert double(2.0) == 4.0
-    assert six() == 6.0
-    assert double(2.0) == 4.0

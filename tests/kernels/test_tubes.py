@@ -12,7 +12,7 @@ from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes import BRANCH, MOUTH, NO_TUBE, UNENDED, WALL, find_tubes, follow_tube
 from sinuous.scene.obstacles import Obstacle
-from sinuous.solver.routing.edges import rims_of
+from sinuous.solver.routing.tubes import rims_of
 from tests.helpers import Floats, random_pose
 
 RADIUS = 0.1

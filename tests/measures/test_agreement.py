@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Obstacle
 from tests.helpers import random_rotation
 from tests.scene.shapes import ball, cube, inverted, together
 
 RNG = np.random.default_rng(0)
 TURN = random_rotation(RNG)
-SAMPLED = 0.2 * np.moveaxis(np.indices((21, 22, 23)), 0, -1) - 2.0
 
 
 def ring(points: Any) -> Any:
@@ -32,27 +30,6 @@ OBSTACLES: dict[str, Obstacle] = {
     "cells": sn.Grid(RNG.random((8, 9, 10)) < 0.1, (-1, -1, -1), 0.25),
     "field": sn.Field(ring, (-2, -2, -2), (2, 2, 2), 0.2),
 }
-
-
-@pytest.mark.parametrize("name", OBSTACLES)
-def test_exact_distances(name: str) -> None:
-    obstacle = OBSTACLES[name]
-    points = np.random.default_rng(1).uniform(-2.5, 2.5, (1500, 3))
-    slow, quick = measure(obstacle, points), sn.Scene([obstacle]).distance(points)
-    if isinstance(obstacle, sn.Grid):  # of overlapping cells inside, only the sign is defined
-        np.testing.assert_array_equal(slow < 0.0, quick < 0.0)
-        slow, quick = np.maximum(slow, 0.0), np.maximum(quick, 0.0)
-    np.testing.assert_allclose(quick, slow, atol=1e-12)
-
-
-def test_a_grid_of_distances_proves_no_more_than_it_may() -> None:
-    grid = sn.Grid(ring(SAMPLED), (-2, -2, -2), 0.2)
-    points = np.random.default_rng(2).uniform(-3.0, 3.0, (1500, 3))
-    quick = sn.Scene([grid]).distance(points)
-    assert (quick <= measure(grid, points) + 1e-12).all()
-    assert (quick <= ring(points) + 1e-12).all()
-    within = (np.abs(points) < 2.0).all(axis=1)
-    assert (quick >= ring(points) - 0.4)[within].all()
 
 
 @pytest.mark.parametrize("name", OBSTACLES)

@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures import obstacles
 from sinuous.measures.obstacles import Indices, least_distances, measure, to_triangles
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from tests.cases import with_each
 from tests.helpers import Floats, random_rotation
 from tests.scene.shapes import Triangles, ball, cube, inverted, together

@@ -11,7 +11,16 @@ from sinuous.methods import monte_carlo
 from sinuous.methods.monte_carlo import MonteCarlo
 from tests.helpers import Floats, refused
 from tests.methods import laws
-from tests.methods.fabrik.test_links import MIXED
+
+MIXED = sn.Robot(
+    [
+        sn.Segment((0.5, 2.0), 2.0),
+        sn.Segment((0.5, 2.0), 3.0, max_curvature=1.5),
+        sn.Segment((0.2, 1.0), 1.0),
+        sn.Segment(1.0, 0.0),
+        sn.Segment(0.7, np.pi),
+    ]
+)
 
 LOOSE = sn.Tolerance(1.0, 0.01)
 

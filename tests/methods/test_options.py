@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from sinuous.methods.options import Options, choice, count, flag, number
+from sinuous.methods.method import Options, choice, count, flag, number
 from tests.helpers import NOT_NUMBERS, refused, refused_each
 
 

@@ -9,10 +9,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.arguments import MethodName
-from sinuous.methods import registry as methods
-from sinuous.methods.options import Options
-from sinuous.methods.prepared import LIMITS
-from sinuous.methods.registry import METHODS
+from sinuous.methods import method as methods
+from sinuous.methods.method import LIMITS, METHODS, Options
 from sinuous.solver.solver import Solver
 from tests.cases import with_each
 from tests.helpers import refused

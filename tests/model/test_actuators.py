@@ -233,16 +233,6 @@ def test_a_stage_moves_what_can_change_its_length() -> None:
     assert sn.on_stage(DRIVEN, 300).actuators[-1].gain == -3.0
 
 
-@pytest.mark.parametrize(
-    "robot", [PLAIN, DRIVEN, sn.Robot([sn.Segment((9, 20), tendons=sn.Tendons(2, 1, limits=(-1, 1)))])]
-)
-def test_files_keep_them(robot: sn.Robot, tmp_path: Path) -> None:
-    for name in ("arm.yaml", "arm.json"):
-        robot.save(tmp_path / name)
-        assert sn.load(tmp_path / name, sn.Robot).equals(robot)
-    assert not robot.equals(robot.changed(segments=[s.changed(tendons=None) for s in robot.segments]))
-
-
 def test_answers_say_values_and_units(tmp_path: Path) -> None:
     solution = sn.solve(DRIVEN, sn.Target((20, 30, 130)))
     assert solution.solved

@@ -8,8 +8,6 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 import sinuous as sn
-from sinuous.files.documents import parse_yaml
-from sinuous.files.nouns import read_robot
 from tests.helpers import Floats, refused, refused_each
 
 
@@ -165,12 +163,6 @@ def test_a_stage_and_a_rod_that_gets_softer_as_it_comes_out() -> None:
     np.testing.assert_allclose(robot.from_actuators(values), q, atol=1e-12)
     tensions = robot.tensions(values).max(axis=1, initial=0.0, where=np.isfinite(robot.tensions(values)))
     np.testing.assert_allclose(tensions * q[:, 1, 2], tensions[0] * 6.0)
-
-
-def test_a_robot_with_elastic_tendons_is_saved_and_loaded(tmp_path: Any) -> None:
-    robot = arm(tension=(0.5, 30.0))
-    robot.save(tmp_path / "robot.yaml")
-    assert read_robot(parse_yaml((tmp_path / "robot.yaml").read_text())).equals(robot)
 
 
 def test_what_cannot_be_is_refused() -> None:

@@ -1,7 +1,6 @@
 """Laws of robots, for robots and configurations of all kinds."""
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -59,6 +58,7 @@ def test_a_moved_base_moves_everything(robot_and_q: tuple[Robot, Floats], move: 
     np.testing.assert_allclose(moved.tip(q), move @ robot.tip(q), atol=1e-11)
     there = robot.backbone(q, 3) @ move[:3, :3].T + move[:3, 3]
     np.testing.assert_allclose(moved.backbone(q, 3), there, atol=1e-11)
+    np.testing.assert_allclose(moved.jacobian(q), np.kron(np.eye(2), move[:3, :3]) @ robot.jacobian(q), atol=1e-11)
     assert moved.excess(q) == robot.excess(q)
 
 
@@ -90,15 +90,3 @@ def test_values_of_actuators_lead_back_to_the_configuration(robot_and_q: tuple[R
     np.testing.assert_allclose(values, robot.actuator_jacobian(q) @ q.ravel(), atol=1e-13)
     elsewhere = robot.from_actuators(values, np.ones_like(q))
     np.testing.assert_allclose(robot.to_actuators(elsewhere), values, atol=1e-10)
-
-
-@given(posed)
-def test_pickles_are_the_same_robot(robot_and_q: tuple[Robot, Floats]) -> None:
-    robot, q = robot_and_q
-    again = pickle.loads(pickle.dumps(robot))
-    np.testing.assert_array_equal(again.tip(q), robot.tip(q))
-    np.testing.assert_array_equal(again.limits, robot.limits)
-    np.testing.assert_array_equal(again.actuation, robot.actuation)
-    assert again.violations(q) == robot.violations(q)
-    for table in (again.base, again.tool, again.limits, again.actuation):
-        assert not table.flags.writeable

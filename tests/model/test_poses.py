@@ -14,8 +14,7 @@ from sinuous.base.checks import direction as unit
 from sinuous.kernels.packing import pose_row
 from sinuous.model.poses import as_pose, least_rotation, pose, rotation_matrix
 from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box
-from sinuous.scene.reading import Placement
+from sinuous.scene.obstacles import Box, Placement
 from tests.cases import with_each
 from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused, refused_each
 

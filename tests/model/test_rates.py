@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.files.problem_file import problem_of
 from sinuous.model.rates import Changes
+from sinuous.motion.job import job_of
 from tests.cases import with_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
@@ -29,7 +29,7 @@ def test_segments_and_actuators_have_rates_by_their_names() -> None:
     assert (2.0 * rates).spread(ROBOT).bend.tolist() == [math.inf, 1.0, math.inf]
     assert pickle.loads(pickle.dumps(rates)).equals(rates)
     job = sn.Job(ROBOT, sn.Target((0, 0, 170)), rates=rates)
-    again = problem_of(job.to_dict(), "", sn.Job)
+    again = job_of(job.to_dict(), "")
     assert again.rates.equals(rates)
     with pytest.raises(sn.InputError, match=r"rates.acceleration.length: nothing is called 's_1'; did you mean 's1'"):
         sn.Job(ROBOT, sn.Target((0, 0, 170)), rates=sn.Rates(acceleration=sn.Rates(length={"s_1": 3.0})))

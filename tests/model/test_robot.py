@@ -1,7 +1,6 @@
 """The robot: what it says of itself, poses and Jacobians of whole batches, lines and back, limits, and bad input."""
 
 import math
-import pickle
 import warnings
 from collections.abc import Callable
 from functools import partial
@@ -97,17 +96,6 @@ def test_backbones_are_evenly_spaced_from_base_to_tip() -> None:
             np.testing.assert_allclose(steps, chord, atol=1e-12 * (1 + q[:, 2].sum()))
 
 
-def test_a_moved_base_moves_the_robot() -> None:
-    rng = np.random.default_rng(4)
-    move = random_pose(rng)
-    robot = posed_robot(4)
-    moved = Robot(robot.segments, base=move @ robot.base, tool=robot.tool)
-    for q in configurations(4, 4, 5):
-        np.testing.assert_allclose(moved.tip(q), move @ robot.tip(q), atol=1e-12 * (1 + q[:, 2].sum()))
-        turn = np.kron(np.eye(2), move[:3, :3])
-        np.testing.assert_allclose(moved.jacobian(q), turn @ robot.jacobian(q), atol=1e-12 * (1 + q[:, 2].sum()))
-
-
 # Limits
 
 
@@ -179,17 +167,6 @@ def test_uniform_repeats_a_segment() -> None:
 def test_chambers_narrow_the_length() -> None:
     assert Segment((0.5, 2.0), chambers=Chambers(3, 0.1, length=(1.0, 3.0))).length == (1.0, 2.0)
     refused("chambers.length", lambda: Segment((0.5, 0.9), chambers=Chambers(3, 0.1, length=(1.0, 3.0))))
-
-
-def test_robots_are_frozen_and_survive_pickling() -> None:
-    robot = posed_robot(0)
-    for table in (robot.base, robot.tool, robot.limits, robot.actuation):
-        assert not table.flags.writeable
-    with pytest.raises(AttributeError):
-        robot.segments[0].radius = 3.0  # type: ignore[misc]
-    again = pickle.loads(pickle.dumps(robot))
-    q = configurations(0, 4, 1)[0]
-    np.testing.assert_array_equal(again.tip(q), robot.tip(q))
 
 
 @with_each("value", NOT_NUMBERS)

@@ -1,4 +1,4 @@
-"""Derivatives of shapes on a curve: against differences of shapes laid by other code, and of motions led anew."""
+"""Derivatives of shapes on a curve: against differences of shapes fitted by other code, and of motions led anew."""
 
 from functools import cache, partial
 from typing import Any

@@ -9,8 +9,8 @@ import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
 from tests.helpers import refused
-from tests.solver.test_under_load import GRAVITY, ROD, Q, arm
-from tests.solver.test_under_load import cosserat as rods
+from tests.solver.test_loaded_solve import GRAVITY, ROD, Q, arm
+from tests.solver.test_loaded_solve import cosserat as rods
 
 SECONDS = 20.0
 AWAY = np.array([0.05, 0.0, 0.0])

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -124,32 +123,6 @@ def test_what_is_saved_as_arrays_is_the_same(tmp_path: Path) -> None:
     refused("file", lambda: sn.Motion.from_npz(tmp_path / "other.npz", ROBOT), "no motion")
     refused("file", lambda: sn.Motion.from_npz(tmp_path / "absent.npz", ROBOT), "cannot be read")
     refused("file", lambda: motion.to_npz(tmp_path), "cannot be written")
-
-
-def test_a_result_comes_back() -> None:
-    path = [sn.Target((0.1 * i, 0.5, 2.3)) for i in range(4)]
-    motion = sn.track(ROBOT, path, [BALL], start=STRAIGHT)
-    values = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
-    again = sn.Motion.from_dict(values, (solution.problem for solution in motion.solutions))
-    assert again.to_dict() == motion.to_dict()
-    assert again.status is motion.status
-    np.testing.assert_array_equal(again.q, motion.q)
-    blocked = sn.track(ROBOT, path, [BALL], start=STRAIGHT * 1.3)
-    told = sn.Motion.from_dict(blocked.to_dict(), (solution.problem for solution in motion.solutions))
-    assert told.status is sn.Status.START_BLOCKED
-    assert told.to_dict() == blocked.to_dict()
-
-
-def test_it_is_frozen_and_can_be_sent() -> None:
-    motion = sn.Motion(ROBOT, KNOTS, [BALL])
-    with pytest.raises(AttributeError):
-        motion.q = KNOTS
-    with pytest.raises(ValueError, match="read-only"):
-        motion.q[0, 0, 0] = 1.0
-    again = pickle.loads(pickle.dumps(motion))
-    np.testing.assert_array_equal(again.q, motion.q)
-    assert str(again) == str(motion)
-    assert again.equals(motion)
 
 
 WRONG: list[tuple[str, dict[str, Any]]] = [

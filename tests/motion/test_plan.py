@@ -10,23 +10,57 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.motions import wrong_in
 from sinuous.base.errors import InputError
+from sinuous.kernels.certificate.query import CLEARANCES
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.motion.plan import Planner
-from tests.kernels.planning.test_query import ROBOT, pair
+from sinuous.solver.certificates.steps import prove_steps
+from tests.motion.planning.places import STRETCHING as ROBOT
+from tests.motion.planning.places import pair
 
 STRAIGHT = [[0.0, 0.0, 1.0]] * 4
 
 
 def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
-    for seed in range(6):
+    knots = []
+    for seed in range(12):
         scene, (start, goal) = pair(seed)
         motion = sn.plan(ROBOT, start, goal, scene)
-        assert motion.solved
+        assert motion.solved, seed
         assert motion.between == "proved"
         np.testing.assert_array_equal(motion.q[[0, -1]], [start, goal])
         np.testing.assert_array_equal(motion.times[[0, -1]], [0.0, 1.0])
+        again = prove_steps(ROBOT, scene.snapshot(), motion.q)
+        assert again.proved.all()
+        tight = prove_steps(ROBOT, scene.snapshot(), motion.q, slack=0.01).clearances.min()
         assert motion.clearance is not None
-        assert motion.clearance > 0.0
+        assert motion.self_clearance is not None
+        assert max(0.0, 0.89 * tight) < motion.clearance
+        assert motion.clearance == pytest.approx(again.clearances.min(), rel=0.2)
+        own = again.answers[:, CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND].min()
+        assert motion.self_clearance == pytest.approx(own, rel=0.2)
         assert wrong_in(ROBOT, scene, motion.q) == ""
+        assert max(ROBOT.excess(q) for q in motion.q) < 1e-12
+        knots.append(len(motion.q))
+    assert max(knots) > 2  # not all of them are straight
+
+
+def length(motion: sn.Motion) -> float:
+    """Length of a motion in which a bend counts by what is beyond it."""
+    levers = np.arange(3, -1, -1) + 0.5
+    steps = np.diff(motion.q, axis=0) * np.stack([levers, levers, np.ones(4)], axis=-1)
+    return float(np.sqrt((steps**2).sum(axis=(1, 2))).sum())
+
+
+def test_shortcuts_make_no_motion_longer_and_leave_it_clear() -> None:
+    shorter = 0
+    for seed in range(8):
+        scene, (start, goal) = pair(seed)
+        plain, tight = (sn.plan(ROBOT, start, goal, scene, shortcuts=count) for count in (0, 30))
+        assert tight.between == "proved"
+        assert prove_steps(ROBOT, scene.snapshot(), tight.q).proved.all()
+        assert length(tight) <= length(plain) + 1e-9
+        shorter += length(tight) < 0.99 * length(plain)
+    assert shorter > 0
 
 
 def test_a_plan_to_a_target_ends_there() -> None:

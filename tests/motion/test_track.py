@@ -1,6 +1,5 @@
 """Following a path."""
 
-import json
 from typing import Any
 
 import numpy as np
@@ -136,13 +135,6 @@ def test_each_waypoint_begins_at_the_last() -> None:
     assert again.largest_step == (0.0, 0.0)
 
 
-def test_a_waypoint_may_be_several_targets() -> None:
-    q = np.array([[0.3, 0.0, 1.0], [0.0, 0.4, 1.0], [0.2, 0.0, 1.1], [0.0, 0.0, 1.0]])
-    ends = ROBOT.forward(q)[:, :3, 3]
-    track = sn.track(ROBOT, [[sn.Target(ends[1], segment=2), sn.Target(ends[3])]])
-    assert track.solved
-
-
 def test_a_path_of_arrays_is_one_of_targets() -> None:
     places = np.array([target.position for target in CIRCLE[:8]])
     up = np.tile([0.0, 0.3, 1.0], (8, 1))
@@ -173,16 +165,6 @@ def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_the_dictionary_is_plain_and_strict() -> None:
-    track = sn.track(ROBOT, CIRCLE[:3])
-    result = json.loads(json.dumps(track.to_dict(), allow_nan=False))
-    assert result["clearance"] is None
-    assert result["angle_error"] is None
-    assert result["position_error"] == max(waypoint["position_error"] for waypoint in result["waypoints"])
-    assert result["iterations"] == sum(waypoint["iterations"] for waypoint in result["waypoints"])
-    assert result["seconds"] == pytest.approx(track.seconds)
-
-
 @with_each("targets", [CIRCLE[0], [], "path.csv", [CIRCLE[0], 3], [[]], [sn.Target((0, 0, 3), segment=5)], 3])
 def test_what_is_no_path_is_refused(targets: object) -> None:
     with pytest.raises(sn.InputError, match="targets"):
@@ -198,11 +180,6 @@ def test_waypoints_are_reached_at_their_times() -> None:
         reached = [motion.times[knot] for knot in motion.waypoint_knots if knot is not None]
         np.testing.assert_allclose(reached, times.tolist())
     assert started.times[0] == pytest.approx(times[0] - (times[1] - times[0]))
-
-
-def test_times_that_do_not_increase_are_refused() -> None:
-    with pytest.raises(sn.InputError, match=r"times\[1\]: times must increase; expected more than 1, got 1.0"):
-        sn.track(ROBOT, CIRCLE[:2], times=[1.0, 1.0])
 
 
 ARM = sn.Robot.uniform(5, (0.9, 1.1), 2.0, radius=0.02)

@@ -34,6 +34,63 @@ def test_degrees_for_radians() -> None:
     assert said(mixed) == ["max_bend of segment 2 is 45 rad, more than a full turn; is it in degrees?"]
 
 
+def arm(unit: float, tendons: float, limit: float, radius: float, tool: float) -> sn.Robot:
+    """A robot of some 0.3 m in a length unit of so many metres, of which some lengths are given in another."""
+    lines = sn.Tendons(3, tendons, displacement=(-limit, limit))
+    pose = np.eye(4)
+    pose[2, 3] = tool
+    return sn.Robot([sn.Segment(0.1 / unit, 1.5, radius=radius, tendons=lines)] * 3, tool=pose)
+
+
+def arms() -> list[tuple[float, dict[str, float]]]:
+    """Units, and lengths of 60 arms in metres."""
+    random = np.random.default_rng(4)
+    units = random.choice([1.0, 0.01, 0.001, 0.0254], 60).tolist()
+    sizes = [(0.002, 0.02), (0.002, 0.03), (0.001, 0.02), (0.005, 0.2)]
+    drawn = [[float(np.exp(random.uniform(*np.log(size)))) for size in sizes] for _ in units]
+    return [
+        (unit, {"tendons": t, "limit": max(x, 2.0 * t), "radius": r, "tool": tool})
+        for unit, (t, x, r, tool) in zip(units, drawn, strict=True)
+    ]
+
+
+def test_right_units_are_silent() -> None:
+    for unit, own in arms():
+        robot = arm(unit, **{key: value / unit for key, value in own.items()})
+        target = [[sn.Target((0.1 / unit, 0.0, 0.2 / unit))]]
+        assert all_suspicions(robot, sn.Scene().snapshot(), target) == []
+
+
+@pytest.mark.parametrize("key", ["tendons", "limit", "radius", "tool", "target"])
+def test_one_length_in_another_unit_is_said_once(key: str) -> None:
+    for unit, own in arms():
+        factor = 1000.0 if unit in (1.0, 0.0254) else 0.001
+        lengths = {name: value / unit * (factor if name == key else 1.0) for name, value in own.items()}
+        place = np.array([0.1, 0.0, 0.2]) / unit * (factor if key == "target" else 1.0)
+        found = all_suspicions(arm(unit, **lengths), sn.Scene().snapshot(), [[sn.Target(place)]])
+        assert any("one length unit?" in text for text in found), (unit, own, key)
+
+
+def test_degrees_of_tendons_and_of_rest() -> None:
+    def texts(lines: sn.Tendons) -> list[str]:
+        return said(sn.Robot([sn.Segment(1.0, 1.0, tendons=lines, stiffness=1.0)]))
+
+    for wrong in (sn.Tendons(angles=[0, 90, 180, 270], radius=0.05), sn.Tendons(4, 0.05, angle=90)):
+        (text,) = texts(wrong)
+        assert text.startswith("tendons of segment 1 stand at ")
+        assert text.endswith("rad, more than a full turn; are these degrees?")
+    right = (
+        sn.Tendons(4, 0.05, angle=1.0),
+        sn.Tendons(angles=[-3.0, 0.0, 3.0, 6.5], radius=0.05),
+        sn.Tendons(3, 0.05, 6),
+    )
+    assert [texts(lines) for lines in right] == [[]] * 3
+    assert (
+        said(sn.Robot([sn.Segment(1.0, 1.0, rest=(45, 0))]))[-1]
+        == "rest of segment 1 is more than a full turn; is it in degrees?"
+    )
+
+
 def test_a_body_that_is_too_thick_for_its_bends() -> None:
     (text,) = said(sn.Robot.uniform(2, 1.0, 3.0, radius=0.5))
     assert "a radius of 0.5 is above the smallest radius of curvature, 0.3333" in text

@@ -43,15 +43,6 @@ def test_rows_of_every_kind() -> None:
     assert repr(Target(direction=(1, 0, 0), segment=2)) == "Target(direction=(1, 0, 0), segment=2)"
 
 
-def test_targets_are_frozen() -> None:
-    target = Target((1, 2, 3), rotation=np.eye(3))
-    with pytest.raises(AttributeError):
-        target.segment = 2  # type: ignore[misc]
-    for value in (target.position, target.rotation, Target(direction=(1, 0, 0)).direction):
-        assert value is not None
-        assert not value.flags.writeable
-
-
 def test_something_is_asked_and_once() -> None:
     refused("position", Target, "position, direction or rotation")
     refused("position", lambda: Target(segment=1))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sinuous.scene.meshes.mending import Integers
+from sinuous.scene.triangles import Integers
 from tests.helpers import Floats
 
 Triangles = tuple[Floats, Integers]

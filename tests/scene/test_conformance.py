@@ -17,11 +17,11 @@ from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
 from sinuous.model.poses import pose
 from sinuous.scene.grids import Field, Grid, sample_points
-from sinuous.scene.meshes.mending import Integers
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
+from sinuous.scene.triangles import Integers
 from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
 from tests.scene import shapes

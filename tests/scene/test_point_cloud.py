@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.scene.point_cloud import PointCloud, expand_lzf, parse_pcd
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
@@ -91,16 +91,17 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
         return PointCloud.load(tmp_path / name, 1.0)
 
     for name, content, message in (
-        ("one.xyz", "1\n2\n", r"one\.xyz: points: has 1 of three columns; expected x, y, z on every line, got '1'"),
-        (
-            "two.csv",
-            "x,y\n1,2\n",
-            r"two\.csv: points: has 2 of three columns; expected x, y, z on every line, got '1 2",
-        ),
-        ("words.txt", "1 2 3\n1 two 3\n", r"words\.txt: points: expected x, y, z on every line"),
-        ("short.txt", "1 2 3\n1 2\n", r"short\.txt: points: expected x, y, z on every line"),
+        ("one.xyz", "1\n2\n", r"one\.xyz: line 1: the table cannot be read; expected rows .*, got '1'"),
+        ("two.xyz", "1 2\n3 4\n", r"two\.xyz: points: has 2 of three columns; expected x, y, z on every line"),
+        ("two.csv", "x,y\n1,2\n", r"two\.csv: columns: there is no column z; columns= says which .*, got 'x y'"),
+        ("words.txt", "1 2 3\n1 two 3\n", r"words\.txt: line 2\.column 2: expected a finite number, got 'two'"),
+        ("short.txt", "1 2 3\n1 2 3\n1 2\n", r"short\.txt: line 3: has 2 cells; expected 3, got '1 2'"),
         ("nothing.xyz", "# no points\n\n", r"nothing\.xyz: points: expected at least one point"),
-        ("hole.xyz", "1 2 3\n1 nan 3\n", r"hole\.xyz: points\[1\]: expected 3 finite numbers, got \[1\.0, nan"),
+        (
+            "hole.xyz",
+            "1 2 3\n1 nan 3\n",
+            r"hole\.xyz: points\[1\]: 1 of 2 points .*, got \[1\.0, nan",
+        ),
         ("a.npy", "no array", "^file: cannot be read: .*; expected "),
         ("a.ply", "no points", "^file: cannot be read: .*; expected "),
         ("a.pcd", "no points", r"a\.pcd: file: cannot be read: no PCD header; expected a PCD file, got .*"),
@@ -110,6 +111,46 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
             load(name, content)
     refused("file", lambda: PointCloud.load(tmp_path / "none.xyz", 1.0), "No such file")
     refused_each("scale", (0.0, -1.0, "1"), lambda value: PointCloud.load(tmp_path / "none.xyz", 1.0, value))
+
+
+def test_columns_are_told_by_their_names(tmp_path: Path) -> None:
+    def load(content: str, **options: Any) -> np.ndarray:
+        (tmp_path / "scan.csv").write_text(content)
+        return PointCloud.load(tmp_path / "scan.csv", 1.0, **options).points
+
+    for content in ("id,x,y,z\n7,1,2,3\n9,4,5,6\n", "z;y;x\n3,0;2,0;1,0\n6,0;5,0;4,0\n", "//Z X Y\n3 1 2\n6 4 5\n"):
+        np.testing.assert_array_equal(load(content), [(1, 2, 3), (4, 5, 6)], err_msg=content)
+    np.testing.assert_array_equal(load("a,b,c\n1,2,3\n", columns=("c", "a", "b")), [(3, 1, 2)])
+    np.testing.assert_array_equal(load("1 2 3 4\n2 3 4 5\n", columns=(2, 3, 4)), [(2, 3, 4), (3, 4, 5)])
+    with pytest.warns(SuspiciousInput, match=r"scan\.csv: the header says m; numbers are taken as they stand"):
+        load("x [m],y [m],z [m]\n1,2,3\n")
+    for content, told in (
+        ("a,b,c\n1,2,3\n", "columns: there is no column x"),
+        ("1 2 3 4\n2 3 4 5\n", "columns: the first column counts the rows; expected columns= with the numbers"),
+        ("X,Y,Z,X\n1,2,3,4\n", "columns: x is there twice"),
+        ("0,63,149,34,153,20\n", "line 1: commas may be separators or decimal signs"),
+    ):
+        with pytest.raises(InputError, match=told):
+            load(content)
+    refused_each("columns", ("xyz", (1, 2), (0, 1, 2), ("x", "y", 3), (1, 1, 2)), lambda c: load("1 2 3\n", columns=c))
+    with pytest.raises(InputError, match=r"scan\.csv: columns: there is no column 4; expected 2, 3, 4, got 'no names"):
+        load("1 2 3\n", columns=(2, 3, 4))
+
+
+def test_points_that_are_not_finite_are_dropped_where_asked(tmp_path: Path) -> None:
+    places, radii = POINTS.copy(), np.arange(20.0)
+    places[3], places[8] = np.nan, np.inf
+    kept = np.delete(np.arange(20), [3, 8])
+    cloud = PointCloud(places, radii, invalid="drop")
+    np.testing.assert_array_equal(cloud.points, POINTS[kept])
+    np.testing.assert_array_equal(cloud.radii, radii[kept])
+    refused("points[3]", lambda: PointCloud(places, 1.0), 'invalid="drop" leaves them out')
+    refused("invalid", lambda: PointCloud(places, 1.0, invalid="keep"), "refuse or drop")  # type: ignore[arg-type]
+    np.save(tmp_path / "scan.npy", places)
+    loaded = PointCloud.load(tmp_path / "scan.npy", 1.0, invalid="drop")
+    np.testing.assert_array_equal(loaded.points, POINTS[kept])
+    assert loaded.source.arguments["invalid"] == "drop"
+    refused("points", lambda: PointCloud(np.full((2, 3), np.nan), 1.0, invalid="drop"), "at least one point")
 
 
 def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:

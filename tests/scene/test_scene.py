@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 import sinuous as sn
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
@@ -57,11 +57,6 @@ def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
         np.testing.assert_array_equal(gradient[index], SCENE.gradient(points[index]))
 
 
-def test_the_order_of_obstacles_changes_no_distance() -> None:
-    points = 3.0 * np.random.default_rng(2).normal(size=(100, 3))
-    np.testing.assert_array_equal(Scene(OBSTACLES[::-1]).distance(points), SCENE.distance(points))
-
-
 def test_an_empty_scene_is_infinitely_far() -> None:
     empty = Scene()
     assert len(empty) == 0
@@ -80,13 +75,6 @@ def test_scenes_in_scenes_give_their_obstacles() -> None:
 
 def test_names_say_kind_and_place() -> None:
     assert [SCENE.name(i) for i in range(4)] == ["sphere[0]", "box[1]", "pipe", "half_space[3]"]
-
-
-def test_scenes_keep_their_own_table() -> None:
-    assert not SCENE.table.flags.writeable
-    again = pickle.loads(pickle.dumps(SCENE))
-    points = np.random.default_rng(3).normal(size=(10, 3))
-    np.testing.assert_array_equal(again.distance(points), SCENE.distance(points))
 
 
 def test_what_is_no_obstacle_is_refused() -> None:

@@ -1,11 +1,11 @@
-"""Attempts: each alone finds what it is for, in places of the benchmark, with elbows, tools and orientations too."""
+"""Attempts: each alone finds what it is for, in places of the benchmark, with intermediate targets and tools."""
 
 import numpy as np
 import pytest
 
 import sinuous as sn
 from benchmarks.places import make
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.options import ATTEMPTS
 
 PLACES = [
     ("open pipe 1.6", 1, ("base_tube",)),

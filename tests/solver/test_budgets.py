@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.arguments import MethodName
 from sinuous.kernels.clock import SEGMENT_WORK, STRIDE
-from sinuous.methods.registry import METHODS, capabilities
+from sinuous.methods.method import METHODS, capabilities
 from sinuous.scene.obstacles import Obstacle
 from tests.methods.laws import quick
 

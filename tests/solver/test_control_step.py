@@ -1,6 +1,5 @@
 """Steps of a control loop: laws first, then what they are for."""
 
-import pickle
 from functools import cache
 from typing import Any
 
@@ -162,16 +161,6 @@ def test_mirrored_questions_have_mirrored_answers(seed: int) -> None:
     np.testing.assert_allclose(other.q * [1, -1, 1], one.q, atol=1e-6)
 
 
-def test_the_tip_moves_as_asked_to_first_order() -> None:
-    rng = np.random.default_rng(1)
-    q, asked = shape(rng), twist(rng)
-    errors = []
-    for dt in (1e-2, 1e-3):
-        moved = ROBOT.tip(free_solver().step(q, asked, dt).q)[:3, 3] - ROBOT.tip(q)[:3, 3]
-        errors.append(float(np.linalg.norm(moved - dt * asked[3:])))
-    assert errors[1] < 0.02 * errors[0]
-
-
 @with_each("bend", [0.0, 1e-9, 1e-6, 1e-3, 0.098, 0.6])
 def test_singular_shapes_move_little(bend: float) -> None:
     for seed in range(5):
@@ -274,20 +263,6 @@ def test_accelerations_are_kept() -> None:
         assert np.hypot(*change[:, :2].T).max() <= 5.0 * dt * 1.01
         assert np.abs(change[:, 2]).max() <= 100.0 * dt * 1.01
         q, velocity = step.q, step.velocity
-
-
-def test_it_is_frozen_and_travels() -> None:
-    step = free_solver().step(
-        np.tile([0.1, 0.0, 57.5], (N, 1)), (10.0, 0.0, 0.0), 0.01, rates=sn.Rates(bend=0.001, length=1.0)
-    )
-    with pytest.raises(AttributeError):
-        step.initial = step.q
-    with pytest.raises(ValueError, match="read-only"):
-        step.q[0, 0] = 1.0
-    again = pickle.loads(pickle.dumps(step))
-    assert np.array_equal(again.q, step.q)
-    assert (again.status, again.active, again.share) == (step.status, step.active, step.share)
-    assert repr(step).startswith("Step(held_back, share 0.")
 
 
 @with_each(

@@ -15,7 +15,7 @@ from sinuous.measures.obstacles import measure
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
 from sinuous.scene.grids import Field, Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.solver.test_under_load import Q, arm
+from tests.solver.test_loaded_solve import Q, arm
 
 SECONDS = 20.0
 """No budget is meant to end."""

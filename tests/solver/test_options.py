@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from sinuous.methods import registry
+from sinuous.methods import method as methods
 from sinuous.solver.options import TIME, SolveOptions
 from tests.cases import with_each
 from tests.helpers import refused
@@ -58,7 +58,7 @@ def test_wrong_values_are_refused_by_name(key: str, value: Any) -> None:
 @pytest.mark.parametrize("name", ["magic", "", "NEWTON"])
 def test_an_unknown_method_is_refused(name: Any) -> None:
     error = refused("method", lambda: SolveOptions(method=name))
-    assert all(known in str(error) for known in registry.METHODS)
+    assert all(known in str(error) for known in methods.METHODS)
 
 
 def test_an_unknown_option_is_answered_with_all_that_there_are() -> None:

@@ -58,20 +58,6 @@ def test_reachable_targets_are_solved(name: str, kind: str) -> None:
         assert solution.verify().ok, solution.verify()
 
 
-def test_the_papers_four_poses() -> None:
-    robot = sn.Robot.uniform(5, (45, 70), base=sn.pose(direction=(0, 0, -1)))
-    solver = sn.Solver(robot, tolerance=EXACT)
-    for position, direction in (
-        ((-60, 150, -230), (-0.7071, 0, -0.7071)),
-        ((-10, 40, -260), (0, 0.2169, -0.9762)),
-        ((150, -90, -220), (0.5661, 0.2665, -0.7926)),
-        ((40, -60, -180), (0, 0, 1)),
-    ):
-        solution = solver.solve(sn.Target(position, direction=direction))
-        assert solution.solved
-        assert solution.verify().ok
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_solved_means_clear_of_every_obstacle(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -115,16 +101,6 @@ def test_tendon_limits_hold_and_do_not_hide_solutions(lines: int) -> None:
         assert solution.solved
         assert robot.excess(solution.q) <= 1e-9
         assert float(np.abs(robot.to_actuators(solution.q)).max()) <= 9 + 1e-9
-
-
-def test_chamber_limits_hold() -> None:
-    chambers = sn.Chambers(3, radius=8, length=(40, 75))
-    robot = sn.Robot.uniform(4, (45, 70), 2.4, chambers=chambers)
-    solver = sn.Solver(robot)
-    for q in [q for q in random_shapes(robot, 300, 2) if robot.excess(q) == 0.0][:40]:
-        solution = solver.solve(as_target(robot.tip(q), "direction"))
-        assert solution.solved
-        assert robot.excess(solution.q) <= 1e-9
 
 
 def test_limits_hold_when_the_target_cannot_be_met() -> None:

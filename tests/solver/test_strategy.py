@@ -1,7 +1,6 @@
 """The queue of attempts: the one with the lowest priority first, scattered starts in proportion, each attempt switched
 off by its name."""
 
-import re
 from collections.abc import Iterator
 from functools import partial
 
@@ -12,8 +11,7 @@ from hypothesis import strategies as st
 
 import sinuous as sn
 from sinuous import Robot, Scene, Sphere, Target, Tolerance
-from sinuous.base.errors import InputError
-from sinuous.kernels.tables import GIVEN, ROUTE, SOURCES
+from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.solver import strategy as own
 from sinuous.solver.attempts import (
@@ -22,12 +20,9 @@ from sinuous.solver.attempts import (
     IKQuery,
     RandomRestarts,
     StartBatch,
-    read_without,
 )
-from sinuous.solver.options import SolveOptions
 from sinuous.solver.routing.searches import Searches
-from sinuous.solver.strategy import Strategy, attempts_of
-from tests.cases import with_each
+from sinuous.solver.strategy import attempts_of
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 SCENE = Scene([Sphere((0, 0, 2.2), 0.7), Sphere((0.9, 0.2, 3.1), 0.4)])
@@ -67,33 +62,8 @@ def test_scattered_starts_are_in_proportion_to_what_others_cost(asked: list[tupl
     assert numbers == list(range(3, 5000))
 
 
-@with_each("given", [0, 1])
-@with_each("most", [1, 2, own.OPENING, own.OPENING_ALONE, 1000])
-@with_each("routes", [False, True])
-def test_the_first_call_is_one_batch_and_scattered_starts_go_on_from_there(given: int, most: int, routes: bool) -> None:
-    options = SolveOptions(max_starts=most, routes=routes)
-    strategy = Strategy(ROBOT, SCENE, Tolerance().for_robot(ROBOT), options)
-    batch = strategy.opening(question(given=given))
-    assert batch.source == SOURCES[GIVEN]
-    assert len(batch.initial) == given
-    assert batch.own == (0, strategy.opening_starts(given))
-    assert batch.own[1] == max(0, min(most, own.OPENING if routes else own.OPENING_ALONE) - given)
-    rest = strategy.batches(question(given=given, seconds=0.0))
-    numbers = [i for each in rest for i in range(*each.own)]
-    assert numbers == list(range(batch.own[1], most - given))
-
-
 @pytest.mark.parametrize("name", ATTEMPTS)
 def test_a_solve_takes_what_is_switched_off(name: str) -> None:
     solution = sn.solve(ROBOT, TARGET, SCENE, without=name, time=20.0)
     assert solution.solved
     assert solution._resolver.solve(solution.problem).solved
-
-
-@with_each(
-    ("names", "value"), [("hops", "'hops'"), (("grown", "hops"), "'hops'"), (7, "7"), ((7,), "7"), (None, "None")]
-)
-def test_an_attempt_that_is_not_known_is_refused(names: object, value: str) -> None:
-    with pytest.raises(InputError, match=f"^without: .*scattered, .*passages, got {re.escape(value)}") as told:
-        read_without(names)
-    assert "\n" not in str(told.value)

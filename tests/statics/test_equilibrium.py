@@ -13,7 +13,6 @@ from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
 from sinuous.problem.suspicions import suspicions
 from sinuous.scene.snapshot import Snapshot
-from sinuous.view.display.contents import gather
 from tests.helpers import refused
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)
@@ -223,24 +222,8 @@ def test_bad_input_is_refused() -> None:
     refused("arcs", lambda: sn.Segment(1.0, arcs=0))
 
 
-def test_a_robot_under_load_is_saved_and_loaded(tmp_path: Any) -> None:
-    robot = arm(payload=[sn.Payload(0.1, (0, 0.05, 0.1)), sn.Payload(0.2, segment=1)])
-    robot.save(tmp_path / "arm.yaml")
-    again = sn.load(tmp_path / "arm.yaml")
-    assert isinstance(again, sn.Robot)
-    assert again.equals(robot)
-
-
 def test_units_that_do_not_fit_are_noted() -> None:
     assert not suspicions(arm(), Snapshot(()))
     for wrong in (1e-3, 1e6):
         (note,) = suspicions(arm(stiffness=sn.Stiffness(wrong)), Snapshot(()))
         assert "stiffness" in note
-
-
-def test_it_is_drawn_with_and_without_load_and_with_forces() -> None:
-    robot = arm(payload=sn.Payload(0.1))
-    contents = gather([robot.shape(SHAPE, FORCE)])
-    assert [len(each.robot) for each in contents.arms] == [8, 2]
-    assert [each.ghost for each in contents.arms] == [False, True]
-    assert len(contents.forces) == 2

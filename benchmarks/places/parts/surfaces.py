@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 
 Faces = NDArray[np.int64]
 

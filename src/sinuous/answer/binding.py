@@ -20,7 +20,8 @@ from sinuous.answer.residual import residual_of
 from sinuous.answer.worst import Contact, all_contacts
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.documents import result_of
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import listed, number, segments
 from sinuous.model.actuation import Actuator
 from sinuous.model.rates import Changes
@@ -108,8 +109,7 @@ class Binding(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        keys = "constraint", "segment", "obstacle", "value", "limit", "actuator", "other_segment"
-        return {key: getattr(self, key) for key in keys}
+        return result_of(self, "constraint segment obstacle value limit actuator other_segment")
 
 
 class _Force(NamedTuple):

@@ -4,18 +4,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from sinuous.answer.binding import Binding, in_words, nearest_limits
-from sinuous.answer.reasons import Reason
 from sinuous.answer.remedies import Remedy, find_remedies
 from sinuous.answer.residual import residual_of
 from sinuous.answer.solve_again import UnknownOptions
-from sinuous.answer.status import Status
+from sinuous.answer.status import Reason, Status
 from sinuous.answer.trials import Case, Trials
+from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.reprs import call
+from sinuous.base.frozen import NotebookMixin, call
 from sinuous.base.words import degrees, number
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, ask_body
 
 LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
 
@@ -74,14 +72,8 @@ class Explanation(NotebookMixin):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
-        return {
-            "status": str(self.status),
-            "sentence": self.sentence,
-            "reason": None if self.reason is None else str(self.reason),
-            "binding": [each.to_dict() for each in self.binding],
-            "remedies": [each.to_dict() for each in self.remedies],
-            "complete": self.complete,
-        }
+        reason = None if self.reason is None else str(self.reason)
+        return {**result_of(self, "status sentence"), "reason": reason, **result_of(self, "binding remedies complete")}
 
     def __str__(self) -> str:
         lines = [f"{self.status}: {self.sentence}"]

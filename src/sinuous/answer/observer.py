@@ -15,7 +15,7 @@ from sinuous.base.arguments import Number, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import ask_body
 from sinuous.problem.target import Target
 
 GAIN = 0.1

@@ -17,7 +17,7 @@ from sinuous.answer.status import Status
 from sinuous.answer.trials import Case, Trials
 from sinuous.answer.worst import contacts_of
 from sinuous.base.checks import Floats
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import degrees, listed, number, rounded, rounded_up, segments
 from sinuous.model.actuators import Actuators
 from sinuous.model.robot import Robot

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sinuous.base import checks
+from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
 from sinuous.base.words import listed, number
 
@@ -62,8 +63,7 @@ class RouteClass:
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        passes = [{"obstacle": each.obstacle, "side": each.side, "at": list(each.at)} for each in self.passes]
-        return {"number": self.number, "passes": passes}
+        return result_of(self, "number passes")
 
     @classmethod
     def from_dict(cls, values: Any) -> "RouteClass":

@@ -12,34 +12,33 @@ import numpy as np
 from sinuous.answer.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.answer.explanation import Explanation, explain
 from sinuous.answer.reading import as_demanded, read_result
-from sinuous.answer.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solve_again import SolveAgain
-from sinuous.answer.status import Status, status_of
+from sinuous.answer.status import Reason, Status, base_in, closed_in, status_of, target_in, unreachable
 from sinuous.answer.trials import Case
 from sinuous.answer.verification import Verification, verify
 from sinuous.answer.worst import Worst, find_worst
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.errors import NotSolvedError
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import plain
-from sinuous.base.reprs import call
+from sinuous.base.documents import plain, result_of
+from sinuous.base.errors import NotSolvedError, answers_attributes
+from sinuous.base.frozen import NotebookMixin, call
 from sinuous.base.words import counted, duration, listed
 from sinuous.base.work_time import work_time
 from sinuous.kernels.packing import read_only
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.model.rates import Changes
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, ask_body
 
 if TYPE_CHECKING:
     from sinuous.answer.derivatives.derivative import Derivative
     from sinuous.answer.derivatives.preferred import Wish
     from sinuous.statics.equilibrium import Equilibrium
+
+CLEARANCES = "clearance self_clearance demanded_clearance demanded_self_clearance"
+"""What results say of clearances."""
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -197,7 +196,7 @@ class Solution(NotebookMixin):
 
     @property
     def route(self) -> Floats | None:
-        """Points (k, 3) of the route that the start was laid along; `None` unless a route led to the solution."""
+        """Points (k, 3) of the route that the start was fitted to; `None` unless a route led to the solution."""
         return self._outcome.route
 
     @property
@@ -239,12 +238,12 @@ class Solution(NotebookMixin):
     @property
     def demanded_clearance(self) -> float | tuple[float, ...] | None:
         """Clearance that the body had to keep: of all segments, or one each; `None` where none was demanded."""
-        return _demanded(self.problem.robot.clearance)
+        return demanded(self.problem.robot.clearance)
 
     @property
     def demanded_self_clearance(self) -> float | tuple[float, ...] | None:
         """The same from itself."""
-        return _demanded(self.problem.robot.self_clearance)
+        return demanded(self.problem.robot.self_clearance)
 
     @property
     def robot(self) -> Robot:
@@ -492,39 +491,14 @@ class Solution(NotebookMixin):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
-        worst, reason, shape = self.worst, self.reason, self.shape
+        shape = self.shape
         load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
         return {
-            "status": str(self.status),
-            "q": self.q.tolist(),
-            "base": self.base.tolist(),
-            "position_error": self.position_error,
-            "angle_error": self.angle_error,
-            "clearance": finite_or_none(self.clearance),
-            "self_clearance": finite_or_none(self.self_clearance),
-            "demanded_clearance": self.demanded_clearance,
-            "demanded_self_clearance": self.demanded_self_clearance,
+            **result_of(self, f"status q base position_error angle_error {CLEARANCES}"),
             "uncertainty": plain(self.problem.robot.uncertainty),
-            "actuators": self.actuators,
-            "tensions": self.tensions,
+            **result_of(self, "actuators tensions"),
             **load,
-            "worst": None if worst is None else worst.to_dict(),
-            "reason": None
-            if reason is None
-            else {
-                "bound": reason.bound,
-                "needed": reason.needed,
-                "available": reason.available,
-                "obstacle": reason.obstacle,
-            },
-            "binding": [each.to_dict() for each in self.binding],
-            "iterations": self.iterations,
-            "starts": self.starts,
-            "start": self.start,
-            "route_class": None if self.route_class is None else self.route_class.to_dict(),
-            "seconds": self.seconds,
-            "method": self.method,
-            "seed": self.seed,
+            **result_of(self, "worst reason binding iterations starts start route_class seconds method seed"),
         }
 
     def __repr__(self) -> str:
@@ -563,8 +537,9 @@ class Solution(NotebookMixin):
         return "\n".join(parts)
 
 
-def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | None:
-    return value if np.any(value) else None
+def demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | None:
+    """A clearance that a robot demands, of all segments or one each; `None` where it demands none."""
+    return value if any(value if isinstance(value, tuple) else (value,)) else None
 
 
 def finite_or_none(value: float | None) -> float | None:

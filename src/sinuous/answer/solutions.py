@@ -14,8 +14,7 @@ from sinuous.answer.status import statuses_of
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats, closed
 from sinuous.base.errors import InputError, NotSolvedError
-from sinuous.base.frozen import Frozen
-from sinuous.base.notebook import NotebookMixin
+from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.kernels import tables as t
 from sinuous.kernels.tables import Outcome
 from sinuous.problem.target_sets import ManyProblems

@@ -1,12 +1,26 @@
-"""How a solve ended, in a word and in a sentence."""
+"""How a solve ended, in a word and in a sentence; and where that is proved, why: the number that proves it.
 
+Bounds on lengths and bends come from `sinuous.measures`, without kernels; distances to obstacles from
+`sinuous.scene.snapshot`.
+"""
+
+from dataclasses import dataclass
 from enum import StrEnum
+from operator import itemgetter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.base.arguments import BoundName
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of
+from sinuous.base.frozen import ShortRepr
+from sinuous.base.words import number
 from sinuous.kernels import tables as t
+from sinuous.measures.reach import backbone_end, bounds
+from sinuous.problem.problem import Problem
+from sinuous.scene.snapshot import room_at
 
 
 class Status(StrEnum):
@@ -92,3 +106,129 @@ def places_of(records: Floats) -> NDArray[np.uint8]:
         crossed = (records[:, t.CLEARANCE] < 0.0) | (records[:, t.SELF_CLEARANCE] < 0.0)
         result[failed & crossed] = _PLACE[Status.BLOCKED]
     return result
+
+
+@dataclass(frozen=True, repr=False)
+class Reason(ShortRepr):
+    """A bound that no configuration can keep.
+
+    Attributes
+    ----------
+    bound : str
+        `length`: the target is farther away than the robot is long. `near`: it is nearer than lengths and bends allow.
+        `aside`, `behind`: it lies farther aside of the base's tangent, or less far ahead, than bends and lengths reach;
+        or the base does so, seen back along the target's tangent. `turning`: the direction asks for more than all bends
+        together. `target`, `base`: the body needs more room there than the obstacle leaves. `route`: no route from
+        mount to target is both wide enough and no longer than the body.
+    needed, available : float
+        What the bound compares: lengths, for `turning` angles (rad), for `route` the radius of the body and the edge of
+        the cells that free space was divided into.
+    obstacle : str or None
+        The nearest one, by name, where obstacles are the reason.
+    pointing : bool
+        Whether the direction that is asked for is part of the reason.
+    longest : float or None
+        For `route`: the greatest length of the body up to the target; longer routes were not looked at.
+    inside : bool
+        Whether the body has to stay inside the obstacle.
+    clearance : float
+        What is demanded of it, which is part of what is needed.
+    """
+
+    bound: BoundName
+    needed: float
+    available: float
+    obstacle: str | None = None
+    pointing: bool = False
+    longest: float | None = None
+    inside: bool = False
+    clearance: float = 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values, in the order of the file format."""
+        return result_of(self, "bound needed available obstacle")
+
+    def __str__(self) -> str:
+        missing = number(self.needed - self.available)
+        needed, available, obstacle = number(self.needed), number(self.available), self.obstacle
+        this_way = " pointing this way" if self.pointing else ""
+        body, overlap = (
+            f"the body, of radius {needed},",
+            f"{missing} {'outside' if self.inside else 'deep in'} {obstacle}",
+        )
+        thick = f"a body of radius {needed}"
+        if self.clearance > 0.0:
+            with_it = f"of radius {number(self.needed - self.clearance)} and with {number(self.clearance)} of clearance"
+            body, overlap, thick = f"the body, {with_it},", f"{missing} too near to {obstacle}", f"a body {with_it}"
+        return {
+            "length": f"the target is {missing} farther from the base than the robot is long "
+            f"({needed} away, the robot at most {available} long)",
+            "near": f"the target is {missing} nearer to the base than the tip can come "
+            f"({available} away, the tip at least {needed})",
+            "aside": f"the target lies {missing} farther to the side than the tip can reach{this_way}",
+            "behind": f"the target lies {missing} behind everything that the tip can reach{this_way}",
+            "turning": f"the direction asks for a turn of {needed} rad, and all bends together make {available} at "
+            f"most: {missing} rad too little",
+            "target": f"at the target {body} would be {overlap}",
+            "base": f"where {body} leaves its mount it is {overlap}; the usual remedy is a longer mount",
+            "route": f"no way from base to target is both wide enough for {thick} and at most "
+            f"{number(self.longest)} long, the greatest length of the body up to the target (shown with cells of edge "
+            f"{available}); the obstacle nearest to the target is {obstacle}",
+        }[self.bound]
+
+
+def unreachable(problem: Problem) -> Reason | None:
+    """The first bound on lengths and bends that a target breaks; `None` when all keep them."""
+    for target in problem.targets:
+        for bound in bounds(problem.robot, target, problem.tolerance):
+            if bound.needed > bound.available:
+                return Reason(bound.name, bound.needed, bound.available, pointing=bound.pointing)
+    return None
+
+
+def target_in(problem: Problem) -> Reason | None:
+    """The target whose body would overlap an obstacle the most."""
+    robot, tolerance = problem.robot, problem.tolerance
+    found: list[Reason] = []
+    for target in problem.targets:
+        if target.position is not None:
+            last = len(robot) if target.segment is None else target.segment
+            place, loose = backbone_end(robot, target, last, tolerance.angle)
+            room = room_at(place, problem.scene)
+            available = room.distance + loose + (tolerance.position or 0.0)
+            inside = _is_inside(problem, room.obstacle)
+            own = robot.needed_radii[last - 1], available, room.obstacle
+            clearance = robot.needed_radii[last - 1] - robot.radii[last - 1]
+            found.append(Reason("target", *own, inside=inside, clearance=clearance))
+    return max(found, key=lambda reason: reason.needed - reason.available, default=None)
+
+
+def base_in(problem: Problem) -> Reason:
+    """The obstacle that the body overlaps where it leaves its mount."""
+    robot = problem.robot
+    room = room_at(robot.base[:3, 3] + robot.mount * robot.base[:3, 2], problem.scene)
+    inside = _is_inside(problem, room.obstacle)
+    needed, clearance = _thinnest(problem)
+    return Reason("base", needed, room.distance, room.obstacle, inside=inside, clearance=clearance)
+
+
+def closed_in(problem: Problem, cell: float) -> Reason:
+    """The obstacle nearest to the most distal target, where no route leads; `cell`: edge of cells that proved it."""
+    ends = [(each.segment or len(problem.robot), each.position) for each in problem.targets]
+    last, place = max(((end, place) for end, place in reversed(ends) if place is not None), key=itemgetter(0))
+    longest = sum(segment.length[1] for segment in problem.robot.segments[:last])
+    needed, clearance = _thinnest(problem, last)
+    nearest = room_at(place, problem.scene).obstacle
+    return Reason("route", needed, cell, nearest, longest=longest, clearance=clearance)
+
+
+def _thinnest(problem: Problem, last: int | None = None) -> tuple[float, float]:
+    """Room that the least demanding of the first segments needs, and how much of it is clearance."""
+    robot = problem.robot
+    radii = zip(robot.needed_radii[:last], robot.radii[:last], strict=True)
+    return min((needed, needed - radius) for needed, radius in radii)
+
+
+def _is_inside(problem: Problem, name: str | None) -> bool:
+    """Whether the obstacle of this name is one that the body has to stay inside."""
+    return any(each.inside and problem.scene.name(i) == name for i, each in enumerate(problem.scene.obstacles))

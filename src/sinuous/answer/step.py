@@ -9,7 +9,7 @@ import numpy as np
 from sinuous.answer.observer import Observed
 from sinuous.base.arguments import StepConstraint, StepStatus
 from sinuous.base.checks import Floats, closed
-from sinuous.base.reprs import ShortRepr, call
+from sinuous.base.frozen import ShortRepr, call
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.kernels.velocity import query as t

@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.answer.binding import Binding
-from sinuous.answer.reasons import Reason
 from sinuous.answer.solve_again import FoundSolution, SolveAgain
-from sinuous.answer.status import Status
+from sinuous.answer.status import Reason, Status
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.words import rounded_up

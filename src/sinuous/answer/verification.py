@@ -11,16 +11,16 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.frozen import ShortRepr, call
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import ShortRepr, call
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
 from sinuous.measures.reach import target_errors
-from sinuous.measures.statics import imbalance
+from sinuous.measures.statics import imbalance, pulls
+from sinuous.measures.tensions import lacking_stretch
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Problem, ask_body, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
@@ -135,10 +135,11 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length
     ok = (
         at_rest
-        and (asked.shape is None or tensions_kept(robot, asked.shape.tensions))
+        and (asked.shape is None or tensions_kept(robot, pulls(robot, q, asked.shape.states)))
         and off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
         and _within_limits(robot, q)
+        and _held(robot, q)
         and spare >= -slack
         and itself.gap >= -slack
     )
@@ -154,12 +155,14 @@ def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> lis
 
 
 def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
-    """Look at one step: limits at both ends, for they are convex; clearances at shares of it."""
+    """Look at one step: limits at both ends, for they are convex; tensions and clearances at shares of it."""
     if robot.has_external_load:
         return _loaded_step(robot, ends, scene, times)
     shares = shares_between(robot, *ends)
     q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
-    return _seen(robot, ends, robot, q, range(1, len(robot) + 1), scene, times[0] + shares * (times[1] - times[0]))
+    when = times[0] + shares * (times[1] - times[0])
+    found = _seen(robot, ends, robot, q, range(1, len(robot) + 1), scene, when)
+    return replace(found, ok=found.ok and all(_held(robot, one) for one in q))
 
 
 def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
@@ -174,7 +177,9 @@ def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> 
     off = max(imbalance(robot, each.q, each.found[0], each.displacements) for each in shapes)
     when = times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0])
     found = _seen(robot, ends, body, np.stack([each.arcs for each in shapes]), owners, scene, when)
-    return replace(found, ok=found.ok and len(shapes) == len(rests) and off <= AT_REST * robot.mean_length)
+    held = all(tensions_kept(robot, pulls(robot, each.q, each.found[0], each.displacements)) for each in shapes)
+    at_rest = len(shapes) == len(rests) and off <= AT_REST * robot.mean_length
+    return replace(found, ok=found.ok and at_rest and held)
 
 
 def _seen(
@@ -199,6 +204,11 @@ def _seen(
 
 def _within_limits(robot: Robot, q: Floats) -> bool:
     return all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
+
+
+def _held(robot: Robot, q: Floats) -> bool:
+    """Whether tensions within their limits hold a shape (n, 3) without load."""
+    return robot.tension_rows is None or lacking_stretch(robot, q) <= LIMIT_SLACK * robot.mean_length
 
 
 KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import unit_of
@@ -219,8 +220,7 @@ class Worst(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        keys = ("constraint", "segment", "obstacle", "amount", "other_segment")
-        return {key: getattr(self, key) for key in keys}
+        return result_of(self, "constraint segment obstacle amount other_segment")
 
     @classmethod
     def from_dict(cls, values: Any) -> "Worst":

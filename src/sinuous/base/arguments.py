@@ -78,7 +78,7 @@ Occupancy = _Cells | Sequence[_Cells | Sequence[_Cells | Sequence[Number | Truth
 MethodName = Literal[
     "newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx", "fabrik_avoid", "monte_carlo", "learned"
 ]
-"""All methods, as `sinuous.methods.registry` has them."""
+"""All methods, as `sinuous.methods.method` has them."""
 
 SelfCollision = Literal["avoid", "allow"]
 """What may be said of a body that runs through itself."""

@@ -2,6 +2,10 @@
 
 What a package offers stands in its `__init__.py`, by the module that it is in; the stub beside it says the same to type
 checkers. Names and modules that have moved go on working, and warn.
+
+Doors of nouns lead to rooms that import them: `robot.to_urdf()` calls an exporter that the robot does not import.
+A room imports only from rooms that docs/design.md lists before it, also for types. A method that is a door names the
+module that does its work, which is imported when the method is called; its types come from the front door, `sinuous`.
 """
 
 import sys
@@ -45,7 +49,7 @@ def entrance(
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         value = getattr(import_module(of_name[name]), name)
         import_module("sinuous.base.signatures").make_readable(value)
-        value = import_module("sinuous.base.keywords").explain_keywords(value)
+        value = import_module("sinuous.base.errors").explain_keywords(value)
         setattr(sys.modules[package], name, value)
         return value
 
@@ -108,3 +112,8 @@ class MovedModules:
         old, new = module.__name__, module.__spec__.loader_state
         warn_moved(old, new, 2)
         sys.modules[old] = import_module(new)
+
+
+def door(module: str) -> Any:
+    """Return a module of the package by its name without `sinuous.`, imported now."""
+    return import_module(f"sinuous.{module}")

@@ -1,15 +1,16 @@
-"""What goes wrong, in words: wrong or suspicious input, and a solve that did not reach its target."""
+"""What goes wrong, in words: wrong or suspicious input, names that are not known, a solve that reached no target."""
 
+import inspect
 import re
 import reprlib
 import sys
 import warnings
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Self, TypeVar, get_args, is_typeddict
 
-if TYPE_CHECKING:  # numpy takes long to import, and `sinuous --help` does without it
-    import numpy as np
-    from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import sinuous as sn
 
 GUESS = "did you mean "
 """How a refusal begins to say what is meant, in the place of what was expected."""
@@ -25,6 +26,19 @@ def shown(value: object) -> str:
         return " ".join(_SHORT.repr(value).split())
     except ValueError:  # whole numbers of more than 4300 digits have no text
         return f"{type(value).__name__} without a text"
+
+
+LIKE = 0.6
+"""How alike a name must be to be suggested, 1 for equal ones."""
+
+
+def suggested(name: Any, known: Iterable[str]) -> str:
+    """What a name that is not known should be: `did you mean 'length'?`; or one of all, where none is alike."""
+    import difflib  # noqa: PLC0415
+
+    names = tuple(known)
+    nearest = difflib.get_close_matches(str(name), names, 1, LIKE)
+    return f"{GUESS}{nearest[0]!r}?" if nearest else "one of " + ", ".join(names)
 
 
 class InputError(ValueError):
@@ -103,32 +117,118 @@ def _level() -> int:
     return level
 
 
-class Answer(Protocol):
-    """What a `Solution` and a `Motion` have in common."""
-
-    @property
-    def status(self) -> str:
-        """How it ended."""
-        ...
-
-    @property
-    def solved(self) -> bool:
-        """Whether the status is `solved`."""
-        ...
-
-    @property
-    def q(self) -> "NDArray[np.float64]":
-        """Configuration (n, 3), or configurations (T, n, 3)."""
-        ...
-
-
 class NotSolvedError(RuntimeError):
     """Raised by `raise_for_status()` of a solution or motion that is not solved, in one line; `solution` holds it."""
 
-    def __init__(self, message: str, solution: Answer) -> None:
+    def __init__(self, message: str, solution: "sn.Solution | sn.Motion") -> None:
         super().__init__(message)
         self.solution = solution
 
 
 class UnfinishedError(RuntimeError):
     """Raised when a batch cannot go on; its text is one line that says what happened, and what is kept."""
+
+
+Kind = TypeVar("Kind")
+
+
+def answers_attributes(**instead: str) -> Callable[[type[Kind]], type[Kind]]:
+    """Let objects of a class say where that is which one guesses at them; type checkers see none of it."""
+
+    def around(kind: type[Kind]) -> type[Kind]:
+        def missing(self: Any, name: str) -> Any:
+            hint = f"; see {instead[name]}" if name in instead else ""
+            raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
+
+        kind.__getattr__ = missing  # type: ignore[attr-defined]
+        return kind
+
+    return around
+
+
+HOT = {"Solver.solve", "Solver.step", "Solution.__init__"}
+"""What is called so often that no call around it explains its keywords: Python says what is wrong."""
+
+MEANT = {
+    "obstacles": "scene, the obstacles as a list or a Scene",
+    "world": "scene, the obstacles as a list or a Scene",
+    "guess": "initial, the configuration to begin from",
+    "q0": "initial, the configuration to begin from",
+    "timeout": "time, the budget in seconds",
+    "rates": "rates in the call that needs them, solver.step(..., rates=) or motion.timed(rates)",
+    "radius": "the radius of the robot's segments, or clearance, a distance that is kept besides",
+    "quaternion": "rotation=(w, x, y, z) or xyzw=(x, y, z, w), which say the order",
+    "orientation": "rotation: a quaternion (w, x, y, z), a matrix, or a Rotation of SciPy",
+    "ratio": "gain: of displacements to what the motors count",
+    "gear": "gain of tendons, chambers and stages: of displacements to what the motors count",
+}
+"""What is meant by keywords that are often guessed, and whose names are unlike."""
+
+
+def refuse_unknown(given: Mapping[str, Any], names: Iterable[str]) -> None:
+    """Refuse keywords that are not among these names.
+
+    Raises
+    ------
+    UnknownOptionError
+        Which is an `InputError`, and a `TypeError`.
+    """
+    known = tuple(names)
+    for key, value in given.items():
+        if key not in known:
+            meant = f"{GUESS}{MEANT[key]}?" if key in MEANT else suggested(key, known)
+            raise UnknownOptionError(key, "unknown option", value, meant) from None
+
+
+def explain_keywords(public: Any) -> Any:
+    """Return a public function, or a class of which constructor and methods do so, that refuses unknown keywords.
+
+    `entrance` does so to the names that it hands out.
+    """
+    if inspect.isfunction(public):
+        around = _explaining(public)
+        setattr(sys.modules[public.__module__], public.__name__, around)  # a pickle finds it there
+        return around
+    if inspect.isclass(public):
+        for owner in public.__mro__:
+            if owner.__module__.startswith("sinuous."):
+                _explain_methods(owner)
+    return public
+
+
+def _explain_methods(owner: type) -> None:
+    for name, value in list(vars(owner).items()):
+        function = getattr(value, "__func__", value)
+        if not inspect.isfunction(function) or function.__qualname__ in HOT or "__wrapped__" in vars(function):
+            continue
+        optional = (
+            function.__defaults__ or function.__kwdefaults__ or function.__code__.co_flags & inspect.CO_VARKEYWORDS
+        )
+        if name == "__init__" or (optional and not name.startswith("_")):
+            around = _explaining(function)
+            setattr(owner, name, around if function is value else type(value)(around))
+
+
+def _explaining(function: Callable[..., Any]) -> Callable[..., Any]:
+    @wraps(function)
+    def call(*args: Any, **options: Any) -> Any:
+        try:
+            return function(*args, **options)
+        except (TypeError, InputError):
+            refuse_unknown(options, _names(function, options))
+            raise
+
+    return call
+
+
+def _names(function: Callable[..., Any], given: Iterable[str]) -> list[str]:
+    """Keywords that a function takes, those that it passes on one by one; whatever is given where it takes any."""
+    names: list[str] = []
+    for name, each in inspect.signature(function).parameters.items():
+        if each.kind is not each.VAR_KEYWORD:
+            names.append(name)
+        elif (kind := get_args(each.annotation)) and is_typeddict(kind[0]):
+            names += kind[0].__annotations__
+        else:
+            names += given
+    return [name for name in names if name not in ("self", "cls")]

@@ -9,7 +9,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 
 Name = TypeVar("Name", bound=str)
 Value = TypeVar("Value")

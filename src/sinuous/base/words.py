@@ -6,8 +6,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from sinuous.base.errors import GUESS
-
 Value = TypeVar("Value", bound=Hashable)
 
 
@@ -59,19 +57,6 @@ def listed(texts: Iterable[str]) -> str:
     """`a, b and c`."""
     *front, last = tuple(texts)
     return f"{', '.join(front)} and {last}" if front else last
-
-
-LIKE = 0.6
-"""How alike a name must be to be suggested, 1 for equal ones."""
-
-
-def suggested(name: Any, known: Iterable[str]) -> str:
-    """What a name that is not known should be: `did you mean 'length'?`; or one of all, where none is alike."""
-    import difflib  # noqa: PLC0415
-
-    names = tuple(known)
-    nearest = difflib.get_close_matches(str(name), names, 1, LIKE)
-    return f"{GUESS}{nearest[0]!r}?" if nearest else "one of " + ", ".join(names)
 
 
 def segments(numbers: Sequence[int], count: int | None = None) -> str:

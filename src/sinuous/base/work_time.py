@@ -5,6 +5,7 @@ counted on the wall would find less, the first time, than they find ever after. 
 and each is worth what it takes in machine code. Every thread has a time of its own.
 """
 
+import gc
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -112,3 +113,15 @@ def no_work() -> Iterator[None]:
     finally:
         if not interpreting():
             _left_out.set(perf_counter() - began)
+
+
+@contextmanager
+def gc_paused() -> Iterator[None]:
+    """Do not look for garbage within: again and again going through all that was made takes a fifth of the time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()

@@ -179,7 +179,7 @@ class Calibrate:
 
     file: str = argument("A problem file, or a file with a robot.")
     measured: str = argument("Columns: actuators, and x,y,z.", "MEASURED.csv")
-    fit: str | None = opt("What to fit, as base,offsets,stiffness; else it is chosen.")
+    fit: list[str] | None = opt("What to fit, as base,offsets,stiffness; else it is chosen; may be repeated.")
     unit: float = opt("Length units of the robot in one of the measurements.", default=1.0)
     frame: str = opt("Whose pose is fitted, and where gravity is known: base or device.", default="base")
     motion: Path | None = opt("Rows of one motion: the robot has the bound of these.", "ROWS.csv")

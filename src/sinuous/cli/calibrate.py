@@ -9,9 +9,8 @@ import typer
 from sinuous.base import checks
 from sinuous.cli.app import Calibrate
 from sinuous.cli.options import SOLVED, check_outputs
-from sinuous.files.documents import read_part, read_values
+from sinuous.files.documents import json_line, read_part, read_values
 from sinuous.files.nouns import read_robot
-from sinuous.files.results import json_line
 from sinuous.model.robot import Robot
 from sinuous.studies.calibration.calibrate import Frame, calibrate
 from sinuous.studies.calibration.table import read_table
@@ -29,7 +28,7 @@ def calibrate_file(asked: Calibrate) -> int:
     actuators = [actuator.name for actuator in robot.actuators]
     table = read_table(Path(asked.measured), actuators)
     own = None if asked.motion is None else read_table(asked.motion, actuators)
-    names = None if asked.fit is None else [name.strip() for name in asked.fit.split(",")]
+    names = None if asked.fit is None else [name.strip() for each in asked.fit for name in each.split(",")]
     known = checks.choice("--frame", asked.frame, get_args(Frame))
     with checks.in_file(asked.measured):
         rows = table.actuators, table.measured

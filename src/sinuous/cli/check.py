@@ -13,9 +13,8 @@ from sinuous.base.words import counted, number, span
 from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
-from sinuous.files.problem_file import ProblemFile
-from sinuous.files.results import json_line
-from sinuous.scene.extents import box_of
+from sinuous.files.documents import json_line
+from sinuous.motion.job import Job
 
 MOST = 12
 """Most obstacles of which sizes are printed."""
@@ -45,19 +44,19 @@ def check_files(asked: Check) -> int:
     return code
 
 
-def _verified(problem: ProblemFile) -> Verification | None:
+def _verified(problem: Job) -> Verification | None:
     """What the start is: held against the first target, or, where a configuration is the goal, merely looked at."""
     if problem.start is None:
         return None
     return _alone(problem, problem.start) if problem.goal is not None else verify(problem.problem(), problem.start)
 
 
-def _alone(problem: ProblemFile, q: Floats) -> Verification:
+def _alone(problem: Job, q: Floats) -> Verification:
     """What a configuration (n, 3) is by itself, without a target."""
     return verified(problem.robot, q, problem.scene.snapshot().first, (), problem.tolerance)
 
 
-def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any]:
+def _contents(problem: Job, start: Verification | None) -> dict[str, Any]:
     lengths = [segment.length for segment in problem.robot.segments]
     return {
         "file": problem.file,
@@ -74,7 +73,7 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
     }
 
 
-def _description(problem: ProblemFile, start: Verification | None) -> str:
+def _description(problem: Job, start: Verification | None) -> str:
     contents = _contents(problem, start)
     counts = [counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
     line = f"{problem.file}: {counts[0]}, length {span(contents['length'])}; {counts[1]}; {counts[2]}"
@@ -90,7 +89,7 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
     return "\n  ".join([line, *sizes, *notes, *verdict, *([f"actuators there: {values}"] if values else [])])
 
 
-def _actuators(problem: ProblemFile) -> dict[str, float] | None:
+def _actuators(problem: Job) -> dict[str, float] | None:
     """Values of all actuators at the start."""
     names = [actuator.name for actuator in problem.robot.actuators]
     if problem.start is None or not names:
@@ -98,10 +97,10 @@ def _actuators(problem: ProblemFile) -> dict[str, float] | None:
     return dict(zip(names, problem.robot.to_actuators(problem.start).tolist(), strict=True))
 
 
-def _sizes(problem: ProblemFile) -> list[tuple[str, list[float] | None, float]]:
+def _sizes(problem: Job) -> list[tuple[str, list[float] | None, float]]:
     """Of every obstacle its name, its extents along the axes of the world, and how far it is from the base."""
     base = problem.robot.base[:3, 3]
-    boxes = [box_of(obstacle) for obstacle in problem.scene.obstacles]
+    boxes = [obstacle._box for obstacle in problem.scene.obstacles]
     scene = problem.scene.snapshot().first
     away = [float(scene.distance_to(i, base)[0]) for i in range(len(boxes))]
     return [
@@ -115,14 +114,14 @@ def _size_in_words(entry: dict[str, Any]) -> str:
     return f"{entry['name']}: {size}, {number(entry['from_base'])} from the base"
 
 
-def _from_base(problem: ProblemFile) -> list[float] | None:
+def _from_base(problem: Job) -> list[float] | None:
     """Least and greatest distance of a target from the base."""
     places = [target.position for targets in problem.waypoints for target in targets if target.position is not None]
     away = [float(np.linalg.norm(place - problem.robot.base[:3, 3])) for place in places]
     return [min(away), max(away)] if away else None
 
 
-def _verdict(problem: ProblemFile, start: Verification) -> str:
+def _verdict(problem: Job, start: Verification) -> str:
     """What was found of the start, which is to meet a target, or only to be clear.
 
     For a motion it is enough to be clear, and a file does not say whether one is wanted.

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from sinuous.base.checks import Floats
+from sinuous.base.documents import described
 from sinuous.base.errors import InputError
-from sinuous.base.plain import described
 from sinuous.cli.options import Solving, as_typed
-from sinuous.files.problem_file import ProblemFile
+from sinuous.motion.job import Job
 from sinuous.problem.target import target_table
 from sinuous.solver.options import SolveOptions
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
@@ -114,7 +114,7 @@ class Journal:
         return count
 
 
-def record_of(problems: list[ProblemFile], solving: Solving, typed: Mapping[str, object]) -> dict[str, str]:
+def record_of(problems: list[Job], solving: Solving, typed: Mapping[str, object]) -> dict[str, str]:
     """Return all that the answers to some problems depend on; `typed` are options of one command alone."""
     record = {"files": ", ".join(problem.file for problem in problems), **{f"--{k}": str(v) for k, v in typed.items()}}
     for problem in problems:

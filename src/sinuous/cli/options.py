@@ -16,7 +16,7 @@ import typer
 from sinuous.base.errors import InputError
 
 if TYPE_CHECKING:
-    from sinuous.methods.registry import Choice
+    from sinuous.methods.method import Choice
     from sinuous.problem.problem import Preferences
     from sinuous.problem.target import Tolerance
 
@@ -43,7 +43,7 @@ Asked = TypeVar("Asked")
 
 def methods_like(begun: str) -> list[str]:
     """Return names of methods, for the shell to complete one."""
-    from sinuous.methods.registry import METHODS  # noqa: PLC0415
+    from sinuous.methods.method import METHODS  # noqa: PLC0415
 
     return [name for name in METHODS if name.startswith(begun)]
 
@@ -131,14 +131,14 @@ class Solving:
         InputError
             That names the option.
         """
-        from sinuous.base.words import suggested  # noqa: PLC0415
-        from sinuous.methods import registry  # noqa: PLC0415
+        from sinuous.base.errors import suggested  # noqa: PLC0415
+        from sinuous.methods.method import METHODS, with_options  # noqa: PLC0415
 
-        if self.method not in registry.METHODS:
-            known = suggested(self.method, registry.METHODS)
+        if self.method not in METHODS:
+            known = suggested(self.method, METHODS)
             raise InputError("--method", f"unknown method {self.method!r}", self.method, known)
         try:
-            return registry.with_options(self.method, tuple(self.option or ()))
+            return with_options(self.method, tuple(self.option or ()))
         except InputError as error:
             raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
 

@@ -15,9 +15,10 @@ from sinuous.base import checks
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import ProgressBar
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
-from sinuous.files.problem_file import ProblemFile, Setting, read_problem, read_setting
-from sinuous.files.results import json_line
+from sinuous.files.documents import json_line
+from sinuous.files.problem_file import Setting, read_setting
 from sinuous.model.robot import Robot
+from sinuous.motion.job import Job, read_problem
 from sinuous.solver.memory import Memory
 
 PATIENCE = 0.5
@@ -31,7 +32,7 @@ LEAST = 0.1
 class ReadProblem:
     """A problem file, its scene prepared, and the seconds that all of that took."""
 
-    problem: ProblemFile
+    problem: Job
     seconds: float
 
 

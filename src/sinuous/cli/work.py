@@ -1,39 +1,228 @@
-"""The commands solve, track and plan: read all files, then answer one after the other."""
+"""The commands solve, track and plan: read all files, then answer one after the other.
+
+An answer goes to standard output, a file, a table, a picture.
+"""
 
 import time as clock
 import warnings
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
 
+import numpy as np
 import typer
 
+from sinuous.answer.explanation import Explanation
+from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solution import Solution
 from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of, written
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import ProgressBar
-from sinuous.cli.answers import Alternatives, Answer, AnswerWriter, read_solution, write_solution
+from sinuous.base.words import counted
 from sinuous.cli.app import Plan, Solve, Track
-from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Remembering, Timed
+from sinuous.cli.options import (
+    INTERRUPTED,
+    SOLVED,
+    UNSOLVED,
+    MotionOutput,
+    Output,
+    Remembering,
+    Timed,
+    is_page,
+    numbered,
+)
 from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
-from sinuous.files.problem_file import ProblemFile
+from sinuous.files.documents import json_line, result
 from sinuous.motion.configurations import check_limits
-from sinuous.motion.job import motion_of
-from sinuous.motion.knots import TrackedWaypoint, read_entry, write_entry
+from sinuous.motion.job import Job, motion_of
+from sinuous.motion.knots import TrackedWaypoint, read_entry, read_outcome, write_entry, write_outcome
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import Pace
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
+from sinuous.motion.tables import write_csv
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
+from sinuous.problem.target import Targets
 from sinuous.solver.distinct_solutions import KINDS, Kind
 from sinuous.solver.memory import Memory
 from sinuous.solver.solver import Solver
 
 if TYPE_CHECKING:
     from sinuous.cli.journal import Journal
+
+MOST_DRAWN = 8
+"""Of several solutions, how many a picture has: the best ones."""
+
+
+@dataclass(frozen=True)
+class Alternatives:
+    """What `solve --all` found.
+
+    Attributes
+    ----------
+    solutions : tuple of Solution
+        Distinct, all solved, best first; perhaps none.
+    best : Solution
+        The first of them; where there is none, what a plain solve says of the target.
+    seconds : float
+        Of the whole search.
+    """
+
+    solutions: tuple[Solution, ...]
+    best: Solution
+    seconds: float
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is a solution."""
+        return self.best.solved
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what they have in common, and each, as plain values in the order of the file format."""
+        best = result_of(self.best, "status base worst reason")
+        return {**best, "seconds": self.seconds, **result_of(self.best, "method seed"), **result_of(self, "solutions")}
+
+    def __str__(self) -> str:
+        if not self.solutions:
+            return str(self.best)
+        count = f"{counted(len(self.solutions), 'distinct solution')}, best first"
+        classes = {each.route_class.number: each.route_class for each in self.solutions if each.route_class is not None}
+        rows = [["", *(["class"] if classes else []), "bend", "length", "clearance", "position", "angle", "start"]]
+        rows += [[str(i), *_class(each, classes), *_cells(each)] for i, each in enumerate(self.solutions, 1)]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  " + "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+        words = [f"  {route_class}" for _, route_class in sorted(classes.items())]
+        return "\n".join([f"Alternatives: {self.best.status} ({count})", *lines, *words])
+
+
+def _class(solution: Solution, classes: dict[int, RouteClass]) -> list[str]:
+    """Number of the class of a solution, where there are classes."""
+    own = solution.route_class
+    return [] if not classes else ["-" if own is None else str(own.number)]
+
+
+def _cells(solution: Solution) -> list[str]:
+    """All bends (rad) and lengths together, proved clearance, errors, and the kind of start."""
+    numbers = (
+        float(np.hypot(solution.q[:, 0], solution.q[:, 1]).sum()),
+        float(solution.q[:, 2].sum()),
+        solution.clearance,
+        solution.position_error,
+        solution.angle_error,
+    )
+    return [*("-" if number is None else f"{number:.3g}" for number in numbers), solution.start]
+
+
+Answer = Solution | Motion | Alternatives
+
+
+class AnswerWriter:
+    """Writes each answer as soon as it is there, so that an interrupt loses none.
+
+    Parameters
+    ----------
+    output : Output
+        Where answers go.
+    files : int
+        How many problem files there are.
+    """
+
+    def __init__(self, output: Output, files: int) -> None:
+        self._output, self._files = output, files
+        self._done = 0
+        self._out: TextIO | None = None
+        if output.out is not None:
+            with written(output.out, "--out"):
+                self._out = output.out.open("w", encoding="utf-8", newline="\n")
+
+    def __enter__(self) -> "AnswerWriter":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._out is not None:
+            self._out.close()
+
+    def write(self, file: str, answer: Answer, prepare_seconds: float, why: bool) -> None:
+        """Write the answer to a problem file, and with `why` what explains it; an interrupt leaves the answer."""
+        try:
+            explanation = answer.explain() if why and isinstance(answer, Solution) else None
+        except KeyboardInterrupt:
+            self._write(file, answer, prepare_seconds, None)
+            raise
+        self._write(file, answer, prepare_seconds, explanation)
+
+    def _write(self, file: str, answer: Answer, prepare_seconds: float, why: Explanation | None) -> None:
+        self._done += 1
+        if self._output.json or self._out is not None:  # of a long path, a line is more work than solving it
+            remedies = {} if why is None else {"remedies": why.to_dict()["remedies"]}
+            line = json_line(result(file, answer.to_dict() | remedies, prepare_seconds))
+            if self._out is not None:
+                self._out.write(line + "\n")
+                self._out.flush()
+        text = f"{file}: {str(answer).split(': ', 1)[1]}" if why is None else f"{file}: {why}"
+        typer.echo(line if self._output.json else text)
+        table = numbered(self._output.csv, self._done, self._files)
+        if table is not None:
+            self._write_table(table, answer)
+        picture = numbered(self._output.plot, self._done, self._files)
+        if picture is not None:
+            _draw(picture, answer)
+
+    def _write_table(self, file: Path, answer: Answer) -> None:
+        if isinstance(answer, Alternatives):
+            write_csv(file, answer.solutions or (answer.best,))
+        elif isinstance(answer, Motion):
+            _write_rows(file, answer, self._output.rate if isinstance(self._output, MotionOutput) else None)
+        else:
+            write_csv(file, (answer,))
+
+
+def _write_rows(file: Path, motion: Motion, rate: float | None) -> None:
+    """Write a motion as a table; that lines between its rows are not proved is a note, on standard error."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", SuspiciousInput)
+        motion.to_csv(file, rate)
+    say_notes({str(file): tuple(str(each.message) for each in said)})
+
+
+def _draw(file: Path, answer: Answer) -> None:
+    if is_page(file):
+        from sinuous.view.page.show import show  # noqa: PLC0415
+
+        show(*(answer.solutions or [answer.best] if isinstance(answer, Alternatives) else [answer]), path=file)
+    else:
+        from sinuous.view.pictures.reports import write_picture  # noqa: PLC0415
+
+        drawn = (answer.solutions[:MOST_DRAWN] or answer.best) if isinstance(answer, Alternatives) else answer
+        write_picture(file, drawn)
+
+
+def write_solution(solution: Solution) -> dict[str, Any]:
+    """Return what a journal keeps of a solution: plain values, numbers to the last digit."""
+    own = solution.route_class
+    outcome, route_class = write_outcome(solution._outcome), None if own is None else own.to_dict()
+    return {"outcome": outcome, "seconds": solution.seconds, "route_class": route_class}
+
+
+def read_solution(solver: Solver, targets: Targets, start: Floats | None, values: dict[str, Any]) -> Solution:
+    """Return the solution that `write_solution` wrote, as `solver` found it from `start`.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        When `values` are something else.
+    """
+    outcome = read_outcome(values["outcome"], len(solver.robot))
+    own = values["route_class"]
+    route_class = None if own is None else RouteClass.from_dict(own)
+    return solver._restore_solution(targets, outcome, values["seconds"], start, route_class)
+
 
 MOST_ALTERNATIVES = 10_000
 """Most solutions that `--all` may ask for."""
@@ -43,7 +232,7 @@ Asked = Solve | Track | Plan
 Prepare = Callable[..., Any]
 """Prepares what answers a problem file: a solver, tracker or planner, of the file and of options of `Solver`."""
 
-Find = Callable[[Any, ProblemFile, "Journal | None", Callable[[], None]], Answer]
+Find = Callable[[Any, Job, "Journal | None", Callable[[], None]], Answer]
 """Finds the answer to a problem file by what was prepared, with a journal, and a call for each step that is done."""
 
 
@@ -64,7 +253,7 @@ def solve_files(asked: Solve) -> int:
         _refuse_moving(one.problem)
     made = Solver._for_one_query if len(read) == 1 and count is None else Solver
 
-    def prepare(problem: ProblemFile, **options: Any) -> Solver:
+    def prepare(problem: Job, **options: Any) -> Solver:
         return made(problem.robot, problem.scene, **options)
 
     find = _solve if count is None else partial(_solve_all, count, kind)
@@ -94,7 +283,7 @@ def track_files(asked: Track) -> int:
                 "--duration", "cannot be combined with times", timed.duration, "one of both", one.problem.file
             )
 
-    def prepare(problem: ProblemFile, **options: Any) -> Tracker:
+    def prepare(problem: Job, **options: Any) -> Tracker:
         options["prefer"] = problem.prefer or None  # without any, those of `track`
         times = _paces(problem, timed)[1]
         own: dict[str, Any] = {"start": problem.start, "times": times, "deviation": deviation}
@@ -120,7 +309,7 @@ def plan_files(asked: Plan) -> int:
                 check_limits(problem.robot, "goal", problem.goal)
     typed: dict[str, Any] = {"shortcuts": asked.shortcuts, "begin": asked.begin, "duration": timed.duration}
 
-    def prepare(problem: ProblemFile, **options: Any) -> Planner:
+    def prepare(problem: Job, **options: Any) -> Planner:
         with checks.in_file(problem.file):
             return Planner(problem.robot, problem.scene, rates=problem.rates or None, **typed, **options)
 
@@ -129,7 +318,7 @@ def plan_files(asked: Plan) -> int:
     return _answer_all(asked, read, prepare, find, typed | vars(timed))
 
 
-def _check_timed(problem: ProblemFile, timed: Timed) -> None:
+def _check_timed(problem: Job, timed: Timed) -> None:
     """Refuse `--timed` where nothing says how fast the robot may be, or obstacles move."""
     if timed.timed and not problem.rates:
         raise InputError("rates", "missing, and --timed needs them", None, "how fast the robot may be", problem.file)
@@ -137,7 +326,7 @@ def _check_timed(problem: ProblemFile, timed: Timed) -> None:
         raise InputError("--timed", "obstacles move", True, "rates alone, which are kept in any case", problem.file)
 
 
-def _paces(problem: ProblemFile, timed: Timed) -> tuple[Pace, Floats | None]:
+def _paces(problem: Job, timed: Timed) -> tuple[Pace, Floats | None]:
     """How fast the path of a file is followed, and the times of its waypoints where they have any."""
     pace = Pace.of(problem.robot, problem.rates, timed.duration, times=problem.times)
     own = pace.waypoints(len(problem.waypoints), problem.start is not None)
@@ -151,7 +340,7 @@ def _say_nominal(read: list[ReadProblem], output: MotionOutput) -> None:
             say_notes({problem.file: ("no rates: the times of --csv are nominal, not those that motors need",)})
 
 
-def _refuse_moving(problem: ProblemFile) -> None:
+def _refuse_moving(problem: Job) -> None:
     """Refuse obstacles that move, past which a robot has to move, too."""
     scene = problem.scene.snapshot()
     if scene.moves:
@@ -199,7 +388,7 @@ def _answer_all(
 
 
 def _journal(
-    problems: list[ProblemFile], asked: Asked, typed: Mapping[str, object]
+    problems: list[Job], asked: Asked, typed: Mapping[str, object]
 ) -> "AbstractContextManager[Journal | None]":
     """Return a journal where answers go into a file."""
     if asked.output.file is None:
@@ -209,13 +398,13 @@ def _journal(
     return Journal(asked.output.file, record_of(problems, asked.solving, typed))
 
 
-def _compile(problems: list[ProblemFile], ready: Callable[[ProblemFile], tuple[Any, float]]) -> float:
+def _compile(problems: list[Job], ready: Callable[[Job], tuple[Any, float]]) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
     return sum(ready(problem)[1] for problem in kinds.values())
 
 
-def _prepare(solving: Remembering, prepare: Prepare, memory: Memory | None, problem: ProblemFile) -> tuple[Any, float]:
+def _prepare(solving: Remembering, prepare: Prepare, memory: Memory | None, problem: Job) -> tuple[Any, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
@@ -239,7 +428,7 @@ def _once(
     return answer
 
 
-def _solve(solver: Solver, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]) -> Solution:
+def _solve(solver: Solver, problem: Job, journal: "Journal | None", advance: Callable[[], None]) -> Solution:
     """Meet the target."""
     asked = problem.waypoints[0], problem.start
     read, find = partial(read_solution, solver, *asked), partial(solver.solve, *asked)
@@ -251,7 +440,7 @@ def _solve_all(
     count: int,
     by: Kind | None,
     solver: Solver,
-    problem: ProblemFile,
+    problem: Job,
     journal: "Journal | None",
     advance: Callable[[], None],
 ) -> Alternatives:
@@ -277,7 +466,7 @@ def _solve_all(
 
 
 def _plan(
-    timed: Timed, planner: Planner, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]
+    timed: Timed, planner: Planner, problem: Job, journal: "Journal | None", advance: Callable[[], None]
 ) -> Motion:
     """Plan the motion."""
     assert problem.start is not None
@@ -286,7 +475,7 @@ def _plan(
 
 
 def _track(
-    timed: Timed, tracker: Tracker, problem: ProblemFile, journal: "Journal | None", advance: Callable[[], None]
+    timed: Timed, tracker: Tracker, problem: Job, journal: "Journal | None", advance: Callable[[], None]
 ) -> Motion:
     """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     count = len(problem.waypoints)
@@ -307,7 +496,7 @@ def _track(
     return _in_time(pace.kept(tracker.motion(count - tracker.tried, times)), problem, timed)
 
 
-def _in_time(motion: Motion, problem: ProblemFile, timed: Timed) -> Motion:
+def _in_time(motion: Motion, problem: Job, timed: Timed) -> Motion:
     """Pass a motion as fast as rates and accelerations allow, where that is asked for."""
     if not timed.timed or len(motion.q) < 2:
         return motion

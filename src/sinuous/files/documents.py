@@ -23,7 +23,7 @@ from typing import Any, NoReturn, TypeVar
 import yaml
 
 from sinuous.base import checks
-from sinuous.base.documents import readable
+from sinuous.base.documents import readable, result_value
 from sinuous.base.errors import InputError, shown
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML has it; only its parser is used
@@ -315,3 +315,48 @@ def read_part(
         if values is None or isinstance(values, str):
             raise InputError("file", "", values, f"what stands under {key}, not the name of another file")
         return read(values, file.parent)
+
+
+def json_line(result: dict[str, Any]) -> str:
+    """Return one result as one line, without a line break; numbers that are not finite become null."""
+    try:
+        return json.dumps(result, allow_nan=False, default=result_value)
+    except ValueError:  # some number is not finite
+        return json.dumps(result_value(result), allow_nan=False)
+
+
+def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:
+    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving.
+
+    Remedies, where there are any, stand behind what they are remedies of.
+    """
+    answer = dict(answer)
+    remedies = {"remedies": answer.pop("remedies")} if "remedies" in answer else {}
+    entries: dict[str, Any] = {"file": file}
+    for key, value in answer.items():
+        entries[key] = value
+        if key == "binding":
+            entries.update(remedies)
+        if key == "seconds":
+            entries["prepare_seconds"] = prepare_seconds
+    return entries
+
+
+def read_results(file: Path) -> list[tuple[int, dict[str, Any]]]:
+    """Read the results in a file, each with the number of its line.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, holds no result, or a line is no JSON object.
+    """
+    lines = [(i, line) for i, line in enumerate(read_text(file).splitlines(), 1) if line.strip()]
+    results = []
+    for number, line in lines:
+        with checks.inside(f"line {number}"):
+            values = parse_json(line)
+            checks.instance("", values, dict, "a result")
+        results.append((number, values))
+    if not results:
+        raise InputError("file", "is empty", str(file), "results, one a line")
+    return results

@@ -16,8 +16,7 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Batch, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import call
+from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.packing import BendLine
 
 if TYPE_CHECKING:

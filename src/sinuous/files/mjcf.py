@@ -25,8 +25,7 @@ from sinuous.base.arguments import Batch
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import call
+from sinuous.base.frozen import Frozen, call
 from sinuous.files.joint_chain import Joint, JointChain, Link
 from sinuous.files.urdf import THIN, TURNING, text, texts
 from sinuous.kernels.packing import BendLine

@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous.base.arguments import Rows
 from sinuous.base.checks import Floats
-from sinuous.base.reprs import call
+from sinuous.base.frozen import call
 from sinuous.model.robot import Robot
 from sinuous.problem.curve import Curve
 

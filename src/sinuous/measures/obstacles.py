@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.scene.grids import Field, Grid, evaluate
-from sinuous.scene.meshes.mending import winding_numbers
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.triangles import winding_numbers
 
 
 def measure(obstacle: Obstacle, points: Floats) -> Floats:

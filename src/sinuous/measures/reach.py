@@ -51,7 +51,7 @@ class Bound(NamedTuple):
     Attributes
     ----------
     name : str
-        See `sinuous.answer.reasons.Reason`.
+        See `sinuous.answer.status.Reason`.
     needed, available : float
         Lengths; for `turning` angles (rad).
     pointing : bool

@@ -48,6 +48,19 @@ def imbalance(robot: Robot, q: Floats, states: Floats, displacements: Floats | N
     return float(np.abs(off[:, :3]).sum(axis=1) @ levers + np.abs(off[:, 3]).sum())
 
 
+def pulls(robot: Robot, q: Floats, states: Floats, displacements: Floats | None = None) -> Floats:
+    """Return the tensions (m,) of all actuators in a state; NaN of those that are no lines through what gives.
+
+    Parameters are those of `imbalance`.
+    """
+    own = body_of(robot)
+    if displacements is None and len(robot.drive):
+        displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
+    result = np.full(len(robot.drive), np.nan)
+    result[own.lines.actuators] = _tensions(own, q, _energy(robot, own, q, states[None])[1][0], displacements)
+    return result
+
+
 def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats, Floats]:
     """Potential energies (b,) of states (b, N, 4), without that of lines, and the lengths (b, t) of these."""
     lines, length = own.lines, (q[:, 2] / own.counts)[own.owners]

@@ -21,8 +21,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import possible_bend, project_segment
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
-from sinuous.methods.options import Options, count, number
-from sinuous.methods.prepared import Capabilities
+from sinuous.methods.method import Capabilities, Options, count, number
 from sinuous.methods.search import Answer, Check, Start, begin_from, offer, search_by
 
 MOST_ROWS = 6

@@ -27,8 +27,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
-from sinuous.methods.options import Options, count, number
-from sinuous.methods.prepared import LIMITS, Capabilities
+from sinuous.methods.method import LIMITS, Capabilities, Options, count, number
 from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 
 LOOKS = 8

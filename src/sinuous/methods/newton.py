@@ -12,8 +12,7 @@ from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
-from sinuous.methods.options import Options
-from sinuous.methods.prepared import LIMITS, Call, Capabilities, Compiled, Prepared, as_outcomes
+from sinuous.methods.method import LIMITS, Call, Capabilities, Compiled, Options, Prepared, as_outcomes
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance

@@ -37,8 +37,7 @@ from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import ARC, MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.fabrik.links import angle_between, axis_of, end_goal, fold, unit_or
 from sinuous.methods.fabrik.reaching import Aside, carve, descend, scratch_size
-from sinuous.methods.options import Options, count, number
-from sinuous.methods.prepared import Capabilities
+from sinuous.methods.method import Capabilities, Options, count, number
 from sinuous.methods.search import NO_START, Answer, Check, Start, has_obstacles, offer, own_number, search_by
 
 Tree = namedtuple("Tree", ["frames", "q", "effort", "travel", "parent", "depth", "priority", "open"])

@@ -16,6 +16,7 @@ which every tension and displacement is within its limits.
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,7 @@ from sinuous.base.frozen import Frozen
 from sinuous.model.actuators import Lines
 from sinuous.model.coordinates import Coordinates
 from sinuous.model.segment import COORDINATES, Segment
+from sinuous.model.tension_rows import Forces, LineGroup, LineLimits, TensionRows
 
 STEPS = 100
 """Most Newton steps of an equilibrium; a handful is usual."""
@@ -134,36 +136,6 @@ RANK = 1e-9
 
 BALANCE = 1e-9
 """By how much moments may be out of balance, relative to those of the stiffness at 1 rad, and count as balanced."""
-
-
-class LineGroup(NamedTuple):
-    """The elastic lines that end at one segment; none where what runs through it alone holds it.
-
-    Attributes
-    ----------
-    lines : ndarray of int (g,)
-        Among the elastic ones.
-    coordinates : ndarray of int (e,)
-        What they pull at: those of this segment that move.
-    spread : ndarray (g, e)
-        From the sums that they have to make to their tensions of least squares.
-    common : ndarray (g,)
-        Tensions that cancel each other, at least 0; 0 where there are none.
-    arm : float
-        The longest distance of a line from the backbone, or 1 for the length alone.
-    hold : float
-        Tension that bends the segment by 1 rad.
-    told : ndarray of int
-        The lines that are said to be short where the segment is not held: those that end here, or else run through.
-    """
-
-    lines: NDArray[np.intp]
-    coordinates: NDArray[np.intp]
-    spread: Floats
-    common: Floats
-    arm: float
-    hold: float
-    told: NDArray[np.intp]
 
 
 class Balance(NamedTuple):
@@ -318,6 +290,17 @@ class Elastic(Frozen):
             told, missing = group.told, unheld - BALANCE * group.hold
             short[:, told] = np.maximum(short[:, told], missing / springs.stiffness[told])
         return Balance(tensions, short)
+
+    @cached_property
+    def rows(self) -> TensionRows:
+        """What limits of tension ask of shapes, row by row."""
+        springs = self.springs
+        limits = LineLimits(springs.arms, springs.stiffness, self.limits, self._bounds, self._jacobian)
+        own, shortest = self._owner, SHORTEST * float(self._lengths.sum())
+        lengths = np.maximum(self._lengths[own], shortest)
+        rod = self._rod[own, 2 * self._stretches]
+        forces = Forces(self._basis, own, rod, springs.rest, lengths, self._varies[own], shortest)
+        return TensionRows(self._groups, limits, forces, BALANCE)
 
     def _carried(self, q: Floats) -> Floats:
         """What coordinates that rigid actuators determine make of the displacements (N, e)."""

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.errors import InputError, shown
-from sinuous.base.words import suggested
+from sinuous.base.errors import InputError, shown, suggested
 
 MOST_SEGMENTS = 10_000
 

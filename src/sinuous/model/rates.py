@@ -8,9 +8,8 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, shown
+from sinuous.base.errors import InputError, shown, suggested
 from sinuous.base.frozen import Frozen
-from sinuous.base.words import suggested
 from sinuous.model.robot import Robot
 
 Most = Number | Vector | Mapping[str, Number] | None

@@ -23,15 +23,10 @@ from sinuous.base.arguments import (
     Whole,
 )
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_document
-from sinuous.base.doors import door
-from sinuous.base.entrance import Renamed
-from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import counted, described
-from sinuous.base.reprs import call, text
+from sinuous.base.documents import counted, described, write_document
+from sinuous.base.entrance import Renamed, door
+from sinuous.base.errors import InputError, answers_attributes
+from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
@@ -42,6 +37,7 @@ from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
 from sinuous.model.poses import as_pose
 from sinuous.model.segment import Locked, Segment, Stiffness, segment_names
+from sinuous.model.tension_rows import TensionRows
 
 
 class Uncertainty(Frozen):
@@ -599,6 +595,12 @@ class Robot(NotebookMixin, Frozen):
         if elastic is None or not elastic.bounded:
             return np.ones(q.shape[:-2], np.bool_)
         return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+
+    @property
+    def tension_rows(self) -> TensionRows | None:
+        """What limits of tension ask of shapes without load; `None` where tensions within them hold any shape."""
+        elastic = self.drive.elastic
+        return elastic.rows if elastic is not None and elastic.bounded else None
 
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.

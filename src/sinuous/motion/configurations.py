@@ -15,8 +15,9 @@ from sinuous.kernels.packing import BendLine
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
-from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import ask_body
 from sinuous.solver.certificates.steps import Prover
+from sinuous.statics.rest import tensions_violated
 
 KEPT = 64
 """Robots whose levers are kept in memory."""
@@ -73,7 +74,8 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
 def violated_by(robot: Robot, q: Floats) -> Worst | None:
     """Return the limit that a configuration (n, 3) violates most; `None` when it is within all of them."""
     unit = robot.mean_length
-    found = [(amount / unit_of(limit, unit), limit, segment, amount) for limit, segment, amount in robot.violations(q)]
+    violations = robot.violations(q) or tensions_violated(robot, q)
+    found = [(amount / unit_of(limit, unit), limit, segment, amount) for limit, segment, amount in violations]
     relative, limit, segment, amount = max(found, default=(0.0, "length", 0, 0.0), key=lambda each: each[0])
     if relative <= SLACK:
         return None

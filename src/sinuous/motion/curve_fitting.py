@@ -1,4 +1,4 @@
-"""Chains laid along a curve, at many depths at once: nonlinear least squares (Levenberg and Marquardt) in NumPy.
+"""Chains fitted to a curve, at many depths at once: nonlinear least squares (Levenberg and Marquardt) in NumPy.
 
 Depth is the length of the curve up to the tip. A chain at depth d lies along the first d of the curve, from the base
 on. What is minimised is how far places of the body are off the curve, across it, and, much heavier, how far the tip is
@@ -46,7 +46,8 @@ def fit_chains_along(robot: Robot, curve: Curve, depths: Floats, near: Floats | 
     """Configurations (T, n, 3) within the limits of segments, along the curve, with the tip at `depths` (T,).
 
     From configurations `near` them every step is taken, so that they depend smoothly on all that is given; otherwise
-    those alone that bring places nearer. Where no body is at rest under its load, the drive is laid as if it had none.
+    those alone that bring places nearer. Where no body is at rest under its load, the configuration is fitted as if it
+    had none.
     """
     q = _first(robot, curve, depths) if near is None else within_limits(robot, near)
     if robot.has_external_load:

@@ -1,31 +1,222 @@
 """A problem file as Python has it: read, changed, solved, saved, and joined with its results."""
 
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar, Unpack, overload
+from typing import Any, Self, TypeVar, Unpack, overload
 
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
+from sinuous.base.arguments import OneEach, Rows, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
-from sinuous.base.gc_pause import gc_paused
-from sinuous.files.documents import read_values
+from sinuous.base.frozen import Frozen, text
+from sinuous.base.work_time import gc_paused
+from sinuous.files.documents import read_results, read_values
 from sinuous.files.nouns import known_entries, read_place, read_robot, read_scene
-from sinuous.files.problem_file import ProblemFile, problem_of
-from sinuous.files.results import read_results
-from sinuous.model.robot import Robot
+from sinuous.files.problem_file import problem_arguments, read_waypoints
+from sinuous.model.rates import Rates
+from sinuous.model.robot import Robot, demanding
 from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import TimedArguments, track
-from sinuous.scene.scene import Scene
+from sinuous.problem.problem import Preferences, Problem, check_sizes
+from sinuous.problem.suspicions import all_suspicions
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 
 
-class Job(ProblemFile):
+class Job(Frozen):
     """A robot, what stands around it, where it must be and how exactly: all that a problem file says.
 
-    Parameters as for `ProblemFile`. `load` reads one, `save` writes one.
+    `load` reads one, `save` writes one.
+
+    Parameters
+    ----------
+    robot : Robot
+    target : Target or list of Target, optional
+        To be met at once.
+    scene : Scene or list of obstacles, optional
+    path : iterable of Target or list of Target, optional
+        Waypoints to be met one after the other, instead of `target`.
+    goal : array_like (n, 3), optional
+        The configuration where a plan ends, instead of `target`.
+    times : array_like (m,), optional
+        Of all waypoints of a path, increasing.
+    tolerance : Tolerance, optional
+    start : array_like (n, 3), optional
+        Where the first solve, or a motion, begins.
+    prefer : Preferences, optional
+    rates : Rates, optional
+        How fast the robot may move.
+    clearance, self_clearance : float or array_like (n,), optional
+        Distance from obstacles, and from itself, that the body has to keep, instead of what the robot demands.
+    file : str
+        Its name, as it was given; empty when it is not from a file.
+
+    Attributes
+    ----------
+    waypoints : tuple of tuple of Target
+        One after the other; the targets of one waypoint are met at once. None where a configuration is the goal.
+    times : ndarray (m,) or None
+    is_path : bool
+        Whether it speaks of a path; otherwise there is one waypoint, or a goal.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
     """
+
+    robot: Robot
+    scene: Scene
+    waypoints: tuple[tuple[Target, ...], ...]
+    times: Floats | None
+    is_path: bool
+    goal: Floats | None
+    tolerance: Tolerance
+    start: Floats | None
+    prefer: Preferences
+    rates: Rates
+    file: str
+
+    def __init__(
+        self,
+        robot: Robot,
+        target: Targets | None = None,
+        scene: SceneLike | None = None,
+        *,
+        path: Iterable[Targets] | None = None,
+        goal: Rows | None = None,
+        times: Vector | None = None,
+        tolerance: Tolerance | None = None,
+        start: Rows | None = None,
+        prefer: Preferences | None = None,
+        rates: Rates | None = None,
+        clearance: OneEach | None = None,
+        self_clearance: OneEach | None = None,
+        file: str = "",
+    ) -> None:
+        checks.instance("robot", robot, Robot, "a Robot")
+        asked = [key for key, value in (("target", target), ("path", path), ("goal", goal)) if value is not None]
+        if len(asked) != 1:
+            what = f"cannot be combined with {asked[1]}" if asked else "missing"
+            raise InputError("target", what, target, "one of target, path, goal")
+        checks.instance("prefer", prefer, Preferences | None, "Preferences")
+        checks.instance("rates", rates, Rates | None, "Rates")
+        if rates is not None:
+            with checks.inside("rates"):
+                rates.check(robot)
+        place = as_scene(scene)
+        check_sizes(robot, place)
+        waypoints = () if goal is not None else read_waypoints(asked[0], [target] if path is None else path, robot)
+        if times is not None and path is None:
+            raise InputError("times", f"cannot be combined with {asked[0]}", times, "those of a path")
+        self._set(
+            robot=demanding(robot, clearance, self_clearance),
+            scene=place,
+            waypoints=waypoints,
+            times=None if times is None else checks.increasing("times", times, len(waypoints)),
+            is_path=path is not None,
+            goal=None if goal is None else checks.array("goal", goal, (len(robot), 3)),
+            tolerance=as_tolerance(tolerance),
+            start=None if start is None else checks.array("start", start, (len(robot), 3)),
+            prefer=prefer or Preferences(),
+            rates=Rates() if rates is None else rates,
+            file=file,
+        )
+
+    def _content(self) -> dict[str, Any]:
+        """All but the name of the file; the scene as it is now."""
+        return {**super()._content(), "scene": self.scene.snapshot(), "file": None}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is not as it should be: the defects of all meshes and what became of them, and what is suspicious."""
+        defects = [
+            f"{self.scene.name(i)}: {defect}"
+            for i, obstacle in enumerate(self.scene.obstacles)
+            if isinstance(obstacle, Mesh)
+            for defect in obstacle.defects
+        ]
+        suspicious = all_suspicions(self.robot, self.scene.snapshot(), self.waypoints)
+        return (*defects, *suspicious, *self.robot.coordinate_notes)
+
+    def _shown(self) -> Iterator[str]:
+        yield from (text(self.file),) if self.file else ()
+        yield f"{len(self.robot)} segments"
+        targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
+        yield "a goal" if self.goal is not None else targets
+        yield f"{len(self.scene)} obstacles"
+
+    def demanding(self, clearance: OneEach | None, self_clearance: OneEach | None) -> Self:
+        """Return the same with other clearances that the body has to keep, where they are given."""
+        other = object.__new__(type(self))
+        other._set(**{**vars(self), "robot": demanding(self.robot, clearance, self_clearance)})
+        return other
+
+    @property
+    def ends(self) -> tuple[Target, ...] | Floats:
+        """Where a plan ends: at the targets, or at the goal (n, 3)."""
+        return self.waypoints[0] if self.goal is None else self.goal
+
+    def problem(self, waypoint: int = 0) -> Problem:
+        """Return the question that one waypoint asks."""
+        return Problem(self.robot, self.waypoints[waypoint], self.scene, self.tolerance)
+
+    def _refuse(self, *kinds: str) -> None:
+        """Refuse what this asks, where it is one of these kinds of questions: those of `track` or `plan`."""
+        file = self.file or None
+        if "path" in kinds and self.is_path:
+            raise InputError("path", "is for track", len(self.waypoints), "target or targets", file)
+        if "goal" in kinds and self.goal is not None:
+            raise InputError("goal", "is for plan", self.goal.tolist(), "target or targets", file)
+        if "no start" in kinds and self.start is None:
+            raise InputError("start", "missing", None, "where the motion begins", file)
+
+    def to_dict(self, folder: str | Path = ".") -> dict[str, Any]:
+        """Return what a problem file in `folder` says; what has its default is left out.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file.
+        """
+        parts = {
+            "robot": self.robot.to_dict(),
+            "scene": self.scene.entries(folder),
+            **self._question(),
+            "tolerance": described(self.tolerance),
+            "start": None if self.start is None else self.start.tolist(),
+            "prefer": described(self.prefer),
+            "rates": described(self.rates),
+        }
+        return {key: value for key, value in parts.items() if value}
+
+    def _question(self) -> dict[str, Any]:
+        if self.goal is not None:
+            return {"goal": self.goal.tolist()}
+        listed = [[described(target) for target in targets] for targets in self.waypoints]
+        if self.is_path:
+            path = [targets[0] if len(targets) == 1 else targets for targets in listed]
+            return {"path": path} | ({} if self.times is None else {"times": plain(self.times)})
+        return {"target": listed[0][0]} if len(listed[0]) == 1 else {"targets": listed[0]}
+
+    def save(self, file: str | Path) -> None:
+        """Write a problem file, JSON when it is called so, YAML otherwise; read again, it is equal.
+
+        Obstacles that were read from files stay there; the new file names them. All else stands in the new file.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file, or the file cannot be written.
+        """
+        write_document(file, self.to_dict(Path(file).parent))
 
     def solver(self, **options: Unpack[SolveArguments]) -> Solver:
         """Prepare a solver; `options` as for `Solver`, which replace those of the file."""
@@ -106,7 +297,25 @@ class Job(ProblemFile):
         return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
 
 
-def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
+def read_problem(file: str | Path) -> Job:
+    """Read a problem file, JSON when it is called so, YAML otherwise; `docs/format.md` has its keys.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read or cannot be meant: one line with the name of the file, the key, the value and what was
+        expected.
+    """
+    with checks.in_file(file), gc_paused():  # a long path is some hundred thousand values
+        return job_of(read_values(file), str(file))
+
+
+def job_of(value: Any, file: str) -> Job:
+    """Make a job of the plain values of a problem file of this name."""
+    return Job(**problem_arguments(value, file))
+
+
+def motion_of(problem: Job, values: dict[str, Any]) -> Motion:
     """Make the motion that was found for a problem of its result as plain values.
 
     Raises
@@ -129,7 +338,7 @@ def _saved_motion(values: dict[str, Any], file: str) -> Motion:
     entries = known_entries(values, SAVED, ["robot", "motion"])
     found = entries.pop("motion")
     if "path" in entries:
-        job = problem_of(entries, file, Job)
+        job = job_of(entries, file)
         robot, scene, problems = job.robot, job.scene, tuple(map(job.problem, range(len(job.waypoints))))
     else:
         robot, scene = read_place(entries, Path(file).parent)
@@ -185,4 +394,4 @@ def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
     checks.instance("file", values, dict, "a problem, a robot, a list of obstacles, or a motion")
     if "motion" in values:
         return _saved_motion(values, file)
-    return problem_of(values, file, Job)
+    return job_of(values, file)

@@ -38,10 +38,10 @@ TIP_DEVIATION = 3e-6
 LOOKS = 7
 """Places of a step, evenly spaced, at which it is measured how far the tip is off the curve."""
 
-LAID = 8
-"""Chains that are laid, for each length of the shortest segment that bends; what lies between is interpolated."""
+FITTED = 8
+"""Chains that are fitted, for each length of the shortest segment that bends; what lies between is interpolated."""
 
-LEAST_LAID, MOST_LAID, MOST_KNOTS = 6, 400, 100_000
+LEAST_FITTED, MOST_FITTED, MOST_KNOTS = 6, 400, 100_000
 
 TIP_ROUNDS, ROUNDS, DIVIDED = 8, 4, 4
 """How often steps are divided where the tip leaves the curve; and then where they are not proved, into so many."""
@@ -205,7 +205,7 @@ class _Leader:
         self.robot, self.path, self.solver = robot, path, solver
         self.low = depths_of(robot)[0]
         bending = [s.length[1] for s in robot.segments if s.max_bend > 0.0 and s.length[1] > 0.0]
-        count = np.clip(int(LAID * (end - self.low) / min(bending, default=end)), LEAST_LAID, MOST_LAID)
+        count = np.clip(int(FITTED * (end - self.low) / min(bending, default=end)), LEAST_FITTED, MOST_FITTED)
         self.depths = np.linspace(self.low, end, int(count) + 1)
         self.unbounded = robot.has_external_load and not bounded(robot)  # shorter steps are no more than sampled then
         self.ended: Solution | None = None
@@ -277,7 +277,7 @@ class _Leader:
         return True
 
     def _between(self, depths: Floats) -> Floats:
-        """Shapes (t, n, 3) to begin from at other depths: laid, and as far aside of that as knots have been led."""
+        """Shapes (t, n, 3) to begin from at other depths: fitted, and as far aside of that as knots have been led."""
         led = (self.q - self.shapes(self.depths)).reshape(len(self.q), -1)
         aside = np.stack([np.interp(depths, self.depths, column) for column in led.T], axis=-1)
         return self.shapes(depths) + aside.reshape(-1, *self.q.shape[1:])

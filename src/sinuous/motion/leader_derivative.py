@@ -1,6 +1,6 @@
 """How the shapes of a body that follows the leader change with the curve, the advance, the base and the lengths.
 
-A shape is laid along the curve by least squares, and solved from there with the tip on the curve. Each derivative is
+A shape is fitted to the curve by least squares, and solved from there with the tip on the curve. Each derivative is
 made of central differences with two steps, of shapes that are found in this way from the one that is derived: exact to
 the fourth order of a step of 1e-3.
 """
@@ -42,7 +42,7 @@ OFF = 1e-5
 
 
 class LeaderQuestion(NamedTuple):
-    """What is laid: a robot, the curve from its base on, and depths (T,)."""
+    """What is fitted: a robot, the curve from its base on, and depths (T,)."""
 
     robot: Robot
     path: Curve
@@ -71,10 +71,10 @@ class LeaderQuestion(NamedTuple):
         near = near.copy()
         low, high = self.robot.limits[:, :2].T
         near[..., 2] = np.clip(near[..., 2], low, high)
-        laid = fit_chains_along(self.robot, self.path, self.depths, near)
+        fitted = fit_chains_along(self.robot, self.path, self.depths, near)
         tolerance = Tolerance(EXACT * self.robot.mean_length)
         solver = Solver(self.robot, tolerance=tolerance, max_starts=1, routes=False)
-        found = solver.solve_many(positions=self.path.at(self.depths), initial=laid, workers=1)
+        found = solver.solve_many(positions=self.path.at(self.depths), initial=fitted, workers=1)
         return np.where(found.solved[:, None, None], found.q, np.nan)
 
 

@@ -9,19 +9,16 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
-from sinuous.answer.solution import Solution, finite_or_none
+from sinuous.answer.solution import Solution, demanded
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_document
-from sinuous.base.doors import door
-from sinuous.base.errors import InputError, NotSolvedError, warn_of
-from sinuous.base.frozen import Frozen
-from sinuous.base.guesses import answers_attributes
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import described
+from sinuous.base.documents import described, result_of, result_value, write_document
+from sinuous.base.entrance import door
+from sinuous.base.errors import InputError, NotSolvedError, answers_attributes, warn_of
+from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.base.words import duration
 from sinuous.files.ros import Of
 from sinuous.kernels.packing import read_only
@@ -528,32 +525,22 @@ class Motion(NotebookMixin, Frozen):
         """Return totals, knots and waypoints as plain values, in the order of the file format."""
         waypoints = [solution.to_dict() for solution in self.solutions]
         bend, length = self.largest_step
-        worst = self.worst
         return {
             "status": str(self.status),
             "base": self.robot.base.tolist(),
-            "position_error": _largest(waypoints, "position_error"),
-            "angle_error": _largest(waypoints, "angle_error"),
-            "clearance": finite_or_none(self.clearance),
-            "self_clearance": finite_or_none(self.self_clearance),
-            "demanded_clearance": self.robot.clearance if np.any(self.robot.clearance) else None,
-            "demanded_self_clearance": self.robot.self_clearance if np.any(self.robot.self_clearance) else None,
-            "worst": None if worst is None else worst.to_dict(),
+            **{name: _largest(waypoints, name) for name in ("position_error", "angle_error")},
+            **result_of(self, "clearance self_clearance"),
+            "demanded_clearance": demanded(self.robot.clearance),
+            "demanded_self_clearance": demanded(self.robot.self_clearance),
+            **result_of(self, "worst"),
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
             "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
-            "iterations": sum(w["iterations"] for w in waypoints),
-            "starts": sum(w["starts"] for w in waypoints),
-            "seconds": self.seconds,
-            "method": self.method,
-            "seed": self.seed,
-            "between": self.between,
-            "unproved_steps": list(self.unproved_steps),
-            "reconfigured": list(self.reconfigured),
+            **{name: sum(w[name] for w in waypoints) for name in ("iterations", "starts")},
+            **result_of(self, "seconds method seed between unproved_steps reconfigured"),
             "largest_step": {"bend": bend, "length": length},
-            "remaining": self.remaining,
-            "times": self.times.tolist(),
+            **result_of(self, "remaining times"),
             "knots": self.q.tolist(),
-            "waypoint_knots": list(self.waypoint_knots),
+            **result_of(self, "waypoint_knots"),
             "waypoints": waypoints,
         }
 
@@ -568,17 +555,13 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When an obstacle is neither exact nor from a file, or the file cannot be written.
         """
-        proved = [list(map(finite_or_none, row)) for row in self.steps.answers.tolist()]
         asked = [[described(target) for target in solution.problem.targets] for solution in self.solutions]
         parts = {
             "robot": self.robot.to_dict(),
             "scene": entries_of(self.scene.obstacles, Path(file).parent),
             "path": asked,
             "tolerance": described(self.solutions[0].problem.tolerance) if asked else None,
-            "motion": {
-                **self.to_dict(),
-                "steps": proved,
-            },
+            "motion": {**self.to_dict(), "steps": result_value(self.steps.answers)},
         }
         write_document(file, {key: value for key, value in parts.items() if value})
 

@@ -13,11 +13,10 @@ from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.errors import warn_of
-from sinuous.base.keywords import refuse_unknown
-from sinuous.base.reprs import call
+from sinuous.base.errors import refuse_unknown, warn_of
+from sinuous.base.frozen import call
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
-from sinuous.methods.registry import name_of
+from sinuous.methods.method import name_of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
@@ -25,7 +24,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.pace import Pace
 from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
 from sinuous.motion.planning.planners import find_path, find_timed_path, standing
-from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedPath, Query, TargetGoals, TimedQuery
+from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedPath, Query, TargetGoals
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.timetable import spread_times
@@ -211,7 +210,7 @@ class Planner:
         if report is not None:
             return self._made(work.scene, deadline, begin, report)
         goals = FixedGoal(end) if isinstance(end, np.ndarray) else TargetGoals(self._solver, end, [])
-        query = Query(self._robot, work.scene, begin, goals, self._options.seed, self._shortcuts, deadline)
+        query = Query(self._robot, work.scene, begin, goals, self._options.seed, deadline, self._shortcuts)
         with deadline.paused():  # what is kept of a graph is made once
             work.walks = search_memory(self._options.memory, self._robot, work.scene, work.trees, work.walks)
         path = None if work.walks is None else work.walks.find_path(query, goals)
@@ -252,7 +251,9 @@ class Planner:
             if not solution.solved:
                 return made(_of_waypoint(solution))
             goals, goal = TargetGoals(solver, list(solution.problem.targets), [solution]), solution.q
-        query = self._timed_query(prover, begin, goals, goal, deadline)
+        still, pace = Query(self._robot, scene, begin, goals, self._options.seed, deadline), self._pace
+        query = still.in_time(prover, pace.begin, pace.begin, duration is None, pace.rates)
+        query = replace(query, end=pace.end(scene, query.soonest(goal - begin)))
         if solver is None and not query.early:
             soonest, window = query.soonest(goal - begin), query.end - query.begin
             if soonest > window * (1.0 + ROUNDING):
@@ -262,24 +263,6 @@ class Planner:
         if path is not None and path.times is not None and query.early and report.solutions:
             report = replace(report, solutions=(self._again(report.solutions[0], scene.at(float(path.times[-1]))),))
         return made(report, path)
-
-    def _timed_query(
-        self, prover: Prover, start: Floats, goals: FixedGoal | TargetGoals, goal: Floats, deadline: Deadline
-    ) -> TimedQuery:
-        timing = self._pace
-        asked = TimedQuery(
-            robot=self._robot,
-            prover=prover,
-            start=start,
-            begin=timing.begin,
-            end=timing.begin,
-            early=timing.duration is None,
-            goals=goals,
-            rates=timing.rates,
-            seed=self._options.seed,
-            deadline=deadline,
-        )
-        return replace(asked, end=timing.end(prover.scene, asked.soonest(goal - start)))
 
     def _again(self, solution: Solution, scene: Snapshot) -> Solution:
         """Return the same solution, solved again among all that is there when the motion ends."""

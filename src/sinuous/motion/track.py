@@ -7,9 +7,8 @@ from sinuous.answer.solution import Solution
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Shortest, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.base.keywords import refuse_unknown
-from sinuous.methods.registry import Choice, capabilities
+from sinuous.base.errors import InputError, refuse_unknown
+from sinuous.methods.method import Choice, capabilities
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion

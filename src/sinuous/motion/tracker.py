@@ -18,7 +18,7 @@ from sinuous.motion.knots import Knot, TipLine, TrackedWaypoint
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
 from sinuous.motion.planning.planners import find_path, find_timed_path
-from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
+from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals
 from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
 from sinuous.motion.report import Report
 from sinuous.motion.shortening import metric_of, shorten
@@ -292,26 +292,14 @@ class Tracker:
             trees = RRTConnect(robot, scene)
             self._walks = search_memory(options.memory, robot, scene, trees, self._walks)
             self._began += work_time() - began  # compiling is no planning
-            query = Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time))
+            query = Query(robot, scene, last.q, goals, options.seed, Deadline(options.time), SHORTCUTS)
             path = None if self._walks is None else self._walks.find_path(query, goals)
             if path is None:
                 path = find_path(query, trees)
                 remember(options.memory, robot, path)
             return path
-        return find_timed_path(
-            TimedQuery(
-                robot=robot,
-                prover=self._prover,
-                start=last.q,
-                begin=last.time,
-                end=when,
-                early=False,
-                goals=goals,
-                rates=None,
-                seed=options.seed,
-                deadline=Deadline(options.time),
-            )
-        )
+        query = Query(robot, scene, last.q, goals, options.seed, Deadline(options.time))
+        return find_timed_path(query.in_time(self._prover, last.time, when))
 
     def _when(self) -> float:
         """When the robot is at the next waypoint, where obstacles move; otherwise 0."""

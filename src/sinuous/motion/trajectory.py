@@ -9,9 +9,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.reprs import call
+from sinuous.base.frozen import Frozen, NotebookMixin, call
 from sinuous.files.ros import Of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot

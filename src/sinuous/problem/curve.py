@@ -9,8 +9,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import call
+from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.packing import read_only
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Orientations, Rows, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import call
+from sinuous.base.frozen import Frozen, call
 from sinuous.model.poses import least_rotation
 from sinuous.problem.target import GoalArrays, Target, TipGoals
 

@@ -1,4 +1,7 @@
-"""What may be meant, but hardly is: units that do not fit together, degrees for radians, a body too thick to bend."""
+"""What may be meant but hardly is: lengths in units that do not fit together, degrees for radians; a line each.
+
+Every length is compared with that of the robot. Nothing is changed for what is suspicious.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -9,12 +12,25 @@ from sinuous.base import words
 from sinuous.model.limits import held_back
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.scene.extents import box_of
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.snapshot import Snapshot
 
 ODD = 300.0
 """How many times larger than the robot, or smaller, something is when it is probably in another length unit. Parts of
 a few robot lengths in mm, beside a robot in m, are some hundred to some thousand times too large."""
+
+ODD_FILE = 100.0
+"""The same of meshes and clouds, whose files do not say their unit."""
+
+THIN = 10000.0
+"""How many times longer than its radius, or than the arm of its tendons, a robot is when these are in another unit."""
+
+SHORT_TOOL, LONG_TOOL = 1000.0, 10.0
+"""How many times longer than its tool a robot is, or the other way round, when the tool is in another unit."""
+
+TIGHT, SLACK = 50.0, 300.0
+"""How many times smaller, or larger, than what the largest bends need the limits of tendons are in another unit."""
 
 FULL_TURN = 2.0 * math.pi
 
@@ -22,7 +38,7 @@ FULL_TURN = 2.0 * math.pi
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
     thick = held_back(robot.segments, robot.self_radii, robot.curvatures)
-    return [*_of_bends(robot), *_of_loads(robot), *thick, *_of_obstacles(robot, scene)]
+    return [*_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick, *_of_obstacles(robot, scene)]
 
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
@@ -30,11 +46,50 @@ def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[T
     return [*suspicions(robot, scene), *_of_base(robot, scene.first), *_of_targets(robot, waypoints)]
 
 
-def _of_bends(robot: Robot) -> Iterator[str]:
+def _longest(robot: Robot) -> float:
+    return sum(segment.length[1] for segment in robot.segments)
+
+
+def _of_angles(robot: Robot) -> Iterator[str]:
     for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.segments, 1)}):
         if most > FULL_TURN * (1.0 + 1e-9):
             which = words.segments(numbers, len(robot))
             yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
+    for k, segment in enumerate(robot.segments, 1):
+        if float(np.hypot(*segment.rest)) > FULL_TURN * (1.0 + 1e-9):
+            yield f"rest of segment {k} is more than a full turn; is it in degrees?"
+        for key in ("tendons", "chambers"):
+            lines = getattr(segment, key)
+            if lines is None:
+                continue
+            sizes = np.abs(lines.angles)
+            if sizes.max() > 2.0 * FULL_TURN or sizes.min() > FULL_TURN * (1.0 + 1e-9):
+                said = ", ".join(f"{angle:.4g}" for angle in lines.angles[:4])
+                yield f"{key} of segment {k} stand at {said} rad, more than a full turn; are these degrees?"
+
+
+def _of_lengths(robot: Robot) -> Iterator[str]:
+    """Compare the radii, tool and limits of tendons of a robot with its length."""
+    length = _longest(robot)
+    ask = "are both in one length unit?"
+    for key, radii, most in (
+        ("radius", [segment.radius for segment in robot.segments], 1.0),
+        ("radius of the tendons", [s.tendons.radius for s in robot.segments if s.tendons is not None], 1.0),
+    ):
+        odd = [radius for radius in radii if radius > most * length or 0.0 < radius * THIN < length]
+        if odd:
+            yield f"the {key} is {odd[0]:.4g}, the robot {length:.4g} long; {ask}"
+    tool = float(np.linalg.norm(robot.tool[:3, 3]))
+    if tool > LONG_TOOL * length or 0.0 < tool * SHORT_TOOL < length:
+        yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
+    for k, segment in enumerate(robot.segments, 1):
+        if segment.tendons is None or segment.max_bend == 0.0:
+            continue
+        limits = np.abs(segment.tendons.displacements)
+        most = float(limits[np.isfinite(limits)].max(initial=0.0))
+        needed = segment.tendons.radius * segment.max_bend
+        if 0.0 < most * TIGHT < needed or most > SLACK * needed * len(robot):
+            yield f"tendons of segment {k} move by at most {most:.4g}, its largest bend takes {needed:.4g}; {ask}"
 
 
 def _of_loads(robot: Robot) -> Iterator[str]:
@@ -45,7 +100,7 @@ def _of_loads(robot: Robot) -> Iterator[str]:
     if robot.gravity is None or not soft:
         return
     masses = [segment.mass * segment.length[1] for segment in robot.segments] + [each.mass for each in robot.payload]
-    length = sum(segment.length[1] for segment in robot.segments)
+    length = _longest(robot)
     bent = sum(masses) * float(np.linalg.norm(robot.gravity)) * length**2 / min(soft)
     if bent > ODD or 0.0 < bent < 1.0 / ODD**2:
         much = "hangs like a thread" if bent > ODD else "is not bent at all"
@@ -56,14 +111,15 @@ def _of_loads(robot: Robot) -> Iterator[str]:
 
 
 def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:
-    length = sum(segment.length[1] for segment in robot.segments)
-    boxes = {i: box for i, each in enumerate(scene.obstacles) if (box := box_of(each)) is not None}
+    length = _longest(robot)
+    boxes = {i: box for i, each in enumerate(scene.obstacles) if (box := each._box) is not None}
     if not boxes:
         return
     corners = np.array([*boxes.values()])
     sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)
     for i, size in zip(boxes, sizes, strict=True):
-        if size > ODD * length:
+        of_file = isinstance(scene.obstacles[i], Mesh | PointCloud)
+        if size > (ODD_FILE if of_file else ODD) * length:
             yield f"{scene.name(i)} is {size:.4g} large, the robot {length:.4g} long; are both in one length unit?"
     size = float(np.linalg.norm(corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)))
     if len(boxes) == len(scene) and ODD * size < length:
@@ -79,8 +135,11 @@ def _of_base(robot: Robot, scene: Snapshot) -> Iterator[str]:
 
 
 def _of_targets(robot: Robot, waypoints: Sequence[Sequence[Target]]) -> Iterator[str]:
-    length = sum(segment.length[1] for segment in robot.segments)
+    length = _longest(robot)
     places = [target.position for targets in waypoints for target in targets if target.position is not None]
-    far = max((float(np.linalg.norm(place - robot.base[:3, 3])) for place in places), default=0.0)
+    distances = [float(np.linalg.norm(place - robot.base[:3, 3])) for place in places]
+    far = max(distances, default=0.0)
     if far > ODD * length:
         yield f"a target is {far:.4g} from the base, the robot {length:.4g} long; are both in one length unit?"
+    elif 0.0 < far * ODD < length:
+        yield f"every target is within {far:.4g} of the base, the robot {length:.4g} long; are both in one length unit?"

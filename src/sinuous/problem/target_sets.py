@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem

@@ -15,8 +15,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Occupancy, Truth, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.scene.obstacles import IDENTITY, Obstacle
-from sinuous.scene.reading import Origin, check_file
+from sinuous.scene.obstacles import IDENTITY, Obstacle, Origin, box_around, check_file
 
 STEPS = tuple(step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0))
 """From a point of a grid to half of its 26 neighbours; the other half is the same, backwards."""
@@ -98,6 +97,12 @@ class Sampled(Obstacle):
             return 0.0
         unsaid = math.inf if self.exact else 0.0 if self.is_function else float(self.values.max())
         return unsaid if self.truncated is None else self.truncated
+
+    @property
+    def _box(self) -> Floats | None:
+        """The box that all samples fill."""
+        last = np.array(self.values.shape) - 1
+        return box_around(self.points(last * np.array(list(np.ndindex(2, 2, 2)))), 0.0)
 
     def points(self, steps: NDArray[Any]) -> Floats:
         """Places (m, 3) that are so many steps (m, 3) from the first point along the axes."""
@@ -319,6 +324,13 @@ class Grid(Sampled):
             if value is not None and given.dtype == np.bool_:
                 raise InputError(key, "is for distances", value, "none: these values say what is occupied")
         self._keep(name, values=given, origin=start, spacing=step, axes=IDENTITY, **known)
+
+    @property
+    def _box(self) -> Floats | None:
+        if not self.occupancy:
+            return super()._box
+        occupied, half = np.argwhere(self.values), 0.5 * self.spacing * np.abs(self.axes).sum(axis=1)
+        return box_around(self.points(occupied), half) if len(occupied) else None
 
     @property
     def occupancy(self) -> bool:

@@ -11,11 +11,10 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientations, Rows, Stack, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import text
+from sinuous.base.frozen import Frozen, text
 from sinuous.model.poses import any_rotations
 from sinuous.scene.grids import Field
-from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.obstacles import Obstacle, Primitive, box_around
 
 
 class Course(Frozen):
@@ -190,6 +189,12 @@ class Moving(Obstacle):
     def at(self, t: Number) -> Obstacle:
         """Return the obstacle as it is at a time, standing still."""
         return moved(self.obstacle, self.pose(checks.number("t", t)))
+
+    @property
+    def _box(self) -> Floats | None:
+        """Around the obstacle at all of its times, and so all the way, but where it turns far from where it is."""
+        boxes = [self.at(t)._box for t in self.times.tolist()]
+        return None if boxes[0] is None else box_around(np.concatenate([box for box in boxes if box is not None]), 0.0)
 
     def _shown(self) -> Iterator[str]:
         yield text(self.obstacle)

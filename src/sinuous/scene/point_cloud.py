@@ -1,10 +1,9 @@
 """Obstacles made of points: what a scanner or a depth camera sees, also in PLY, PCD, NPY and text files."""
 
-import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +12,15 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.scene.meshes.mesh import load_geometry
-from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.reading import Origin, Placement, check_file
+from sinuous.base.text_tables import TableFormat, decode_table, read_table
+from sinuous.scene.mesh_files import load_geometry
+from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
+
+Columns = Sequence[str] | Sequence[int]
+"""Which columns of a text are x, y, z: names, or numbers, 1 = first."""
+
+Invalid = Literal["refuse", "drop"]
+"""What is done with points that are not finite: a sensor saw nothing there."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -29,6 +34,9 @@ class PointCloud(Obstacle):
     radius : float or array_like (m,)
         Of the balls, at least 0: one for all, or one for each point. Half the spacing of a scan closes its gaps.
     name : str, optional
+    invalid : str
+        What is done with points that are not finite, as organised clouds have them where nothing was seen: `refuse`, or
+        `drop`, which leaves them out.
 
     Attributes
     ----------
@@ -43,9 +51,11 @@ class PointCloud(Obstacle):
 
     radii: Floats
 
-    def __init__(self, points: Rows, radius: Number | Vector, *, name: str | None = None) -> None:
-        places = checks.points("points", points)
-        self._keep(name, _points=places, radii=_radii(radius, len(places)))
+    def __init__(
+        self, points: Rows, radius: Number | Vector, *, name: str | None = None, invalid: Invalid = "refuse"
+    ) -> None:
+        places, radii = _valid(points, radius, invalid)
+        self._keep(name, _points=places, radii=radii)
 
     @property
     def points(self) -> Floats:
@@ -57,6 +67,10 @@ class PointCloud(Obstacle):
     def kind(self) -> str:
         """See `Obstacle.kind`."""
         return "points"
+
+    @property
+    def _box(self) -> Floats:
+        return box_around(self.points, self.radii[:, None])
 
     def _content(self) -> dict[str, Any]:
         return {**super()._content(), "points": self.points}
@@ -77,12 +91,15 @@ class PointCloud(Obstacle):
         name: str | None = None,
         *,
         xyzw: Vector | None = None,
+        columns: Columns | None = None,
+        invalid: Invalid = "refuse",
     ) -> "PointCloud":
-        """Read a cloud from a PLY (needs the extra `mesh`), PCD, NPY, XYZ, TXT or CSV file.
+        """Read a cloud from a PLY (needs the extra `mesh`), PCD, NPY, XYZ, PTS, ASC, TXT, CSV or TSV file.
 
-        A point p of the file comes to lie at `rotation @ (scale * p) + position`. A text has one point a line, three
-        numbers or more between commas or spaces, of which the first three count; `#` starts a comment, and the first
-        line may hold names. An NPY file has an array (m, 3).
+        A point p of the file comes to lie at `rotation @ (scale * p) + position`. A text has one point a line, between
+        commas, semicolons, tabs or spaces. Where its first line (or the comment before the rows) has names, the columns
+        `x`, `y`, `z` are read, wherever they stand; without names the first three. `#` starts a comment, a whole number
+        alone on a line counts the rows that follow, and decimals may have a comma. An NPY file has an array (m, 3).
 
         Parameters
         ----------
@@ -98,20 +115,62 @@ class PointCloud(Obstacle):
         name : str, optional
         xyzw : array_like (4,), optional
             A quaternion in the order of SciPy and ROS, instead of `rotation`.
+        columns : sequence of 3 str or int, optional
+            Which columns of a text are x, y, z: their names, or their numbers (1 = first).
+        invalid : str
+            As of `PointCloud`; an empty cell is not finite, either.
 
         Raises
         ------
         InputError
-            When the file cannot be read or holds no points, or as `PointCloud` does.
+            When the file cannot be read or holds no points, or as `PointCloud` does; when a text can be read in two
+            ways, or has names and no x, y, z among them.
         """
         placement = Placement(scale, position, rotation, xyzw)
+        if columns is not None:
+            _check_columns(columns)
         try:
-            points = checks.points("points", placement.apply(checks.points("points", read_points(Path(file)))))
+            read = read_points(Path(file), columns)
+            if read.dtype.kind in "iu":
+                read = read.astype(np.float64)
+            kept, radii = _valid(read, radius, invalid)
+            points = checks.points("points", placement.apply(kept))
         except InputError as error:
             raise error if error.key == "file" else error.in_file(file) from None
-        cloud = cls(points, radius, name=name)
-        cloud._set(_source=Origin.of(file, **placement.arguments, radius=cloud.radius))
+        cloud = cls(points, radii, name=name)
+        said = {"columns": columns, "invalid": None if invalid == "refuse" else invalid}
+        cloud._set(
+            _source=Origin.of(file, **placement.arguments, radius=cloud.radius if kept is read else radius, **said)
+        )
         return cloud
+
+
+def _valid(points: Any, radius: Any, invalid: Any) -> tuple[Floats, Floats]:
+    """Check points (m, 3) and radii (m,); those that are not finite are refused, or dropped from both."""
+    checks.choice("invalid", invalid, get_args(Invalid))
+    given = np.asarray(points) if not isinstance(points, str | bytes) else points
+    if not isinstance(given, np.ndarray) or given.dtype.kind != "f" or given.ndim != 2 or given.shape[1] != 3:
+        places = checks.points("points", points)
+        return places, _radii(radius, len(places))
+    finite = np.isfinite(given).all(axis=1)
+    radii = _radii(radius, len(given))
+    if finite.all():
+        return checks.points("points", given), radii
+    if invalid == "refuse":
+        first = int(np.flatnonzero(~finite)[0])
+        problem = f'{np.count_nonzero(~finite)} of {len(given)} points are not finite; invalid="drop" leaves them out'
+        raise InputError(f"points[{first}]", problem, given[first].tolist(), "3 finite numbers")
+    return checks.points("points", given[finite]), checks.closed(radii[finite])
+
+
+def _check_columns(columns: Any) -> None:
+    """Refuse what does not say three columns, by names or by numbers."""
+    listed = isinstance(columns, list | tuple) and len(columns) == 3 and len(set(columns)) == 3
+    if not listed or not (
+        all(isinstance(each, str) for each in columns)
+        or all(isinstance(each, int) and not isinstance(each, bool) and each > 0 for each in columns)
+    ):
+        raise InputError("columns", "", columns, "three names, or three numbers of columns (1 = first), of x, y, z")
 
 
 def _radii(radius: Any, count: int) -> Floats:
@@ -253,16 +312,21 @@ def _refuse(file: str, key: str, problem: str, value: Any, expected: str) -> NoR
     raise InputError(key, problem, value, expected, file) from None
 
 
-def read_points(file: Path) -> NDArray[Any]:
-    """Return the points (m, 3) of a file, the kind of which its name says.
+def read_points(file: Path, columns: Columns | None = None) -> NDArray[Any]:
+    """Return the points (m, 3) of a file, the kind of which its name says; NaN where it has none.
+
+    `columns` says which of a text are x, y, z: names, or numbers, 1 = first.
 
     Raises
     ------
     InputError
         When it cannot be read, is of another kind, or its content is no points.
     """
-    check_file(file, tuple(READERS))
-    points = READERS[file.suffix.lower()](file)
+    check_file(file, (*READERS, *TEXTS))
+    ending = file.suffix.lower()
+    if columns is not None and ending not in TEXTS:
+        raise InputError("columns", f"{ending} files say their own", columns, "none")
+    points = _text(file, columns) if ending in TEXTS else READERS[ending](file)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError("points", f"shape {points.shape}", points, "three columns x, y, z", str(file))
     return points
@@ -282,37 +346,44 @@ def _npy(file: Path) -> NDArray[Any]:
         raise InputError("file", f"cannot be read: {reason}", str(file), "an NPY file of numbers") from None
 
 
-def _text(file: Path) -> NDArray[Any]:
-    lines = file.read_bytes().decode("utf-8-sig", "replace").replace(",", " ").replace(";", " ").splitlines()
-    first = next((i for i, line in enumerate(lines) if line.split("#")[0].strip()), 0)
-    if first < len(lines) and not any(map(_is_number, lines[first].split())):
-        lines[first] = ""
-    filled = [line for line in lines if line.split("#")[0].strip()]
-    if not filled:
+def _text(file: Path, columns: Columns | None) -> NDArray[Any]:
+    table, rows = read_table(decode_table(file.read_bytes()))
+    if not rows:
         return np.zeros((0, 3))
-    columns = len(filled[0].split("#")[0].split())
-    if columns < 3:
-        raise InputError("points", f"has {columns} of three columns", filled[0], "x, y, z on every line", str(file))
-    try:
-        return np.loadtxt(io.StringIO("\n".join(filled)), usecols=(0, 1, 2), ndmin=2)
-    except ValueError as error:
-        reason = " ".join(str(error).split()).split(";")[0]
-        raise InputError("points", "", reason, "x, y, z on every line", str(file)) from None
+    places = _places(table, columns) if table.names or columns else _first_three(table, rows)
+    table.warn_of_units(places, file)
+    return table.read(rows, places)
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+def _places(table: TableFormat, columns: Columns | None) -> list[int]:
+    """Where the columns x, y, z are, or those that are said: by their names or, 1 = first, by their numbers."""
+    wanted: tuple[str | int, ...] = ("x", "y", "z") if columns is None else tuple(columns)
+    names = " ".join(table.names or ()) or f"no names, {table.width} columns"
+    places = []
+    for each in wanted:
+        place = table.place(each) if isinstance(each, str) else each - 1
+        if place is None or not 0 <= place < table.width:
+            problem = f"there is no column {each}" + ("" if columns else "; columns= says which are x, y, z")
+            raise InputError("columns", problem, names, ", ".join(map(str, wanted)))
+        places.append(place)
+    return places
+
+
+def _first_three(table: TableFormat, rows: list[tuple[int, str]]) -> list[int]:
+    """The first three columns, where nothing says which are x, y, z: unless the first one counts the rows."""
+    if table.width < 3:
+        raise InputError("points", f"has {table.width} of three columns", rows[0][1], "x, y, z on every line")
+    first = table.read(rows, [0])[:, 0]
+    if table.width > 3 and len(first) > 1 and (np.diff(first) == 1.0).all():
+        problem = "the first column counts the rows"
+        raise InputError("columns", problem, rows[0][1], "columns= with the numbers of x, y, z, like (2, 3, 4)")
+    return [0, 1, 2]
 
 
 READERS: dict[str, Callable[[Path], NDArray[Any]]] = {
     ".ply": _ply,
     ".pcd": lambda file: parse_pcd(file.read_bytes(), str(file)),
     ".npy": _npy,
-    ".xyz": _text,
-    ".txt": _text,
-    ".csv": _text,
 }
+
+TEXTS = (".xyz", ".txt", ".csv", ".pts", ".asc", ".tsv")

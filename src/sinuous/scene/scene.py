@@ -6,16 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from sinuous.base.arguments import Number, Orientation, Rows, Vector
-from sinuous.base.documents import write_document
+from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
-from sinuous.base.notebook import NotebookMixin
-from sinuous.base.plain import described, plain
+from sinuous.base.frozen import NotebookMixin
 from sinuous.model.poses import pose
 from sinuous.scene.moving import Moving, moved
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Origin
+from sinuous.scene.parts import unsampled
 from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.prepared.parts import unsampled
-from sinuous.scene.reading import Origin
 from sinuous.scene.snapshot import Snapshot, Surroundings
 
 

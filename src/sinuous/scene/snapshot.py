@@ -16,10 +16,10 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels import packing
 from sinuous.scene.grids import Field, evaluate
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.prepared.parts import Part, prepare, unsampled
+from sinuous.scene.parts import Part, prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""

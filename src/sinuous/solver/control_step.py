@@ -22,7 +22,7 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import MEET_TARGETS, MOVE_POSE, MOVE_POSITION
 from sinuous.model.rates import Changes, Rates
-from sinuous.model.robot import Robot, robot_group
+from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Targets, Tolerance, meets, target_list, target_table
 from sinuous.scene.scene import Scene
@@ -35,6 +35,9 @@ from sinuous.statics.rest import Rest, tensions_kept
 
 ROUNDS = 30
 """Most Newton steps of a solve within changes."""
+
+TIGHTENED, TIGHTER = 6, 1.5
+"""How often bounds of tensions are made tighter where a step has left them, and by how many times as much."""
 
 STILL: tuple[float, ...] = (0.0,) * 6
 """No twist."""
@@ -213,10 +216,36 @@ class ControlLoop:
         scratch.group[: a.HEADER] = head
         if velocity is not None:
             limits.write_before(scratch.group[a.HEADER :], dt, velocity)
+        groups = self._group, table, self._settings, asked.targets
+        if limits.tensions is not None and not limits.tensions.linear:
+            return self._tick_within_tensions(groups, scratch, initial, limits)
         answer = np.empty(scratch.answer)
-        t.control_step(
-            self._group, table, self._settings, asked.targets, scratch.group, initial, scratch.workspace, answer
-        )
+        t.control_step(*groups, scratch.group, initial, scratch.workspace, answer)
+        return answer
+
+    def _tick_within_tensions(
+        self, groups: tuple[Floats, Floats, Floats, Floats], scratch: Scratch, initial: Floats, limits: RateLimits
+    ) -> Floats:
+        """Make a tick of a robot of which rows of tensions are not linear.
+
+        They are made linear where it begins. Where the way to the end leaves their bounds, these are made tighter by
+        somewhat more; at last the robot stays where it is.
+        """
+        rows, own = limits.tensions, scratch.group[a.HEADER :]
+        assert rows is not None
+        allowed = np.maximum(LIMIT_ROUNDING * self._robot.mean_length, rows.excess(initial))
+        answer, tighter = np.empty(scratch.answer), np.zeros(len(rows.lines))
+        for tried in range(TIGHTENED + 1):
+            limits.write_tensions(own, initial, tighter)
+            if tried == TIGHTENED:
+                limits.write_still(own)
+                self._local.limits = None  # what is written here is not that of the next tick
+            t.control_step(*groups, scratch.group, initial, scratch.workspace, answer)
+            end = answer[t.CONFIGURATION : t.CONFIGURATION + initial.size].reshape(initial.shape)
+            off = rows.most_between(initial, end) - allowed
+            if (off <= 0.0).all():
+                break
+            tighter += TIGHTER * np.maximum(0.0, off + allowed)
         return answer
 
     def _scratch(self, sizes: tuple[int, int, int, int], limits: RateLimits, dt: float) -> Scratch:

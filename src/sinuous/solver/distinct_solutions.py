@@ -14,11 +14,10 @@ from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
-from sinuous.solver.attempts import Deadline, IKQuery, RandomRestarts, StartBatch
+from sinuous.solver.attempts import Clock, Deadline, IKQuery, RandomRestarts, Search, StartBatch
 from sinuous.solver.certificates.steps import LoadedShapes
 from sinuous.solver.route_classes.curves import RouteCurves, group_alike, name_classes
 from sinuous.solver.route_classes.passages import Passages
-from sinuous.solver.search import Clock, Search
 from sinuous.solver.strategy import Strategy
 from sinuous.statics.equilibrium import longest_body
 

@@ -13,11 +13,11 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.compile import cores
 from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, STARTS, TARGET_WIDTH, Budget, Outcome, answer_size
-from sinuous.methods.prepared import Prepared, as_outcomes
+from sinuous.methods.method import Prepared, as_outcomes
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target_sets import ManyProblems
-from sinuous.solver.search import UNDECIDED
+from sinuous.solver.attempts import UNDECIDED
 from sinuous.solver.strategy import Strategy
 from sinuous.solver.thread_pool import share_jobs
 

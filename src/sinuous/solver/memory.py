@@ -13,7 +13,7 @@ from sinuous.base.arguments import Batch, Number, Truth
 from sinuous.base.checks import Floats
 from sinuous.base.documents import read_archive, write_archive
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.model.robot import Robot, same_body
 from sinuous.problem.target import Targets, target_list, target_table
 from sinuous.solver.shapes import NEAREST, Shapes

@@ -6,13 +6,11 @@ from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
-from sinuous.base.errors import InputError
-from sinuous.base.keywords import refuse_unknown
-from sinuous.methods import registry
+from sinuous.base.errors import InputError, refuse_unknown
+from sinuous.methods.method import Choice, name_of
 from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
-from sinuous.solver.attempts import read_without
 from sinuous.solver.memory import Memory
 
 TIME = 1.0
@@ -21,12 +19,48 @@ TIME = 1.0
 UNBOUNDED = 2**62
 """Most starts of a solve where the user gives no bound: more than any time suffices for."""
 
+REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "side_tubes"
+"""Names of attempts that others have to know."""
+
+ATTEMPTS = {
+    REMEMBERED: "shapes of a memory whose poses are nearest to the targets",
+    SCATTERED: "starts scattered over all shapes, beyond those of the first call",
+    "base_tube": "chains fitted to the tube that the base lies in",
+    EDGES: "a route around edges",
+    SIDE_TUBES: "a route through tubes that open beside edges",
+    "cells": "routes over the cells of a grid, coarse and then fine ones",
+    "laid": "chains fitted to routes",
+    "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
+    "detours": "chains grown along routes that are led aside until they are as long as the robot",
+    "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
+    "passages": "routes through other passages; for `solve_all` those that no solution leads through yet",
+}
+"""All attempts, by the names with which they are switched off, and what each makes."""
+
+
+def read_without(names: object) -> tuple[str, ...]:
+    """Check names of attempts that are to be switched off.
+
+    Raises
+    ------
+    InputError
+        Where one is not known.
+    """
+    listed = (names,) if isinstance(names, str) else names
+    expected = "names of attempts: " + ", ".join(ATTEMPTS)
+    if not isinstance(listed, list | tuple | set | frozenset):
+        raise InputError("without", "", names, expected)
+    for name in listed:
+        if not isinstance(name, str) or name not in ATTEMPTS:
+            raise InputError("without", "is not known", name, expected)
+    return tuple(name for name in ATTEMPTS if name in listed)
+
 
 class SolveArguments(TypedDict, total=False):
     """Options of a solve as keyword arguments; see `SolveOptions`."""
 
     tolerance: Tolerance | None
-    method: registry.Choice
+    method: Choice
     prefer: Preferences | None
     time: Number
     max_starts: Whole | None
@@ -60,7 +94,7 @@ class SolveOptions:
         Whether to search for routes through free space when the first starts fail; only for methods that take routes
         (see `Capabilities.routes`).
     without : str or sequence of str
-        Attempts that are switched off, by the names in `sinuous.solver.attempts.ATTEMPTS`: to see what they bring.
+        Attempts that are switched off, by the names in `sinuous.solver.options.ATTEMPTS`: to see what they bring.
     memory : Memory, optional
         Shapes that are tried before anything is searched, and where what is solved is kept.
     clearance, self_clearance : float or array_like (n,), optional
@@ -74,7 +108,7 @@ class SolveOptions:
     """
 
     tolerance: Tolerance = field(default_factory=Tolerance)
-    method: registry.Choice = "newton"
+    method: Choice = "newton"
     prefer: Preferences = field(default_factory=Preferences)
     time: float = TIME
     max_starts: int | None = None
@@ -88,7 +122,7 @@ class SolveOptions:
     def __post_init__(self) -> None:
         prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
         checks.instance("prefer", prefer, Preferences, "Preferences")
-        registry.name_of(self.method)
+        name_of(self.method)
         if not isinstance(self.memory, Memory | None):
             raise InputError("memory", "", self.memory, "a Memory")
         values = {

@@ -20,26 +20,23 @@ from sinuous.base.arguments import Entry, HasArray, Number, Rows, Stack, Truth, 
 from sinuous.base.checks import Floats
 from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError, warn_of
+from sinuous.base.frozen import call, text
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import call, text
 from sinuous.base.work_time import no_work, work_time
 from sinuous.kernels.compile import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
-from sinuous.methods import registry
+from sinuous.methods.method import Call, Options, name_of, prepare, ready
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
-from sinuous.methods.options import Options
-from sinuous.methods.prepared import Call
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
-from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.problem import Problem, base_blocked, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.attempts import IKQuery, StartBatch
-from sinuous.solver.blocked_base import base_blocked
+from sinuous.solver.attempts import UNDECIDED, FirstSolved, Follow, IKQuery, StartBatch
 from sinuous.solver.control_step import ControlLoop
 from sinuous.solver.distinct_solutions import (
     BY_ROUTE,
@@ -54,7 +51,6 @@ from sinuous.solver.loaded_solve import STARTS, LoadCorrection, correct_starts, 
 from sinuous.solver.loaded_solve import unsolved_start as start_at
 from sinuous.solver.many import Many, read_initial, read_workers
 from sinuous.solver.options import SolveArguments, SolveOptions
-from sinuous.solver.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solver.strategy import Strategy
 from sinuous.solver.thread_pool import share_jobs
 
@@ -130,17 +126,17 @@ class Solver:
         """Get ready, with arguments that are checked."""
         self.robot, self.scene, self.options = robot, scene, chosen
         self.tolerance = chosen.tolerance.for_robot(robot)
-        self.method = registry.name_of(chosen.method)
+        self.method = name_of(chosen.method)
         self._load: LoadCorrection | None = None
         if robot.has_external_load:
             self._load = LoadCorrection(robot)
             self._free = self._of_checked(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        method = registry.ready(chosen.method, robot, scene, chosen.prefer)
+        method = ready(chosen.method, robot, scene, chosen.prefer)
         if method is not chosen.method:
             self.options = chosen = replace(chosen, method=method)
-        self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
+        self._prepared = prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = KeptOptions(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
@@ -666,7 +662,7 @@ class KeptOptions(SolveAgain):
     options: SolveOptions = field(init=False)
 
     def __init__(self, options: SolveOptions) -> None:
-        method = registry.name_of(options.method)
+        method = name_of(options.method)
         super().__init__(method, options.seed, options.time, options.max_starts, options.prefer)
         object.__setattr__(self, "options", options)
 

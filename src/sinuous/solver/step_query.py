@@ -5,9 +5,15 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.velocity import layout as a
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
+from sinuous.model.segment import straight
+from sinuous.model.tension_rows import TensionRows
+
+FAR = 1e6
+"""A change of a row of tensions that no tick makes, in the length unit."""
 
 
 class RateLimits:
@@ -23,10 +29,12 @@ class RateLimits:
     segments : ndarray (n, 7)
         See `BEND_CHANGE` and its neighbours in `sinuous.kernels.velocity.layout`.
     actuators : ndarray (p, 3 n + 5)
-        Of those that have a limit or a rate: derivatives of their displacements, then see `LEAST` and its neighbours
-        there.
+        Of those that have a limit or a rate, then rows of tensions: derivatives of their displacements, then see
+        `LEAST` and its neighbours there.
     limited : tuple of Actuator
-        These.
+        These; then those whose tensions have limits, one for each of the last rows.
+    tensions : TensionRows or None
+        What makes the last rows; `None` where no tension is limited.
     """
 
     def __init__(self, robot: Robot, most: Rates | Changes) -> None:
@@ -41,12 +49,22 @@ class RateLimits:
         changes, seconds = (robot.drive.motors.within(each.actuator) for each in (own, turns))
         listed = np.isfinite(limits).any(axis=1) | np.isfinite(changes) | np.isfinite(seconds)
         self.limited = tuple(robot.actuators[i] for i in np.flatnonzero(listed))
-        least, greatest = limits[listed].T
-        columns = [np.empty(0)] * a.ACTUATOR_COLUMNS
-        columns[a.LOWEST], columns[a.HIGHEST], columns[a.LAST_CHANGE] = least, greatest, np.zeros(len(least))
-        columns[a.LARGEST_CHANGE], columns[a.SECOND_DIFFERENCE] = changes[listed], seconds[listed]
-        self.actuators = np.column_stack([robot.drive.jacobian[listed].reshape(-1, 3 * n), *columns])
+        self.actuators = _rows(robot.drive.jacobian[listed].reshape(-1, 3 * n), limits[listed])
+        self.actuators[:, 3 * n + a.LARGEST_CHANGE] = changes[listed]
+        self.actuators[:, 3 * n + a.SECOND_DIFFERENCE] = seconds[listed]
         self.accelerates = further is not None
+        self.tensions = robot.tension_rows
+        if self.tensions is not None:
+            if not self.tensions.decoupled:
+                problem = "elastic lines end at a segment that they cannot bend, and have limits"
+                raise InputError("tension", problem, None, "none for control steps and changes")
+            elastic = robot.drive.elastic
+            assert elastic is not None
+            self.limited += tuple(robot.actuators[elastic.places[i]] for i in self.tensions.lines)
+            rows = self._of_tensions(self.tensions, straight(robot.segments))
+            if not self.tensions.linear:
+                rows[:, [3 * n + a.LOWEST, 3 * n + a.HIGHEST]] = -np.inf, np.inf  # until `write_tensions`
+            self.actuators = np.concatenate([self.actuators, rows])
 
     def write(self, out: Floats, dt: float) -> None:
         """Write the rows of segments and actuators for a tick of `dt` s into `out`, as if nothing moved before."""
@@ -65,9 +83,45 @@ class RateLimits:
         n = len(segments)
         actuators[:, 3 * n + a.LAST_CHANGE] = dt * (self.actuators[:, : 3 * n] @ velocity.ravel())
 
+    def write_tensions(self, out: Floats, q: Floats, tighter: Floats) -> None:
+        """Write the rows of tensions as they are near a start (n, 3), with bounds that are `tighter` (p,) than theirs.
+
+        A bound never excludes the start. Where it would, it is wished that the row changes by as much.
+        """
+        assert self.tensions is not None
+        n, own = len(q), self._of_tensions(self.tensions, q)
+        values, columns = own[:, : 3 * n] @ q.ravel(), own[:, 3 * n :]
+        columns[:, a.LOWEST] += tighter
+        columns[:, a.HIGHEST] -= tighter
+        below, above = columns[:, a.LOWEST] - values, values - columns[:, a.HIGHEST]
+        wished = np.maximum(0.0, np.minimum(tighter, np.maximum(below, above)))
+        wished[np.isfinite(self.tensions.bounds).all(axis=1)] = 0.0
+        inward = np.flatnonzero(wished)
+        columns[inward, a.LAST_CHANGE] = np.where(above > below, -FAR, FAR)[inward]
+        columns[inward, a.SECOND_DIFFERENCE] = FAR - wished[inward]
+        self._parts(out)[1][-len(own) :] = own
+
+    def write_still(self, out: Floats) -> None:
+        """Let no segment move."""
+        self._parts(out)[0][:, [a.BEND_CHANGE, a.LENGTH_CHANGE]] = 0.0
+
+    @staticmethod
+    def _of_tensions(tensions: TensionRows, q: Floats) -> Floats:
+        """The rows of tensions (p, 3 n + 5), linear about a start (n, 3)."""
+        slopes = tensions.slopes(q)
+        return _rows(slopes, tensions.bounds + (slopes @ q.ravel() - tensions.values(q))[:, None])
+
     def _parts(self, out: Floats) -> tuple[Floats, Floats]:
         size = self.segments.size
         return out[:size].reshape(self.segments.shape), out[size:].reshape(self.actuators.shape)
+
+
+def _rows(weights: Floats, bounds: Floats) -> Floats:
+    """Rows (p, 3 n + 5) of weights (p, 3 n) with bounds (p, 2), as fast as may be."""
+    columns = [np.full(len(bounds), np.inf)] * a.ACTUATOR_COLUMNS
+    columns[a.LOWEST], columns[a.HIGHEST] = bounds.T
+    columns[a.LAST_CHANGE] = np.zeros(len(bounds))
+    return np.column_stack([weights, *columns])
 
 
 class StepQuery(NamedTuple):

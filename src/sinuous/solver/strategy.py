@@ -2,7 +2,7 @@
 
 A solve begins with a compiled call that follows a few starts (`opening_starts`): most solves end there. What is left
 undecided goes through a queue of attempts, the one with the lowest priority first. An attempt makes starts, and may add
-further attempts: a route that was found adds 'lay a chain along it', 'grow chains along it', each with more and more
+further attempts: a route that was found adds 'fit a chain to it', 'grow chains along it', each with more and more
 effort. After each attempt scattered starts follow, in proportion to the effort that it took. It ends with the first
 solution, a proof, the time, or the most starts that the user allows.
 
@@ -27,25 +27,16 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables
 from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, RECORD_WIDTH, SOURCE, SOURCES, STARTS
-from sinuous.methods import registry
+from sinuous.methods.method import capabilities
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solver.attempts import (
-    EDGES,
-    REMEMBERED,
-    SCATTERED,
-    SIDE_TUBES,
-    AttemptQueue,
-    IKQuery,
-    RandomRestarts,
-    StartBatch,
-)
-from sinuous.solver.options import SolveOptions
+from sinuous.solver.attempts import AttemptQueue, IKQuery, RandomRestarts, StartBatch
+from sinuous.solver.options import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, SolveOptions
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates, starts_along
-from sinuous.solver.routing.growth import FIRST_WIDTH, LAST_WIDTH
+from sinuous.solver.routing.partial_chains import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solver.routing.searches import CELLS, Searches, SearchPlan
 from sinuous.solver.shapes import NEAREST
 
@@ -126,8 +117,8 @@ PRIORITY_OTHER_PASSAGES = 32
 nested)."""
 
 EFFORT_OF_OTHER_PASSAGES = 8
-"""Effort of each of them, screens and comparing included, and by how much the priority of each is higher than that of
-the one before."""
+"""Effort of each of them, blocking surfaces and comparing included, and by how much the priority of each is higher than
+that of the one before."""
 
 PASSAGES_SEARCHES = 96
 """Most searches for routes through other passages."""
@@ -149,20 +140,20 @@ class Strategy:
     scene : Scene
     tolerance : Tolerance
     options : SolveOptions
-
-    Attributes
-    ----------
-    searches : Searches or None
-        What finds routes, where they are searched for.
     """
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions) -> None:
-        takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
-        self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
-        takes_memory = registry.capabilities(options.method).initial and REMEMBERED not in options.without
+        takes_routes = capabilities(options.method).routes and len(scene) > 0
+        self._for_routes = (robot, scene, tolerance) if options.routes and takes_routes else None
+        takes_memory = capabilities(options.method).initial and REMEMBERED not in options.without
         own = options.memory is not None and options.memory._serves(robot)  # a remedy's robot is another one
         self._memory = options.memory if takes_memory and own else None
         self._segments, self._options = len(robot), options
+
+    @cached_property
+    def searches(self) -> Searches | None:
+        """What finds routes, where they are searched for; made when the first starts have failed."""
+        return None if self._for_routes is None else Searches(*self._for_routes)
 
     def load(self, *, anew: bool = False) -> None:
         """Compile what routes need, or load it, where that is not done yet, or `anew`."""
@@ -171,7 +162,7 @@ class Strategy:
 
     def opening_starts(self, given: int) -> int:
         """How many starts the method makes by itself in the first call, after so many initial configurations."""
-        most = OPENING_ALONE if self.searches is None else OPENING
+        most = OPENING_ALONE if self._for_routes is None else OPENING
         return max(0, min(self._options.most_starts, most) - given)
 
     def opening(self, question: IKQuery) -> StartBatch:

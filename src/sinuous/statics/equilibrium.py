@@ -10,8 +10,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import LoadParameter, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.reprs import call
+from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.statics import layout as t
 from sinuous.model.loads import Force, Load
 from sinuous.model.segment import straight

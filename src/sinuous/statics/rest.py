@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.kernels import packing
 from sinuous.kernels.statics import layout as t
+from sinuous.model.limits import Violation
 from sinuous.model.robot import LIMIT_ROUNDING, Robot
 from sinuous.statics.body import Tables, body_of, lengths_of_lines, rolled, tables_of, unrolled
 from sinuous.statics.equilibrium import longest_body, run
@@ -106,6 +107,11 @@ class Rest:
         return self.states, self.tensions
 
     @cached_property
+    def tensions_kept(self) -> bool:
+        """Whether there is an equilibrium, and the tensions of lines that stretch are within their limits."""
+        return self.states is not None and tensions_kept(self.robot, self.pulls)
+
+    @cached_property
     def rolls(self) -> Floats:
         """By how much the ends of all arcs have rolled (N,), rad."""
         assert self.states is not None
@@ -181,21 +187,6 @@ class Way:
         q, displacements = self.drive(share)
         return Rest(self._one.robot, q, self._one, displacements)
 
-    def look(self, share: float, softness: bool = False) -> tuple[Tables, Floats, Floats]:
-        """Tables, gradient of the energy (N, 4), and the `softness` there, if that is asked for.
-
-        That is the change of states (4 N, 4 N) for a unit of force on each, while lines hold nothing.
-        """
-        from sinuous.kernels.statics.flexibility import soften  # noqa: PLC0415
-
-        one, other = self._one, self._other
-        q, displacements = self.drive(share)
-        tables = tables_of(one.robot, q, (), displacements)
-        x, tensions = ((1.0 - share) * a + share * b for a, b in zip(one.found, other.found, strict=True))
-        left, out = np.empty(x.shape), np.empty((x.size if softness else 0, *x.shape))
-        soften(*tables.body(one.robot.base), x, tensions, tables.buffer(), left, out)
-        return tables, left, out.reshape(len(out), x.size)
-
 
 def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
     """The body of a robot and its shapes (T, N, 3) at drives (T, n, 3); the robot and `q` where nothing bends it."""
@@ -214,11 +205,28 @@ def stretches_allowed(robot: Robot) -> Floats:
     return limits[own.actuators] * own.compliance[:, None]
 
 
+def tensions_violated(robot: Robot, q: Floats) -> list[Violation]:
+    """List the limits of tension that the loaded body violates at a drive (n, 3), each by a stretch in the length unit.
+
+    There is none without a load, nor where no equilibrium is found.
+    """
+    elastic = robot.drive.elastic
+    if elastic is None or not robot.has_external_load or np.isinf(stretches_allowed(robot)).all():
+        return []
+    rest = Rest(robot, np.array(q, order="C"))
+    return [] if rest.states is None else _violated(robot, rest.pulls)
+
+
 def tensions_kept(robot: Robot, tensions: Floats) -> bool:
     """Whether tensions (m,) of all actuators under load are within the limits of those that stretch."""
+    return not _violated(robot, tensions)
+
+
+def _violated(robot: Robot, tensions: Floats) -> list[Violation]:
     elastic = robot.drive.elastic
     if elastic is None:
-        return True
+        return []
     own = tensions[elastic.places]
     beyond = elastic.beyond(np.where(np.isnan(own), 0.0, own))
-    return bool((beyond[~np.isnan(own)] <= LIMIT_ROUNDING * robot.mean_length).all())
+    found = np.flatnonzero(~np.isnan(own) & (beyond > LIMIT_ROUNDING * robot.mean_length))
+    return [("actuator", robot.actuators[elastic.places[i]].segment, float(beyond[i])) for i in found]

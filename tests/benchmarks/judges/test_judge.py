@@ -8,8 +8,8 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from benchmarks import problems
-from benchmarks.judges.collisions import Body
-from benchmarks.judges.judge import judge, within_limits
+from benchmarks.judges.clearances import overlaps
+from benchmarks.judges.judge import right, within_limits
 from benchmarks.judges.kinematics import arc_poses, body_points, segment_ends, tip_poses
 from sinuous.base.checks import Floats
 from sinuous.problem.target import Tolerance
@@ -49,7 +49,7 @@ def test_reference_agrees_with_the_library() -> None:
 
 
 def test_a_right_answer_is_right() -> None:
-    assert judge(ARM, [TIP], STRAIGHT, TOLERANCE).right.all()
+    assert right(ARM, [TIP], STRAIGHT, TOLERANCE).all()
 
 
 @with_each(
@@ -65,7 +65,7 @@ def test_a_right_answer_is_right() -> None:
     ],
 )
 def test_a_missed_target_is_seen(target: sn.Target) -> None:
-    assert not judge(ARM, [target], STRAIGHT, TOLERANCE).at_target.any()
+    assert not right(ARM, [target], STRAIGHT, TOLERANCE).any()
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_a_missed_target_is_seen(target: sn.Target) -> None:
     ],
 )
 def test_within_tolerance_is_met(target: sn.Target) -> None:
-    assert judge(ARM, [target], STRAIGHT, TOLERANCE).at_target.all()
+    assert right(ARM, [target], STRAIGHT, TOLERANCE).all()
 
 
 @with_each(
@@ -125,20 +125,20 @@ def beside(gap: float) -> list[Obstacle]:
 @with_each("which", range(11))
 def test_overlap_is_seen_and_distance_is_not(which: int) -> None:
     # A ball lies at 1.5, the middle of the arm, and at its tip: there the judge is exact.
-    assert Body(ARM, Scene([beside(-1e-6)[which]])).overlaps(STRAIGHT) == [True]
-    assert Body(ARM, Scene([beside(1e-6)[which]])).overlaps(STRAIGHT) == [False]
+    assert overlaps(ARM, Scene([beside(-1e-6)[which]]), STRAIGHT).tolist() == [True]
+    assert overlaps(ARM, Scene([beside(1e-6)[which]]), STRAIGHT).tolist() == [False]
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
-    """Clearly free and clearly touching bodies, as told by the library's own distances, are told so by fcl."""
+    """Clearly free and clearly touching bodies, as told by the library's own distances, are told so."""
     asked = problems.clutter(seed, 60)
     robot, scene = asked.robot, asked.scene
     q = problems.random_configurations(robot, 60, np.random.default_rng(seed))
     points, along = body_points(robot, q, 400)
     gaps = scene.distance(points) - np.array(robot.radii)[:, None]
     clearance = np.where(along >= robot.mount, gaps, np.inf).min(axis=(1, 2))
-    told = np.array(Body(robot, scene).overlaps(q))
+    told = overlaps(robot, scene, q)
     slack = 0.02 * robot.mean_length
     assert not told[clearance > 0.0].any()
     assert told[clearance < -slack].all()
@@ -146,5 +146,5 @@ def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
 
 def test_what_sits_in_the_mount_may_touch() -> None:
     robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1, mount=0.5)
-    assert Body(robot, Scene([Sphere((0, 0, 0), 0.3)])).overlaps(STRAIGHT) == [False]
-    assert Body(robot, Scene([Sphere((0, 0, 0.2), 0.3)])).overlaps(STRAIGHT) == [True]
+    assert overlaps(robot, Scene([Sphere((0, 0, 0), 0.3)]), STRAIGHT).tolist() == [False]
+    assert overlaps(robot, Scene([Sphere((0, 0, 0.2), 0.3)]), STRAIGHT).tolist() == [True]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from sinuous.scene.prepared import sampling
+from sinuous.scene import sampling
 
 
 @pytest.fixture(autouse=True, scope="package")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from benchmarks.judges.collisions import Body
+from benchmarks.judges.clearances import least_clearance, overlaps
 from benchmarks.judges.judge import Flags
 from benchmarks.motion import hidden, known
 from benchmarks.places import FAMILIES, Place, make
@@ -14,15 +14,15 @@ from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 
 made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""
 
-DRAWN = [name for name in FAMILIES if not name.startswith("p")] + ["pipe 1.3", "pipe 1.6 scan", "plates"]
-DRAWN += ["pipe between", "pipe between scan"]
+DRAWN = [name for name in FAMILIES if not name.startswith("p") and not name.endswith("scan")] + ["pipe 1.3", "plates"]
+DRAWN += ["pipe between", "pipe 1.6 scan", "drum scan"]
 
 
 def backbone(made: Place) -> tuple[Floats, Floats, list[Floats]]:
@@ -87,12 +87,11 @@ def test_nobody_gets_out_of_what_is_closed(family: str) -> None:
     """Shapes drawn at random leave the pipe, through its wall: the judge sees every one."""
     made = made_once(family, 10)
     drawn = random_configurations(made.robot, 12, np.random.default_rng(0))
-    body = Body(made.robot, made.scene, thorough=True)
-    assert all(body.overlaps(drawn))
-    assert body.overlaps(made.hidden_q[None]) == [False]
+    assert overlaps(made.robot, made.scene, drawn).all()
+    assert not overlaps(made.robot, made.scene, made.hidden_q[None]).any()
 
 
-@pytest.mark.parametrize("family", ["spheres 12", "drum scan", "two doors mesh", "small world", "p4 pose"])
+@pytest.mark.parametrize("family", ["spheres 12", "small world", "p4 pose"])
 def test_a_seed_makes_its_place_again(family: str) -> None:
     first, again, other = made_once(family, 10), make(family, 10), made_once(family, 13)
     np.testing.assert_array_equal(first.hidden_q, again.hidden_q)
@@ -106,6 +105,5 @@ def test_a_motion_is_hidden_in_places_to_plan_into(family: str, monkeypatch: pyt
     monkeypatch.setattr("benchmarks.judges.motions.A_STEP", 10)
     monkeypatch.setattr(hidden, "FINE", 4)
     place = known.make(family, 7)
-    radius, body = max(place.robot.radii), Body(place.robot, place.scene, thorough=True)
-    assert not any(body.overlaps(place.knots))
-    assert 0.1 * radius < body.clearance(place.knots, radius).min() < radius
+    radius, gaps = max(place.robot.radii), least_clearance(place.robot, place.scene, place.knots)
+    assert 0.1 * radius < gaps.min() < radius

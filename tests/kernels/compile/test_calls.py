@@ -1,13 +1,11 @@
 """What kernels hand to each other arrives as it was, and so does what they return."""
 
-import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import pytest
 
-from sinuous.kernels.compile import apart, compiled_form, entry, inline, kernel, shared
+from sinuous.kernels.compile import entry, kernel, shared
 from sinuous.kernels.maths.vectors import Array
 
 
@@ -157,40 +155,3 @@ def test_what_python_raises_is_zero_in_machine_code() -> None:
     assert third_or((2.0, 3.0), 5) == 1.0
     with pytest.raises(IndexError):
         third_or.interpreted((2.0, 3.0), 5)  # type: ignore[attr-defined]
-
-
-def test_what_is_copied_into_its_caller_alone_is() -> None:
-    """Numba would let all be copied that is first met within it, wherever it is called."""
-    shift = 0.25  # what has it within is compiled here and now
-
-    @kernel
-    def wave(x: float) -> float:
-        return math.sin(x) + math.cos(x + shift)
-
-    @apart
-    def wide(x: float) -> float:
-        return wave(2.0 * x)
-
-    @inline
-    def near(x: float) -> float:
-        return wide(x) + wave(x)
-
-    @entry
-    def nearer(x: float) -> float:
-        return near(x)
-
-    assert nearer(0.5) == pytest.approx(nearer.interpreted(0.5))  # type: ignore[attr-defined]
-    for one, copied in ((wave, False), (wide, False), (near, True)):
-        (made,) = compiled_form(one).overloads.values()
-        functions = {each.name: each.attributes for each in made.library.own_module().functions}
-        assert (b"alwaysinline" in b" ".join(functions[made.fndesc.mangled_name])) is copied
-
-
-def test_code_of_others_calls_kernels() -> None:
-    add_up, row = compiled_form(sum_of), np.array([[2.0], [3.0]])
-
-    def theirs(table: Array, marks: Array) -> float:
-        return float(add_up(Pair(table, marks, 1.0, True)))
-
-    njit: Any = numba.njit
-    assert njit(theirs)(row, np.array([1, 2], dtype=np.int32)) == 9.0

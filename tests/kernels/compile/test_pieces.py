@@ -53,11 +53,6 @@ def test_compiling_a_piece_is_announced_once_in_a_process(
     assert len(entry.signatures) == 2
 
 
-def test_what_takes_no_time_is_not_announced(fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]) -> None:
-    fresh(1)(2.0)
-    assert capsys.readouterr().err == ""
-
-
 def test_another_can_be_told(fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]) -> None:
     told: list[pieces.Piece] = []
     entry = fresh(9)
@@ -77,11 +72,3 @@ def test_a_person_sees_a_bar(fresh: Callable[[int], Any], monkeypatch: pytest.Mo
     said = stream.getvalue()
     assert said.startswith("sinuous: compiling halves")
     assert "0:00:0" in said
-
-
-def test_an_estimate_counts_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "CACHE", tmp_path)
-    piece = pieces.Piece("halves", 6, (), 24)
-    assert piece.expected == 24
-    compiling.entry(half)(2.0)
-    assert piece.expected == 6

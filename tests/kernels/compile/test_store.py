@@ -48,14 +48,6 @@ def test_what_nobody_uses_is_removed_and_what_is_too_much(tmp_path: Path) -> Non
     assert {file.name for file in tmp_path.iterdir()} == {"c.3.code", "other"}
 
 
-def test_what_is_used_is_not_old(folder: Path) -> None:
-    compiling.entry(half)(2.0)
-    (file,) = folder.glob("*.code")
-    os.utime(file, (0.0, 0.0))
-    assert compiling.entry(half)(2.0) == 1.0
-    assert time.time() - file.stat().st_mtime < 3600
-
-
 def half(x: float) -> float:
     return 0.5 * x
 

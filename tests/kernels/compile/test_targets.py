@@ -65,12 +65,6 @@ def test_what_is_shipped_is_read_where_it_runs(
     assert bool(list(store.CACHE.glob("third*"))) is not read
 
 
-def test_levels_grow() -> None:
-    two, three, four = (set(targets.LEVELS[f"x86-64-v{i}"].split()) for i in (2, 3, 4))
-    assert two < three < four
-    assert targets.settings("x86-64-v2")["NUMBA_CPU_FEATURES"].startswith("+cx16,")
-
-
 def test_a_wheel_has_the_code_and_a_name_that_says_for_what(tmp_path: Path) -> None:
     plain, level = tmp_path / "sinuous-1.0-py3-none-any.whl", tmp_path / "x86-64-v3"
     level.mkdir()

@@ -112,16 +112,6 @@ def test_a_call_waits_for_its_code_where_that_is_better(
     assert tiers._Waiting.count == 0
 
 
-def test_what_takes_a_moment_is_not_said(
-    orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(pieces, "PIECES", (piece(1, most=3),))
-    entry: Any = compiling.entry(fill)
-    assert entry(np.zeros(3), 1.5) == 1
-    assert (len(entry.signatures), len(orders)) == (0, 1)
-    assert capsys.readouterr().err == ""
-
-
 @pytest.mark.parametrize("there", [True, False], ids=["code is there", "long enough"])
 def test_an_interpreted_call_is_abandoned_and_made_again_with_its_code(
     there: bool, orders: Orders, monkeypatch: pytest.MonkeyPatch
@@ -217,19 +207,6 @@ def test_a_helper_that_is_killed_is_given_up(foreman: helpers.Foreman, at_home: 
     assert until(lambda: bool(foreman._processes))
     foreman._processes[0].kill()
     assert until(lambda: not foreman.order(lost))
-
-
-def test_where_no_process_may_be_begun_nobody_waits_for_it(
-    foreman: helpers.Foreman, at_home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse() -> None:
-        raise PermissionError
-
-    monkeypatch.setattr(helpers, "begin_helper", refuse)
-    first = order(at_home)
-    foreman.order(first)
-    assert until(lambda: not foreman.order(first))
-    assert foreman.given_up
 
 
 PROGRAM = """

@@ -8,8 +8,8 @@ import pytest
 from sinuous.base.checks import Floats
 from sinuous.kernels.fields.distances import beside
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, SHAPE
-from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.prepared import parts, sampling, trees
+from sinuous.scene import parts, sampling
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import kernel_scene, random_pose, random_unit
@@ -49,7 +49,7 @@ def near_and_far(mesh: Mesh) -> Floats:
 @pytest.mark.parametrize("name", MESHES)
 def test_distances_by_lists_are_those_of_the_tree(name: str) -> None:
     mesh = MESHES[name]
-    lists, plain = parts.prepare(mesh, name), parts._of_pieces(trees.triangles(mesh))
+    lists, plain = parts.prepare(mesh, name), parts._of_pieces(parts.triangles(mesh))
     assert lists.row[FIRST_CELL] >= 0.0
     assert lists.row[FIRST_SAMPLE] == plain.row[FIRST_CELL] == -1.0
     points = near_and_far(mesh)
@@ -61,7 +61,7 @@ def test_lists_that_have_no_room_leave_it_to_the_tree(monkeypatch: pytest.Monkey
     """Where entries run out, lists end early, then are empty."""
     mesh = boxes(11)
     monkeypatch.setattr(sampling, "ENTRIES", 30_000)
-    short, plain = parts.prepare(mesh, "boxes"), parts._of_pieces(trees.triangles(mesh))
+    short, plain = parts.prepare(mesh, "boxes"), parts._of_pieces(parts.triangles(mesh))
     first, shape = int(short.row[FIRST_CELL]), short.row[SHAPE : SHAPE + 3].astype(int)
     counts = short.store[first : first + 3 * shape.prod()].reshape(-1, 3)[:, 1]
     assert (counts > 0.0).any()

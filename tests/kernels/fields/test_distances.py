@@ -8,9 +8,7 @@ import fcl
 import numpy as np
 import pytest
 
-from sinuous.kernels import tables
 from sinuous.kernels.fields import distances
-from sinuous.kernels.fields.solids import EXACT, INTERPOLATED
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
@@ -120,42 +118,6 @@ def test_one_step_down_the_gradient_is_the_surface_and_no_surface_is_nearer(kind
     surface = (center + high[:, None] * rays)[keep]
     for p, d in zip(points[::10], values[::10], strict=True):
         assert np.linalg.norm(surface - p, axis=1).min() >= abs(d) - 1e-9
-
-
-@pytest.mark.parametrize("inside", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_what_is_within_reach_is_exact_and_what_is_not_is_bounded_on_both_sides(kind: str, inside: bool) -> None:
-    """A ball about an obstacle spares looking at it; bounds beyond the reach must hold all the same."""
-    rng = np.random.default_rng(30)
-    obstacle, _, _ = draw(kind, rng, inside and kind in ("sphere", "box", "cylinder"))
-    scene, spared = kernel_scene(Scene([obstacle])), 0
-    for p in around(obstacle, rng, 200):
-        exact = distances.evaluate(scene, 0, vec(p), math.inf, EXACT)[0]
-        for reach in (-0.1, 0.0, 0.3, 2.0):
-            low, high = distances.evaluate(scene, 0, vec(p), reach, INTERPOLATED)
-            assert low == high == exact if exact < reach else reach <= low <= exact <= high
-            assert distances.evaluate(scene, 0, vec(p), reach, EXACT) == (exact, exact)
-            spared += low < exact
-    assert (spared > 0) == (kind in ("box", "capsule", "cylinder") and obstacle.row[tables.SIGN] > 0.0)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(4))
-def test_gradients_are_unit_and_the_slope(kind: str, seed: int) -> None:
-    rng = np.random.default_rng(20 + seed)
-    obstacle, _, _ = draw(kind, rng)
-    points = around(obstacle, rng, 200)
-    _, gradients = ask(obstacle, points)
-    np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1.0, atol=1e-14)
-    h = 1e-6
-    smooth = np.ones(len(points), bool)
-    slopes = np.empty_like(points)
-    for i, axis in enumerate(np.eye(3)):
-        forward, here, back = (ask(obstacle, points + step * axis)[0] for step in (h, 0.0, -h))
-        slopes[:, i] = (forward - back) / (2 * h)
-        smooth &= abs(forward - 2 * here + back) < 1e-3 * h  # no kink within the stencil
-    assert smooth.sum() > 150
-    np.testing.assert_allclose(slopes[smooth], gradients[smooth], atol=1e-6)
 
 
 @pytest.mark.parametrize("inside", [False, True])

@@ -1,4 +1,4 @@
-"""The chain laid along a route."""
+"""The chain fitted to a route."""
 
 import numpy as np
 import pytest

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from sinuous.solver.routing.edges import walls_of
+from sinuous.solver.routing.tubes import walls_of
 from tests.helpers import Floats
 from tests.kernels.freespace.places import query, room
 from tests.scene import shapes

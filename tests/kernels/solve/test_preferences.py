@@ -5,17 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from sinuous.answer.verification import verify
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Preferences, Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Sphere
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(5, (0.7, 1.3), 2.5, radius=0.05)
@@ -49,25 +45,6 @@ def preferred(
     return best, *told[:-1]
 
 
-def disliked(wish: Preferences, q: Floats, reference: Floats) -> float:
-    away = (((q - reference) / [1.0, 1.0, UNIT]) ** 2).sum()
-    return float(wish.start * away + wish.bends * (q[:, :2] ** 2).sum())
-
-
-@given(st.integers(0, 10**6), st.sampled_from(PREFERENCES))
-def test_the_cost_falls_and_the_answer_stays_one(seed: int, wish: Preferences) -> None:
-    q, reference = shape(seed), shape(seed + 1)
-    problem = problem_at(q)
-    best, used, off, turn, clearance, _ = preferred(problem, wish, q, reference)
-    check = verify(problem, best)
-    assert check.ok
-    assert used > 0
-    assert disliked(wish, best, reference) < disliked(wish, q, reference)
-    assert off == pytest.approx(check.position_error, abs=1e-9)
-    assert turn == pytest.approx(check.angle_error, abs=1e-7)
-    assert clearance == math.inf
-
-
 def free_gradient(wish: Preferences, q: Floats, reference: Floats) -> float:
     """Size of the part of the gradient of the cost along which the target is met, and lengths at a limit stay there."""
     jacobian = ROBOT.jacobian(q)
@@ -92,36 +69,6 @@ def test_in_the_end_hardly_a_small_motion_is_better(wish: Preferences, share: fl
         assert free_gradient(wish, best, reference) < share * free_gradient(wish, q, reference)
         count.append(used)
     assert np.mean(count) < steps
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_without_time_nothing_is_changed(seed: int) -> None:
-    q = shape(seed)
-    best, used, off, *_ = preferred(problem_at(q), PREFERENCES[0], q, q, seconds=-1.0)
-    np.testing.assert_array_equal(best, q)
-    assert used == 0
-    assert off < 1e-12  # proved anew, and not what was told
-
-
-def test_among_obstacles_the_body_stays_clear_and_a_wish_for_clearance_helps() -> None:
-    counted = gained = 0
-    for seed in range(16):
-        q = shape(seed, 0.3)
-        away = np.random.default_rng(seed).normal(size=3)
-        ball = Sphere(ROBOT.backbone(q, 10)[25] + 0.4 * away / np.linalg.norm(away), 0.2)
-        problem = problem_at(q, [ball])
-        before = verify(problem, q)
-        if not before.ok:
-            continue
-        counted += 1
-        for wish in (Preferences(bends=1.0), Preferences(clearance=0.5)):
-            best, _, _, _, clearance, _ = preferred(problem, wish, q, q)
-            after = verify(problem, best)
-            assert after.ok
-            assert clearance <= after.clearance + 1e-9
-            gained += bool(wish.clearance) and after.clearance > before.clearance + 1e-3
-    assert counted > 5
-    assert gained > 5
 
 
 def test_what_is_not_solved_is_not_taken() -> None:

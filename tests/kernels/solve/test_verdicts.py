@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
-from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
+from sinuous.kernels.tables import TARGET_BLOCKED
 from sinuous.measures.reach import bounds
 from sinuous.model.poses import pose
 from sinuous.model.robot import Robot
@@ -95,33 +95,6 @@ def test_a_target_that_a_clear_body_attains_is_never_blocked(seed: int) -> None:
     ball = Scene([Sphere(end[:3, 3] + away * (0.2 + 0.05 + 1e-9), 0.2)])  # touches the ball at the tip
     for target in (Target(tip[:3, 3]), Target(tip[:3, 3], rotation=tip[:3, :3]), Target(direction=tip[:3, 2])):
         assert verdict(robot, target, ball) == POSSIBLE
-
-
-def test_too_far() -> None:
-    robot = Robot.uniform(3, (0.5, 1.0))
-    assert verdict(robot, Target((0, 0, 3.0))) == POSSIBLE
-    assert verdict(robot, Target((0, 0, 3.0 + 0.5 * TOLERANCE[0]))) == POSSIBLE
-    assert verdict(robot, Target((0, 0, 3.0 + 2 * TOLERANCE[0]))) == OUT_OF_REACH
-    assert verdict(robot, Target((0, 2.1, 0), segment=2)) == OUT_OF_REACH
-    assert verdict(robot, [Target((0, 0, 2.0)), Target((0, 2.1, 0), segment=2)]) == OUT_OF_REACH
-    assert verdict(robot, Target(direction=(0, 0, -1))) == POSSIBLE
-
-
-def test_too_near() -> None:
-    """Three segments of 1 that turn by 0.6 together: the chord of the arc is the least."""
-    robot = Robot.uniform(3, (1.0, 2.0), max_bend=0.2)
-    least = 3.0 * math.cos(0.3)
-    assert verdict(robot, Target((0, 0, least - 0.01))) == OUT_OF_REACH
-    assert verdict(robot, Target((0, 0, least + 0.01))) == POSSIBLE
-
-
-def test_a_direction_that_the_bends_cannot_turn_to() -> None:
-    robot = Robot.uniform(2, 1.0, max_bend=0.5)
-    for angle, expected in ((0.9, POSSIBLE), (1.0, POSSIBLE), (1.1, OUT_OF_REACH), (3.0, OUT_OF_REACH)):
-        assert verdict(robot, Target(direction=(math.sin(angle), 0, math.cos(angle)))) == expected
-    tilted = Robot.uniform(2, 1.0, max_bend=0.5, tool=pose(direction=(math.sin(0.3), 0, math.cos(0.3))))
-    assert verdict(tilted, Target(direction=(math.sin(1.25), 0, math.cos(1.25)))) == POSSIBLE
-    assert verdict(tilted, Target(direction=(math.sin(1.35), 0, math.cos(1.35)))) == OUT_OF_REACH
 
 
 def test_a_tip_that_would_be_in_an_obstacle() -> None:

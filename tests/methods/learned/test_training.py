@@ -1,43 +1,13 @@
-"""Training: derivatives, what is learned, and what is refused."""
+"""Training: what is learned, and what is refused."""
 
 import numpy as np
-import pytest
 
 import sinuous as sn
 from sinuous.methods.learned import training
-from sinuous.methods.learned.network import evaluate
 from tests.helpers import refused
 from tests.methods import laws
 
 WALL = sn.HalfSpace((30, 0, 0), (-1, 0, 0))
-
-
-def test_slopes_are_derivatives() -> None:
-    rng = np.random.default_rng(0)
-    layers = [rng.normal(size=size) for size in ((4, 5), (6, 5), (6, 2))]
-    x, y = rng.normal(size=(7, 3)), rng.normal(size=(7, 2))
-    with_one = np.concatenate([x, np.ones((7, 1))], axis=1)
-
-    def error() -> float:
-        return float(((evaluate(tuple(layers), x) - y) ** 2).sum() / len(x))
-
-    for own, slope in zip(layers, training._slopes(layers, with_one, y), strict=True):
-        for place in np.ndindex(own.shape):
-            before, own[place] = own[place], own[place] + 1e-6
-            more = error()
-            own[place] = before - 1e-6
-            less = error()
-            own[place] = before
-            assert slope[place] == pytest.approx((more - less) / 2e-6, rel=1e-5, abs=1e-7)
-
-
-def test_a_linear_map_is_learned() -> None:
-    rng = np.random.default_rng(0)
-    x = rng.uniform(-1.0, 1.0, (2000, 3)) * (1.0, 10.0, 100.0) + (0.0, 5.0, -300.0)
-    y = np.stack([x @ (1.0, 0.1, 0.01), 1e3 * x[:, 0], np.full(len(x), 7.0)], axis=1)
-    learned = training._learn(x, y, 16, 40, rng, lambda _: None)
-    wrong = evaluate(learned, x) - y
-    assert (np.abs(wrong).mean(axis=0) < (0.05, 30.0, 0.05)).all()
 
 
 def test_drawn_shapes_keep_the_limits() -> None:

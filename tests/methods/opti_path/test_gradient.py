@@ -1,24 +1,85 @@
-"""The update of the points of a path: both gradients are the attenuated sums of the paper."""
+"""The update of the points of a path: both gradients are the attenuated sums of the paper's costs of arcs."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import gradient as path_gradient
-from sinuous.methods.opti_path.gradient import Setting
+from sinuous.methods.opti_path import path as paths
+from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
-from sinuous.methods.opti_path.path import Path
-from tests.helpers import Floats
+from sinuous.methods.opti_path.path import Aim, Path
+from sinuous.methods.opti_path.potential import Potential
+from sinuous.model.robot import Robot
+from sinuous.scene.obstacles import Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats, kernel_scene, vec
 from tests.kernels.workspace import make_clock
-from tests.methods.opti_path.test_gradient_costs import WEIGHTS, aim, arc_costs, c_of, field
-from tests.methods.opti_path.test_path import N, make_path, wavy
+
+N = 6
+ROBOT = Robot.uniform(N, (0.8, 1.2), 2.0)
+SCENE = Scene([Sphere((0.9, 0.3, 1.5), 0.4), Sphere((-0.3, 0.2, 3.0), 0.5), Sphere((0.4, -0.5, 4.5), 0.4)])
+WEIGHTS = Weights(1.3, 0.7, 0.9, 0.4)
+GOAL = np.array([0.6, -0.64, 0.48])
+REACH = 0.6
 
 
-def gradient(path: Path, chosen: Setting, backwards: bool, obstacles: bool = True) -> tuple[Floats, Floats]:
-    compute = path_gradient.gradient_backwards if backwards else path_gradient.gradient_by_differences
-    compute(field(), chosen, WEIGHTS, aim(), path, obstacles, make_clock())
-    return path.update[1:-1].copy(), path.avoid[1:-1].copy()
+def wavy(seed: int) -> Floats:
+    rng = np.random.default_rng(seed)
+    return np.concatenate([np.zeros((1, 3)), np.cumsum([0.0, 0.0, 0.9] + 0.35 * rng.normal(size=(N, 3)), axis=0)])
+
+
+def make_path(points: Floats, band: float) -> Path:
+    n = len(points) - 1
+    tangents = np.zeros((n + 1, 3))
+    tangents[0] = [0.0, 0.0, 1.0]
+    path = Path(
+        points.copy(),
+        points.copy(),
+        tangents,
+        np.zeros((n, 15)),
+        np.zeros((n + 1, 3)),
+        np.zeros((n + 1, 3)),
+        np.zeros((n, 4)),
+    )
+    paths.want(ROBOT.limits.copy(), band, 0.0, path)
+    paths.trace(path)
+    return path
+
+
+def c_of(p: Floats) -> float:
+    d = float(SCENE.distance(p)) - 0.05
+    return 1.2 * (0.5 * REACH - d) if d < 0.0 else 0.6 / REACH * (d - REACH) ** 2 if d < REACH else 0.0
+
+
+def arc_costs(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
+    """Costs F_j of all arcs, without and of the obstacles: plain NumPy, the paper's words."""
+    t, shapes, bodies = np.array([0.0, 0.0, 1.0]), [], []
+    for j in range(N):
+        a, b = points[j], points[j + 1]
+        chord = float(np.linalg.norm(b - a))
+        e = (b - a) / chord
+        x = math.acos(float(np.clip(t @ e, -1.0, 1.0)))
+        length = chord * x / math.sin(x)
+        inset = 0.5 * (1.0 - chosen.dead_band) * 0.4
+        miss = max(0.0, length - (1.2 - inset)) + max(0.0, 0.8 + inset - length)
+        over = max(0.0, 2.0 * x - 2.0)
+        shape = WEIGHTS.length * miss**2 + WEIGHTS.bends * over**2
+        body = 0.0
+        for s in range(1, chosen.samples + 1):
+            u = s / (chosen.samples + 1)
+            w, h = t @ e, 0.5 * chord
+            top = (1 - u) ** 2 * a + 2 * u * (1 - u) * (w * a + h * t) + u**2 * b
+            body += c_of(top / ((1 - u) ** 2 + 2 * u * (1 - u) * w + u**2))
+        bodies.append(WEIGHTS.obstacles * chosen.arcs_weight * length * body / chosen.samples)
+        t = 2.0 * (t @ e) * e - t
+        if j == N - 1:
+            far = float(np.linalg.norm(t - GOAL))
+            shape += WEIGHTS.orientation * (far if chosen.orientation == "norm" else far**2)
+        shapes.append(shape)
+    return np.array(shapes), np.array(bodies)
 
 
 def attenuated_sums(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
@@ -63,10 +124,12 @@ def test_both_gradients_are_the_attenuated_sums(chosen: OptiPath) -> None:
     for seed in range(2):
         points = wavy(seed)
         shape, body = attenuated_sums(points, chosen)
-        for backwards in (True, False):
-            small = dataclasses.replace(chosen, disturbance=1e-6)
+        field = Potential(kernel_scene(SCENE), np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.2, REACH, 0.05)
+        setting = Setting(*map(float, dataclasses.replace(chosen, disturbance=1e-6).vector()))
+        for compute in (path_gradient.gradient_backwards, path_gradient.gradient_by_differences):
             path = make_path(points, chosen.dead_band)
-            update, avoid = gradient(path, Setting(*map(float, small.vector())), backwards)
+            compute(field, setting, WEIGHTS, Aim((0.0, 0.0, 0.0), vec(GOAL), True, 1.0), path, True, make_clock())
+            update, avoid = path.update[1:-1], path.avoid[1:-1]
             np.testing.assert_allclose(update, shape, atol=1e-4 * (1.0 + np.abs(shape).max()))
             wanted = body + point_forces(points, path.arcs[:, 14])
             np.testing.assert_allclose(avoid, wanted, atol=1e-4 * (1.0 + np.abs(wanted).max()))

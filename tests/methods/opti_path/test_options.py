@@ -8,17 +8,8 @@ import pytest
 import sinuous as sn
 from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_configurations
 from sinuous import methods
-from sinuous.methods.opti_path import gradient as path_gradient
-from sinuous.methods.opti_path import path as paths
-from sinuous.methods.opti_path import search
-from sinuous.methods.opti_path import starts as path_starts
-from sinuous.methods.opti_path.gradient import Exponent, PotentialKind, Setting, Weights
-from sinuous.methods.opti_path.path import Aim
-from sinuous.methods.opti_path.potential import Potential
-from sinuous.scene.scene import Scene
-from tests.helpers import Floats, kernel_scene, refused, vec
-from tests.kernels.workspace import make_clock
-from tests.methods.opti_path.test_path import make_path
+from sinuous.methods.opti_path.gradient import PotentialKind
+from tests.helpers import refused
 
 EXACT = sn.Tolerance(1e-9, 0.0175)
 DOWN = (0.0, 0.0, -1.0)
@@ -62,37 +53,6 @@ def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target:
         literal = run(exponent="literal", metric=metric, orientation="norm", largest_step=0.0)
         assert not literal.solved
         assert literal.worst is not None
-
-
-def lengths_after(target: sn.Target, iterations: int, exponent: Exponent) -> Floats:
-    """Largest length of an arc in every iteration, without any limit of a step, by the kernels alone."""
-    chosen = methods.OptiPath.faithful(
-        exponent=exponent, orientation="norm", orientation_weight=0.17, regularisation=10.0, largest_step=0.0
-    )
-    setting = Setting(*map(float, chosen.vector()))
-    robot = arm(5, 6.0)
-    path = make_path(np.zeros((6, 3)), robot=robot)
-    path.tangents[0] = DOWN
-    assert target.position is not None
-    assert target.direction is not None
-    aim = Aim(vec(target.position), vec(target.direction), True, 57.5)
-    path_starts.single(robot.limits.copy(), setting, aim, path)
-    nothing = Potential(kernel_scene(Scene()), np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 0.0)
-    seen = []
-    for _ in range(iterations):
-        paths.trace(path)
-        seen.append(path.arcs[:, 14].max())
-        weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
-        path_gradient.gradient_backwards(nothing, setting, weights, aim, path, False, make_clock())
-        search.move(setting, path, 57.5)
-    return np.array(seen)
-
-
-def test_the_literal_exponent_diverges() -> None:
-    """Arcs close up and grow without end; with the repaired exponent nothing of this happens."""
-    target = poses()[0]
-    assert lengths_after(target, 1000, "literal").max() > 300.0
-    assert lengths_after(target, 1000, "adjacent").max() < 90.0
 
 
 def test_random_reachable_poses() -> None:

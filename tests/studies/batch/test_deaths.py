@@ -1,7 +1,6 @@
 """Whatever ends a batch, for real: nothing is lost, nothing is done twice, and one line says what happened."""
 
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -99,20 +98,6 @@ def one_line(process: Process, *words: str) -> None:
     assert all(word in told for word in words), told
 
 
-def children(process: Process) -> list[int]:
-    """Processes that work for this one."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text(encoding="utf-8").rpartition(")")[2].split()
-            command = stat.with_name("cmdline").read_bytes()
-        except OSError:
-            continue
-        if int(fields[1]) == process.pid and b"spawn_main" in command:
-            found.append(int(stat.parent.name))
-    return found
-
-
 def test_killed(folder: Path, expected: bytes) -> None:
     process = begin(folder)
     until(process, lambda: len(parts(folder)) >= 5)
@@ -128,16 +113,6 @@ def test_interrupted(folder: Path, expected: bytes) -> None:
     one_line(process, "interrupted", "kept")
     assert process.returncode == 130
     finish(folder, expected)
-
-
-@pytest.mark.skipif(not Path("/proc").exists(), reason="processes are found in /proc")
-def test_a_worker_process_killed_halfway(folder: Path, expected: bytes) -> None:
-    process = begin(folder, "--engine", "processes", "--workers", "2")
-    until(process, lambda: len(parts(folder)) >= 5)
-    os.kill(children(process)[0], signal.SIGKILL)
-    assert process.wait(PATIENCE) in (0, 1)  # not all targets can be reached
-    assert "skipped" not in process.communicate()[0]
-    assert (folder / "out.npz").read_bytes() == expected
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """A batch is a loop, to the last bit, whatever it is read from, written to, cut into and solved by."""
 
-import json
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.studies.batch.batch import Batch
-from sinuous.studies.batch.solve import owns
 from sinuous.studies.batch.tables.results import STATUSES
 from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
 
@@ -121,15 +119,6 @@ def test_a_file_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     assert out.read_text(encoding="utf-8") == "mine"
 
 
-def test_a_broken_chunk_is_done_again(tmp_path: Path) -> None:
-    out = tmp_path / "out.npz"
-    solve(points(30), out, chunk=10, shard=(1, 1))
-    chunk = out.with_name("out.npz.parts") / "chunk-0000001.npz"
-    chunk.write_bytes(chunk.read_bytes()[:100])
-    assert solve(points(30), out, chunk=10).before == 20
-    np.testing.assert_array_equal(results(out)["q"][:3], loop(30)[0].q[:3])
-
-
 def test_warm_starts_are_solved_from_solutions_and_depend_on_nothing_but_the_chunk() -> None:
     options: dict[str, Any] = {"warm": True, "chunk": 64}
     one, other = (solve(points(COUNT), workers=workers, **options) for workers in (1, 2))
@@ -180,12 +169,3 @@ def test_no_rows_are_a_batch_too(tmp_path: Path) -> None:
     batch = solve(np.empty((0, 3)), tmp_path / "out.csv")
     assert (batch.rows, batch.counts, batch.solved) == (0, {}, True)
     assert (tmp_path / "out.csv").read_text(encoding="utf-8").count("\n") == 1
-
-
-def test_plain_values_of_a_batch_are_json() -> None:
-    assert json.loads(json.dumps(solve(points(5)).to_dict()))["rows"] == 5
-
-
-def test_shards_divide_all_chunks() -> None:
-    owners = [[owns((i, 3), number) for i in (1, 2, 3)] for number in range(10)]
-    assert all(sum(each) == 1 for each in owners)

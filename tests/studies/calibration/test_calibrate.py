@@ -153,18 +153,6 @@ def test_an_elastic_robot_is_found_from_its_tips() -> None:
     assert "elastic tendons" in found.explain()
 
 
-def test_groups_that_are_told_are_fitted_alone() -> None:
-    real = DRAWN.changed(base=POSE)
-    values = settings(DRAWN, 40)
-    found = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["base"])
-    np.testing.assert_allclose(found.robot.base, POSE, atol=1e-6)
-    assert found.groups == ("base",)
-    assert found.robot.changed(base=None, uncertainty=None).equals(DRAWN)
-    device = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["lengths"], frame="device")
-    np.testing.assert_allclose(device.device @ POSE, np.eye(4), atol=1e-6)
-    assert np.array_equal(device.robot.base, np.eye(4))
-
-
 def test_outliers_and_rows_that_were_not_seen_count_little() -> None:
     real = DRAWN.changed(base=POSE)
     values = settings(DRAWN, 60)
@@ -229,6 +217,54 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     assert kept.to_dict()["uncertainty"] == {"bound": own.bound}
     near = target + np.array([0.9 * own.bound, 0.0, 0.0])
     assert not sn.solve(found.robot, sn.Target(target), [sn.Sphere(near, 0.5)], time=0.05).solved
+
+
+def test_rows_that_a_tracker_lost_are_left_out_and_named() -> None:
+    real = real_robot()
+    values = settings(real, 40)
+    tips = measured(real, values, 0.5)
+    whole = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
+    tips[[4, 17]] = 0.0
+    found = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
+    assert found.dropped == (4, 17)
+    assert found.notes == ("rows that say 0, 0, 0, taken as not seen: 4, 17", *whole.notes)
+    assert found.bound() < 1.2 * whole.bound()
+    relative = measured(real, values) - measured(real, values)[7]  # here the origin is a place of the tip
+    assert sn.studies.calibrate(DRAWN, values, relative, fit=["base"]).dropped == ()
+
+
+def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
+    real = real_robot()
+    values = settings(real, 60)
+    tips = measured(real, values, 0.5)
+    order = [1, 0, *range(2, values.shape[1])]
+    signs = np.where(np.arange(values.shape[1]) == 2, -1.0, 1.0)
+    names = [actuator.name for actuator in DRAWN.actuators]
+    for wrong, told in (
+        (values, None),
+        (values[:, order], f"exchanging the columns {names[0]} and {names[1]}"),
+        (values * signs, f"turning the sign of {names[2]}"),
+        (values / 25.4, "actuator values times 25.4"),
+        (np.roll(values, -1, axis=0), "measurements that come 1 rows late"),
+    ):
+        notes = sn.studies.calibrate(DRAWN, wrong, tips, fit=["offsets"]).notes
+        explained = [note for note in notes if "would explain these rows" in note]
+        assert [note.split(" would")[0] for note in explained] == ([] if told is None else [told])
+
+
+def test_few_rows_say_the_level_that_they_allow() -> None:
+    real = real_robot()
+    values = settings(real, 12)
+    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 1.0), fit=["base"])
+    own = found.robot.uncertainty
+    assert own is not None
+    assert isinstance(own.bound, float)
+    assert own.level == found.level == pytest.approx(12 / 13)
+    assert own.bound == pytest.approx(found.bound(found.level))
+    assert found.bound() == math.inf
+    assert "12 rows allow a bound at 92.3 %; 95 % needs 19" in found.notes
+    assert found.confidence(own.bound) == pytest.approx(12 / 13)
+    assert found.confidence(0.0) == 0.0
 
 
 def test_rows_of_a_motion_bound_its_other_rows() -> None:
@@ -344,7 +380,7 @@ def test_a_table_of_measurements(tmp_path: Path) -> None:
     with pytest.raises(sn.InputError, match="no column c"):
         read_table(file, ["a", "c"])
     file.write_text("a,x,y,z\n1,2,3,far\n")
-    with pytest.raises(sn.InputError, match=r"row 0: .*column z"):
+    with pytest.raises(sn.InputError, match=r"line 2\.z: .*number"):
         read_table(file, ["a"])
     file.write_text("a,x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6,7\n")
     assert read_table(file, ["a"]).measured.shape == (1, 2, 3)

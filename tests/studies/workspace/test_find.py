@@ -37,15 +37,6 @@ def test_what_is_solved_can_be_solved(found: sn.studies.Reach) -> None:
     assert all(solution.verify().ok for solution in many[many.solved][:20])
 
 
-def test_no_proof_is_refuted_by_many_more_starts(found: sn.studies.Reach) -> None:
-    proved = (found.verdicts > Verdict.SOLVED) & (found.verdicts <= Verdict.BASE_BLOCKED)
-    at = np.argwhere(proved & (found.free_share > 0.0)[..., None])
-    some = at[np.random.default_rng(1).choice(len(at), min(100, len(at)), replace=False)]
-    places, axes = found.voxels.middles[tuple(some[:, :3].T)], found.directions[some[:, 3]]
-    many = sn.Solver(ROBOT, WALL, time=0.02).solve_many(positions=places, directions=axes)
-    assert not many.solved.any()
-
-
 def test_random_shapes_refute_no_proof() -> None:
     """What a map takes for proved comes from these calls: none may say so of the tip of a shape that is clear."""
     rng = np.random.default_rng(2)

@@ -57,14 +57,6 @@ def test_what_cannot_be_drawn_is_named(things: Any, message: str) -> None:
         gather(things)
 
 
-def test_every_kind_of_picture_shows_them(tmp_path: Path) -> None:
-    motion = sn.Motion(ROBOT, KNOTS, [BALL, DUST, sn.Sphere((0, 3, 0), 0.1)], times=[1.0, 3.0])
-    sn.plot(motion).figure.savefig(tmp_path / "still.png")
-    sn.view.animate(motion, path=tmp_path / "way.gif", seconds=0.3, fps=10)
-    sn.view.diagram(motion, "clearance")
-    assert all((tmp_path / name).stat().st_size > 1000 for name in ("still.png", "way.gif"))
-
-
 ROD = sn.Stiffness(youngs_modulus=54e9, poisson=0.3, radius=0.7e-3)
 SEGMENT = sn.Segment(0.2, 2.0, tendons=sn.Tendons(3, radius=0.01), stiffness=ROD, mass=0.02, arcs=4)
 HANGING = sn.Robot(

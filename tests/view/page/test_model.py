@@ -337,25 +337,6 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     assert not page.accept_beside(second.number, solution)
 
 
-def test_what_is_asked_is_asked_at_the_time_that_is_shown() -> None:
-    page, solvers = moving(), Solvers(routes=False)
-    assert page.window == (0.0, 3.0)
-    assert page.there.equals(page.scene.at(0.0))
-    blocked = solvers.solve(page.question())
-    assert blocked.status is sn.Status.TARGET_BLOCKED
-    assert page.accept(page.number, blocked)
-    page.play(3.0)
-    assert page.answer is None
-    question = page.question()
-    assert question.scene.equals(page.scene.at(3.0))
-    free = solvers.solve(question)
-    assert free.solved
-    assert free.problem.scene.equals(page.scene.at(3.0))
-    assert free.verify().ok
-    assert page.accept(question.number, free)
-    assert not page.accept(question.number - 1, blocked)
-
-
 def test_what_is_bent_by_hand_stays_while_obstacles_move() -> None:
     page = moving()
     page.bend(0, 0.1, 0.2, 0.9)

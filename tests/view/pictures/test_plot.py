@@ -82,17 +82,6 @@ def test_what_is_not_solved_has_another_colour() -> None:
     assert ARMS[0] != UNSOLVED
 
 
-def test_robots_beside_each_other_have_colours_of_their_own() -> None:
-    found = [sn.solve(ROBOT, sn.Target((0.5, y, 2.4))) for y in (-0.6, 0.0, 0.6)]
-    axes = sn.plot(found)
-    for solution, (dark, light) in zip(found, ARMS, strict=False):
-        colours = at(axes, ROBOT.backbone(solution.q)[10:])
-        hue = np.array([matplotlib.colors.to_rgb(tone) for tone in (dark, light)])
-        near = np.abs(colours[:, None] - hue).max(axis=-1).min(axis=-1)
-        assert np.median(near) < 0.25
-    assert axes.figure.texts[-1].get_text() == "3 of 3 solved"
-
-
 def test_a_motion_has_ghosts_and_the_path_of_its_tip() -> None:
     track = sn.track(ROBOT, PATH)
     axes = sn.plot(track)

@@ -13,8 +13,8 @@ from sinuous.answer.step import Active
 from sinuous.base import checks
 from sinuous.base.arguments import Parameter, Rows, Vector
 from sinuous.base.checks import Floats
+from sinuous.base.frozen import call
 from sinuous.base.parameter_groups import PerGroup, check_asked, read_tangent
-from sinuous.base.reprs import call
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.model.elastic import Elastic

@@ -14,8 +14,8 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Parameter
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.frozen import call
 from sinuous.base.parameter_groups import PerGroup, read_tangent
-from sinuous.base.reprs import call
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION

@@ -61,7 +61,6 @@ PIECES = (
             "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
-            "kernels.roadmap.enclosed.rays_met",
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.follow_tube",
@@ -129,7 +128,7 @@ PIECES = (
         15,
         (
             "kernels.statics.equilibrium.equilibrate",
-            "kernels.statics.flexibility.soften",
+            "kernels.statics.departure.measure_departure",
             "kernels.statics.drive.lay_out",
             "kernels.statics.drive.differentiate",
             "kernels.statics.answers.answer",

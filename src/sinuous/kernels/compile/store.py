@@ -22,7 +22,7 @@ from numba.core import serialize
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 
-from sinuous.base.caches import places, writable
+from sinuous.base.system import places, writable
 from sinuous.kernels.compile.locks import locked
 from sinuous.kernels.compile.sources import COMPILER, NAME_LENGTH, sources_hash, stamp_of, unchanged
 from sinuous.kernels.compile.targets import Processor, shipped

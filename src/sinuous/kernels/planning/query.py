@@ -16,7 +16,6 @@ from sinuous.kernels.planning.shortcuts import (
     bound_worst,
     forget_edges,
     joins,
-    path_length,
     shorten,
     skip,
 )
@@ -66,12 +65,10 @@ def _carve_trees(buffer: Array, n: int) -> Trees:
 
 def nodes_of(workspace: Array, segments: int, side: int = 0) -> Array:
     """The nodes of a tree (m, n, 3) in the workspace of a plan."""
-    q = 3 * segments
-    trees = workspace[segments + 2 * CLEARANCES_WIDTH + 2 * q :]
-    nodes = (len(trees) - q - 2) // (2 * (q + 1))
-    count = trees[2 * nodes * (q + 1) :][:2].view(np.int64)[side]
-    parents = trees[2 * nodes * q :].view(np.int64)[side * nodes :][:count]
-    return trees[side * nodes * q :][: nodes * q].reshape(nodes, segments, 3)[:count][parents != GONE]
+    trees = _carve_trees(workspace[7 * segments + 2 * CLEARANCES_WIDTH :], segments)
+    count = trees.counts[side]
+    nodes: Array = trees.q[side, :count][trees.parents[side, :count] != GONE]
+    return nodes
 
 
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
@@ -163,14 +160,13 @@ def plan(
     workspace: Array,
     q: Array,
     answers: Array,
-) -> tuple[int, int, float]:
+) -> int:
     """Fill `q` (p, n, 3) with configurations from the first of the `ends` (1 + g, n, 3) to one of the others.
 
     All ends are within all limits and clear. Fills `answers` (p, 14) about the motions between neighbours, linear in q,
-    as `certify_motions` does. Returns how many configurations there are (0: no path was found), how many nodes the
-    trees have, and the length of the path. When the first draw is not 0, the trees of the last call, which are in the
-    same workspace, grow on, and the goals are more goals. `scratch` is that of a proof, see `sweep_size`; `workspace`
-    is for some nodes a tree, see `plan_size`.
+    as `certify_motions` does. Returns how many configurations there are; 0: no path was found. When the first draw is
+    not 0, the trees of the last call, which are in the same workspace, grow on, and the goals are more goals. `scratch`
+    is that of a proof, see `sweep_size`; `workspace` is for some nodes a tree, see `plan_size`.
     """
     own, around = read_robot(robot), read_scene(scene)
     first = asked[4]
@@ -187,7 +183,7 @@ def plan(
     else:
         allow(space.sweep.clock, FOR_PROOF * asked[2])
         bound_worst(space, path, count, exact)
-    return count, trees.counts[0] + trees.counts[1], path_length(space, path, count)
+    return count
 
 
 @entry

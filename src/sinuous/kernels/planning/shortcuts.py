@@ -47,7 +47,7 @@ def path_length(space: Space, path: Path, count: int) -> float:
 
 def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
     """Prove an edge that is thought to be clear, and fill its answer (14,): first that it is, then how clear."""
-    verdict, until = prove_edge(space, p, q, 1.0, exact.finest)
+    verdict, until = prove_edge(space, p, q, exact.finest, False)
     clear = _keep(space, verdict, until, answer)
     if clear:
         verdict, until = bound_edge(space, p, q, exact.of_edges, exact.finest)

@@ -9,7 +9,6 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import (
     bound_again,
@@ -79,13 +78,6 @@ def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     at_time(start, out, admissible_step(space.robot.actuation, start, out), out)
 
 
-def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, float]:
-    """Whether the motion from `p` to `q` (n, 3) is proved clear, and until when it is; see `certify`."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    verdict, until = certify(motion, space.sweep, Accuracy(1.0, finest, 0.0, space.mount, True), space.seen)
-    return verdict == CLEAR, until
-
-
 def seems_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first.
 
@@ -149,10 +141,10 @@ def _bracket_contact(
             return clear, touching
 
 
-def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
-    """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `certify`."""
+def prove_edge(space: Space, p: Array, q: Array, finest: float, prefix: bool) -> tuple[int, float]:
+    """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `certify` and `Accuracy`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    return certify(motion, space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen)
+    return certify(motion, space.sweep, Accuracy(1.0, finest, 0.0, space.mount, prefix), space.seen)
 
 
 def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:

@@ -13,16 +13,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.sweep import at_time
 from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
-from sinuous.kernels.planning.space import (
-    Space,
-    clear_up_to,
-    distance,
-    draw,
-    probe_edge,
-    prove_edge,
-    random,
-    squared_distance,
-)
+from sinuous.kernels.planning.space import Space, distance, draw, probe_edge, prove_edge, random, squared_distance
 from sinuous.kernels.step.actuation import admissible_step
 
 Trees = namedtuple("Trees", ["q", "parents", "counts", "drawn"])
@@ -83,7 +74,8 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
         at_time(begin, goal, part, trees.q[side, new])
     clear, until = True, 1.0
     if terms.proves:
-        clear, until = clear_up_to(space, begin, trees.q[side, new], terms.finest)
+        verdict, until = prove_edge(space, begin, trees.q[side, new], terms.finest, True)
+        clear = verdict == CLEAR
     if not clear:
         part = part * until - terms.back / far if far > 0.0 else 0.0
         if part * far < terms.least:
@@ -205,7 +197,7 @@ def prove_trees(space: Space, trees: Trees, finest: float) -> None:
             if above < 0:
                 continue
             q = trees.q[side]
-            if _has_lost_parent(trees, side, i) or prove_edge(space, q[above], q[i], 1.0, finest)[0] != CLEAR:
+            if _has_lost_parent(trees, side, i) or prove_edge(space, q[above], q[i], finest, False)[0] != CLEAR:
                 _take_out(trees, side, i)
 
 

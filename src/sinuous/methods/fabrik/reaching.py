@@ -47,8 +47,7 @@ from sinuous.methods.fabrik.links import (
     reach_out,
     unfold,
 )
-from sinuous.methods.options import Options, count, flag, number
-from sinuous.methods.prepared import Capabilities
+from sinuous.methods.method import Capabilities, Options, count, flag, number
 from sinuous.methods.search import Answer, Check, Start, begin_from, has_obstacles, offer, search_by, target_errors
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene

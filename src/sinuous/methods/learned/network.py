@@ -16,7 +16,7 @@ from sinuous.base.frozen import Frozen
 from sinuous.files.nouns import read_robot
 from sinuous.kernels.packing import read_only
 from sinuous.kernels.tables import GOAL, ORIENTATION, TARGET_POSITION
-from sinuous.methods.prepared import Capabilities
+from sinuous.methods.method import Capabilities
 from sinuous.model.robot import Robot, same_body
 from sinuous.problem.target import GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets

@@ -22,8 +22,7 @@ from sinuous.methods.dls import carve as carve_steps
 from sinuous.methods.dls import descend, scratch_size
 from sinuous.methods.learned.network import CAPABILITIES, MOST_WIDTH, Network
 from sinuous.methods.learned.training import train
-from sinuous.methods.options import OptionKind, Options, count
-from sinuous.methods.prepared import Capabilities
+from sinuous.methods.method import Capabilities, OptionKind, Options, count
 from sinuous.methods.search import NO_START, Answer, Check, Start, offer, own_number, search_by
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene

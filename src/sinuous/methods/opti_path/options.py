@@ -14,6 +14,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.methods.method import Capabilities, Options, choice, count, flag, number
 from sinuous.methods.opti_path.gradient import (
     Exponent,
     Gradient,
@@ -25,8 +26,6 @@ from sinuous.methods.opti_path.gradient import (
 )
 from sinuous.methods.opti_path.potential import sample
 from sinuous.methods.opti_path.search import scratch_size, search
-from sinuous.methods.options import Options, choice, count, flag, number
-from sinuous.methods.prepared import Capabilities
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -32,16 +32,25 @@ SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
 
 
+TURNS, SHARE_OF_TREES = 3, 0.5
+"""Turns, and the share of the time left, of planners that do not know limits of tensions, where there are any."""
+
+
 def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None = None) -> ProvedPath | None:
     """Let the planners take turns; `None` when the time is over, or none has anything left to try.
 
-    Under load only a tree grows, whose edges are proved one by one.
+    Under load only a tree grows, whose edges are proved one by one. So it does, after a while, where tensions are
+    limited: the others do not know these.
 
     Each planner yields a path, or `None` where the other one may go on. `trees`: memory of this robot and scene, to
     grow the first trees in. `turns`: most turns of each; by default as many as the time allows.
     """
     if query.robot.has_external_load:
-        return _under_load(query)
+        return _by_proofs(query)
+    if query.robot.tension_rows is not None and turns is None:
+        first = replace(query, deadline=Deadline(SHARE_OF_TREES * query.deadline.left()))
+        path = find_path(first, trees, TURNS)
+        return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else _by_proofs(query)
     ends, taken = QueryEnds(query), 0
     planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]
     while planners and taken != turns:
@@ -59,11 +68,9 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
     return None
 
 
-def _under_load(query: Query) -> ProvedPath | None:
-    """Find a path of a loaded body: a tree whose edges the prover itself proves grows in a time that is made up."""
-    prover = Prover(query.robot, query.scene)
-    seed, deadline = query.seed, query.deadline
-    timed = TimedQuery(query.robot, prover, query.start, 0.0, 1.0, False, query.goals, None, seed, deadline)
+def _by_proofs(query: Query) -> ProvedPath | None:
+    """Find a path by a tree whose edges the prover itself proves; it grows in a time that is made up."""
+    timed = query.in_time(Prover(query.robot, query.scene), 0.0, 1.0)
     path = _straight(timed) or grow_timed_tree(timed)
     return None if path is None else join_edges(timed, path)._replace(times=None)
 
@@ -131,7 +138,7 @@ def _untimed_path(query: TimedQuery, scene: Snapshot, seed: int) -> Floats | Non
         return None
     load_trees(query.robot, scene)
     deadline = Deadline(SHARE * query.deadline.left())
-    path = find_path(Query(query.robot, scene, query.start, query.goals, seed % 2**31, 0, deadline))
+    path = find_path(Query(query.robot, scene, query.start, query.goals, seed % 2**31, deadline))
     return None if path is None else path.q
 
 

@@ -154,9 +154,9 @@ class Query:
         Takes configurations (m, n, 3) that the start is known to reach, and returns all goals so far (g, n, 3): within
         all limits and clear. There may be more of them each time.
     seed : int
+    deadline : Deadline
     shortcuts : int
         How many random shortcuts are tried on a path that was found.
-    deadline : Deadline
     """
 
     robot: Robot
@@ -164,48 +164,39 @@ class Query:
     start: Floats
     goals: Callable[[Floats], Floats]
     seed: int
-    shortcuts: int
     deadline: Deadline
+    shortcuts: int = 0
+
+    def in_time(
+        self, prover: Prover, begin: float, end: float, early: bool = False, rates: Rates | None = None
+    ) -> "TimedQuery":
+        """Ask the same of a planner in time; see `TimedQuery`."""
+        return TimedQuery(**vars(self), prover=prover, begin=begin, end=end, early=early, rates=rates)
 
 
-@dataclass(frozen=True)
-class TimedQuery:
-    """What a planner is asked among obstacles that move.
+@dataclass(frozen=True, kw_only=True)
+class TimedQuery(Query):
+    """What a planner is asked among obstacles that move: the start is clear at the time `begin`.
+
+    Goals need not be clear at all times.
 
     Attributes
     ----------
-    robot : Robot
     prover : Prover
-        Of the scene whose obstacles move.
-    start : ndarray (n, 3)
-        Within all limits, and clear at the time `begin`.
+        Of the same scene.
     begin : float
     end : float
         When the robot is at a goal; where `early`, at the latest.
     early : bool
         Whether it may be there before, as early as it can.
-    goals : callable
-        As for `Query`; goals need not be clear at all times.
     rates : Rates or None
-    seed : int
-    deadline : Deadline
     """
 
-    robot: Robot
     prover: Prover
-    start: Floats
     begin: float
     end: float
     early: bool
-    goals: Callable[[Floats], Floats]
     rates: Rates | None
-    seed: int
-    deadline: Deadline
-
-    @property
-    def scene(self) -> Snapshot:
-        """The obstacles, which move."""
-        return self.prover.scene
 
     @property
     def accelerations(self) -> Rates | None:

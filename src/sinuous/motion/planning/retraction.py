@@ -18,7 +18,7 @@ from sinuous.motion.configurations import lever_metric, within_limits
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
-from sinuous.motion.planning.rrt_connect import RRTConnect, shortened
+from sinuous.motion.planning.rrt_connect import RRTConnect, lead_on, shortened
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along, points_at
@@ -259,9 +259,7 @@ class _Join:
         roots = roots_of(out, [[q] for knots in self._ins for q in self._some(knots, out[-1])])
         draws, seed = min(DRAWS << turn, MOST_DRAWS), (query.seed + turn) % 2**31
         path = self._trees.grow(roots, seed, (0, draws), query.deadline)
-        if path is None:
-            return None
-        return shortened(query, self._trees, [*out, *path.q[1:-1], *_into(self._ins, path.q[-1])])
+        return None if path is None else lead_on(query, self._trees, out, path, self._ins)
 
     def grow_retracted(self, turn: int) -> ProvedPath | None:
         """Let contact-retraction trees grow from the start and its retractions, and from the goals'."""
@@ -276,12 +274,3 @@ class _Join:
         some = np.linspace(len(knots) - 1, 0, ROOTS).round().astype(int)
         squares = np.square((np.stack(knots) - out) * lever_metric(self._query.robot)).sum(axis=(1, 2))
         return [knots[i] for i in np.unique(np.append(some, squares.argmin()))[::-1]]
-
-
-def _into(retractions: list[Chain], end: Floats) -> Chain:
-    """The knots from one of them into its goal."""
-    for knots in retractions:
-        for i, q in enumerate(knots):
-            if np.array_equal(q, end):
-                return knots[i::-1]
-    raise AssertionError("trees grow from knots of retractions")

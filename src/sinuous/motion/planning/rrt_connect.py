@@ -66,7 +66,7 @@ class RRTConnect:
             `None` where the trees did not meet, or an edge between them could not be proved in time.
         """
         asked = self._asked(seed, draws, deadline, shortcuts)
-        count, _, _ = plan(*self._groups, roots, asked, *self._work)
+        count = plan(*self._groups, roots, asked, *self._work)
         path = self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), deadline) if count else None
         return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else None
 
@@ -126,6 +126,7 @@ class RRTConnect:
             answers[i] = self._prover.prove(q[i : i + 2], slack=1.0, seconds=seconds)[0]
             if answers[i, VERDICT] != CLEAR:
                 break
+        self._prover.keep_tensions(q, answers)
         return ProvedPath(q, answers)
 
 
@@ -143,7 +144,7 @@ def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[Pr
     """
     seed, deadline = query.seed, query.deadline
     goals, first, last = query.goals(query.start[None]), 0, ROUNDS[0]
-    roots = roots_of([query.start], [[goal] for goal in goals])
+    roots = np.concatenate([query.start[None], goals])
     path = trees.grow(roots, seed, (first, last), deadline, query.shortcuts)
     ends.narrow = path is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last
     yield path
@@ -175,8 +176,14 @@ def _joined(
     path = trees.grow(roots_of(start, goals[known:]), seed, (first, last), query.deadline, shortcuts)
     if path is None or alone:
         return path
-    into = next(chain for chain in goals if np.array_equal(chain[-1], path.q[-1]))
-    return shortened(query, trees, [*start[:-1], *path.q, *into[-2::-1]])
+    return lead_on(query, trees, start, path, goals)
+
+
+def lead_on(query: Query, trees: RRTConnect, start: Chain, path: ProvedPath, goals: list[Chain]) -> ProvedPath:
+    """Return a path from the end of the start's chain to a configuration of a goal's, with what leads on at both."""
+    end = path.q[-1]
+    into = next(chain[i::-1] for chain in goals for i, q in enumerate(chain) if np.array_equal(q, end))
+    return shortened(query, trees, [*start, *path.q[1:-1], *into])
 
 
 def shortened(query: Query, trees: RRTConnect, chain: Chain) -> ProvedPath:

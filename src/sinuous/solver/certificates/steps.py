@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import call
+from sinuous.base.frozen import call
 from sinuous.base.work_time import work_time
 from sinuous.kernels import tables as k
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -39,14 +39,14 @@ from sinuous.kernels.certificate.sweep import (
     WHEN,
     sweep_size,
 )
-from sinuous.model.robot import Robot, robot_group
+from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Primitive
 from sinuous.scene.snapshot import Snapshot
-from sinuous.statics.between import bounded, leave
+from sinuous.statics.between import Leave, bounded, leave, stretches_between
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, Way
+from sinuous.statics.rest import Rest, Way, stretches_allowed
 
 
 class Drifts:
@@ -153,6 +153,9 @@ SECONDS = 0.05
 LOOSE_SECONDS = 0.5
 """Time for the proof of a step that is only to be clear, without a tight bound."""
 
+LIMIT_SLACK = 1e-9
+"""By how much tensions of a motion may leave their limits, as a stretch in robot lengths: what knots may, too."""
+
 SAMPLED = 3
 """Verdict beside those of `kernels.body.proof`: clear at all shapes that were looked at, and near these. No proof."""
 
@@ -193,6 +196,9 @@ class LoadedShapes:
     def __init__(self, robot: Robot) -> None:
         self._robot, self._kept = robot, OrderedDict[bytes, Rest]()
         self.owners, self.bounded = body_of(robot).owners, bounded(robot)
+        allowed = stretches_allowed(robot)
+        slack = LIMIT_ROUNDING * robot.mean_length
+        self._allowed = allowed + np.array([-slack, slack]) if np.isfinite(allowed).any() else None
 
     def at(self, q: Floats) -> Rest:
         """The loaded body at a drive (n, 3), the same that `Robot.shape` gives."""
@@ -203,6 +209,13 @@ class LoadedShapes:
             if len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
         return found
+
+    def keeps_tensions(self, one: Rest, other: Rest, left: Leave) -> bool:
+        """Whether tensions stay within their limits on the way between two shapes, which the body leaves by so much."""
+        if self._allowed is None:
+            return True
+        least, most = stretches_between(one, other, left).T
+        return bool((least >= self._allowed[:, 0]).all() and (most <= self._allowed[:, 1]).all())
 
 
 def prove_loaded_step(
@@ -220,7 +233,7 @@ def prove_loaded_step(
     """
     one, other = shapes.at(q0), shapes.at(q1)
     nothing: Floats = unproved(1)[0]
-    if one.states is None or other.states is None:
+    if not (one.tensions_kept and other.tensions_kept):
         return nothing
     way = Way(one, other)
     done: list[tuple[float, float, Floats]] = []
@@ -229,14 +242,14 @@ def prove_loaded_step(
     while left:
         begin, last, a, b = left.pop()
         off, answer = leave(a, b), None
-        if off.aside < np.inf:
+        if off.aside < np.inf and shapes.keeps_tensions(a, b, off):
             answer = prove(StepPiece(begin, last, np.stack([a.arcs, b.arcs]), off.aside))
             if answer[VERDICT] == CLEAR:
                 done.append((begin, last, answer))
                 continue
         middle = 0.5 * (begin + last)
         near = way.rest(middle) if last - begin > 0.5**HALVINGS and work_time() < end else a
-        if near is a or near.states is None or one is other:
+        if near is a or not near.tensions_kept or one is other:
             done.append((begin, last, nothing if answer is None else answer))
             bounded = answer is not None
             break
@@ -253,7 +266,7 @@ def _sampled(one: Rest, other: Rest, prove: Callable[[StepPiece], Floats]) -> Fl
 
     way = Way(one, other)
     rests = [one, *map(way.rest, np.linspace(0.0, 1.0, SAMPLES)[1:-1].tolist()), other]
-    if any(each.states is None for each in rests):
+    if not all(each.tensions_kept for each in rests):
         return unproved(1)[0]
     arcs = np.stack([each.arcs for each in rests])
     middles = np.ascontiguousarray(0.5 * (arcs[:-2:2] + arcs[2::2]))
@@ -393,6 +406,7 @@ class Prover:
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(body), len(scene)))
         self.owners = np.arange(len(robot)) if self._ways is None else self._ways.owners
+        self._tensions, self._limit_slack = robot.tension_rows, LIMIT_SLACK * robot.mean_length
         self._drifts = Drifts(scene) if scene.moves else None
         if self._drifts is not None:
             self._scene_group = self._scene_group.copy()  # rows of it are written
@@ -412,7 +426,22 @@ class Prover:
         """
         if self._ways is not None:
             return self._prove_under_load(self._ways, knots, slack, seconds, times)
-        return self._prove_in_time(knots, slack, seconds, times, known)
+        answers = self._prove_in_time(knots, slack, seconds, times, known)
+        self.keep_tensions(knots, answers)
+        return answers
+
+    def keep_tensions(self, knots: Floats, answers: Floats) -> None:
+        """Take back what is proved (T - 1, 14) of steps between knots on which tensions may leave their limits."""
+        rows, allowed = self._tensions, self._limit_slack
+        if rows is None or not len(answers):
+            return
+        kept = rows.decoupled & (rows.most_between(knots[:-1], knots[1:]) <= allowed).all(axis=-1)
+        for i in np.flatnonzero(~kept).tolist():
+            share = rows.share_between(knots[i], knots[i + 1], allowed)
+            if share < 1.0:
+                answers[i, UNTIL] = min(answers[i, UNTIL], share)
+                if answers[i, VERDICT] == CLEAR:
+                    answers[i, VERDICT] = UNDECIDED
 
     def is_clear(self, one: Floats, other: Floats, seconds: float = LOOSE_SECONDS) -> bool:
         """Whether the motion from one configuration (n, 3) to another is proved clear, however narrow it is."""

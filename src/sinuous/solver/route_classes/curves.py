@@ -15,7 +15,7 @@ from sinuous.answer.route_class import SIDES, Passing, RouteClass
 from sinuous.base.checks import Floats
 from sinuous.kernels.freespace import homotopy
 from sinuous.model.robot import Robot
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along, points_at

@@ -1,1 +1,1 @@
-"""Starts from routes: searched for, laid or grown along, and drawn to the targets."""
+"""Starts from routes: searched for, fitted to them or grown along them, and drawn to the targets."""

@@ -1,4 +1,4 @@
-"""The routes of one question, and what is made of each: chains that are laid along it, grown along it, or led through.
+"""The routes of one question, and what is made of each: chains that are fitted to it, grown along it, or led through.
 
 What of this is tried, and in which order, is `solver.strategy`'s.
 """
@@ -22,11 +22,11 @@ from sinuous.kernels.tables import (
     ROUTE,
     SOURCES,
 )
-from sinuous.solver.attempts import EDGES, SIDE_TUBES, IKQuery, StartBatch
+from sinuous.solver.attempts import IKQuery, StartBatch
+from sinuous.solver.options import EDGES, SIDE_TUBES
 from sinuous.solver.polylines import lengths_along, respaced
-from sinuous.solver.routing.bottlenecks import BottleneckDecomposition
-from sinuous.solver.routing.chains import TANGENT, JoinedChains, find_terminal_poses
-from sinuous.solver.routing.growth import (
+from sinuous.solver.routing.chains import TANGENT, BottleneckDecomposition, JoinedChains, find_terminal_poses
+from sinuous.solver.routing.partial_chains import (
     FIRST_WIDTH,
     LEG_POINTS,
     divide_route,
@@ -47,7 +47,7 @@ STOWED = 1.1
 """Least length of a chain, in lengths of its route, from which on some of it has to be stowed beside the route."""
 
 NEAR = 2.5
-"""Distance from a route, in radii of the body, up to which it leads past an elbow."""
+"""Distance from a route, in radii of the body, up to which it leads past an intermediate target."""
 
 ALIKE = 0.1
 """Distance of two routes, in radii of the body, up to which they are much the same."""
@@ -121,8 +121,8 @@ class RouteCandidates:
         self.enclosed = tube is not None and not tube.open
         line = None if tube is None else line_to_target_in_tube(tube, self.query)
         if line is not None:
-            laid = self.searches.fit(self._problem, [line], self._deadline)
-            yield starts_along(laid, (line,)[: len(laid)])
+            fitted = self.searches.fit(self._problem, [line], self._deadline)
+            yield starts_along(fitted, (line,)[: len(fitted)])
         elif tube is not None and tube.open:
             for chain, route in chains_out_of_tube(tube, self._groups, self._deadline):
                 yield starts_along(chain[None], (route,))
@@ -187,20 +187,20 @@ class RouteCandidates:
         Where a tool leaves open where that is, a route to the target ends somewhere about it, also beyond a wall. A
         first route has to be known.
         """
-        if number >= len(self._roots):
+        if number >= len(self._terminal_poses):
             return None
-        query, root = self.query.copy(), self._roots[number]
+        query, terminal_pose = self.query.copy(), self._terminal_poses[number]
         query[QUERY_GOAL_RADIUS] = 0.0
-        set_route_end(query, root[POSE_POSITION:], -root[TANGENT])
+        set_route_end(query, terminal_pose[POSE_POSITION:], -terminal_pose[TANGENT])
         return self._leg(query)
 
     @cached_property
-    def _roots(self) -> Floats:
+    def _terminal_poses(self) -> Floats:
         """Poses (r, 12) in which the backbone may end, best first, for the first route; see `find_terminal_poses`."""
         return find_terminal_poses(self._groups, self.known[0].route)
 
     def is_longer_than(self, route: Floats) -> bool:
-        """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
+        """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is fitted."""
         return bool(self.query[QUERY_SHORTEST] > STOWED * lengths_along(route)[-1])
 
     def fitted_chains(self, routes: list[Floats]) -> Iterator[StartBatch]:

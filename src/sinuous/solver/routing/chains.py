@@ -1,4 +1,4 @@
-"""Chains for narrow places: grown from the base and from the target, and joined where they nearly meet.
+"""Chains for narrow places: grown from the base and from the target and joined, or cut in two at the narrowest place.
 
 Either end may lie in a tube, before its mouth or in a cell, where the first segments have one way to go; a chain that
 is grown from the other end is lost there. So chains are grown from both ends, by arcs that follow walls by themselves
@@ -6,8 +6,12 @@ is grown from the other end is lost there. So chains are grown from both ends, b
 pose in which the other begins: two problems of half the segments are far easier than one of all. An arc does not care
 how it is turned about its tangent, so what is joined meets both ends.
 
-An elbow in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive with one of
-these. So, for some of its tangents, chains are also grown in two parts: up to the elbow, and from there.
+Without growing, a robot is cut in two at the narrowest place of its route: one part ends there, along the route, and
+one begins there.
+
+An intermediate target in a narrow place leaves few tangents to pass it with, and chains past all targets seldom arrive
+with one of these. So, for some of its tangents, chains are also grown in two parts: up to the intermediate target, and
+from there.
 
 Terminal poses are those in which a chain from the target may begin. A bridge is what stands in the open between a chain
 that comes out of a narrow place at the base and one at the target: scattered starts solve it.
@@ -20,6 +24,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables as t
@@ -28,21 +33,193 @@ from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, POSE_WIDTH, UNIT
 from sinuous.model.poses import least_rotation
 from sinuous.solver.attempts import Deadline
-from sinuous.solver.routing.growth import FIRST_WIDTH, GrownChains, segments_of, settle_chains
-from sinuous.solver.routing.partial_problems import (
+from sinuous.solver.polylines import lengths_along
+from sinuous.solver.routing.partial_chains import (
+    FIRST_WIDTH,
     FLIP,
     Groups,
+    GrownChains,
+    fit_first_segments,
     join_chains,
+    problem_before,
     problem_beyond,
     problem_ending_at,
     problem_from_pose,
     problem_up_to,
     reverse_chain,
     reverse_problem,
+    search_part,
     segments_in,
+    segments_of,
+    settle_chains,
     solve_part,
     with_end_tangent,
 )
+
+WIDE = 3.0
+"""Distance from the obstacles across a route, in radii of the body, from which on no place of it is narrow."""
+
+NARROW = 1.35
+"""Distance up to which a place is as narrow as the narrowest one, in units of that one's."""
+
+ENDS = 0.04
+"""Share of a leg at either end that is not looked at: an end may lie in a narrow place."""
+
+TANGENT_POINTS = 3
+"""Points on either side over which the tangent of a route is taken."""
+
+STRETCHED = 0.95
+"""Least length of a part, in lengths of its part of the route: the route does not cut corners."""
+
+BARELY = 0.15
+"""Share of a segment that may stick out of a long narrow place and still counts as in it."""
+
+
+class PartSearch:
+    """One part of a robot, solved with more and more scattered starts.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        Its problem, see `Groups`.
+
+    Attributes
+    ----------
+    nearest : ndarray (m, 3) or None
+        What came nearest to a solution.
+    possible : bool
+        Whether it is not proved that there is none.
+    """
+
+    def __init__(self, groups: Groups) -> None:
+        self._groups, self._n = groups, int(groups[0][0])
+        self._starts = 0
+        self._least = math.inf
+        self._q: Floats | None = None
+        self.nearest: Floats | None = None
+        self.possible = True
+
+    def solve(self, starts: int, deadline: Deadline) -> Floats | None:
+        """Return a configuration (m, 3) that is proved, from at most so many starts in all."""
+        own, self._starts = (self._starts, starts), max(starts, self._starts)
+        if self._q is None and self.possible and own[0] < starts:
+            found = search_part(self._groups, np.empty((0, self._n, 3)), own, deadline)
+            self.possible = found.code < t.OUT_OF_REACH
+            if found.merit < self._least:
+                self._least, self.nearest = found.merit, found.q
+            if found.code == t.SOLVED:
+                self._q = found.q
+        return self._q
+
+
+class BottleneckDecomposition:
+    """A robot cut in two at the narrowest place of a route.
+
+    The more segments are before the place, the harder the part before it is, and the easier that beyond, unless there
+    are too few to get there: their number is found by halving.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem, see `Groups`.
+    legs : ndarray (l, K, 3)
+        The legs of a route, evenly spaced, in the length unit.
+    widths : ndarray (l, K)
+        Greatest distance from the obstacles in the plane across the route at these points, in the length unit.
+    """
+
+    def __init__(self, groups: Groups, legs: Floats, widths: Floats) -> None:
+        self._groups, self._legs = groups, legs
+        self._heads: dict[int, PartSearch] = {}
+        self._tails: dict[int, tuple[Floats, PartSearch]] = {}
+        skipped = max(1 + TANGENT_POINTS, round(ENDS * legs.shape[1]))
+        looked = widths[:, skipped:-skipped]
+        self._which = which = int(looked.min(axis=1).argmin())
+        own = looked[which]
+        first, last = _run_about(own <= NARROW * max(0.0, own.min()), int(own.argmin()))
+        spacing = lengths_along(legs[which])[-1] / (legs.shape[1] - 1)
+        deep = round(min(max(0.0, own.min() / spacing), last - first)) if spacing > 0.0 else 0
+        self._long = (last - first - deep) * spacing > segments_in(groups[0])[:, t.MAX_LENGTH].mean()
+        self._at = skipped + (min(first + deep, last) if self._long else (first + last) // 2)
+        self._end = skipped + last if self._long else self._at
+        narrow = own.min() < WIDE * ball_radius(segments_in(groups[0])) and first > 0 and last < len(own) - 1
+        self._counts = self._possible() if narrow else []
+
+    @property
+    def any(self) -> bool:
+        """Whether there is a narrow place, and segments for both parts."""
+        return len(self._counts) > 0
+
+    def chains(self, starts: int, deadline: Deadline) -> Iterator[Floats]:
+        """Yield chains (n, 3) through the narrow place, each part of at most so many scattered starts."""
+        low, high, i = 0, len(self._counts) - 1, self._even
+        while low <= high and deadline() > 0.0:
+            chain, through = self._solved(self._counts[i], starts, deadline)
+            if chain is not None:
+                yield chain
+            low, high = (i + 1, high) if through else (low, i - 1)
+            i = (low + high) // 2
+
+    def _possible(self) -> list[int]:
+        """Numbers of segments that may be before the place; sets the one that stows as much in both parts."""
+        legs, at = self._legs, self._at
+        ends = [-1, *segments_of(self._groups)[-len(legs) :]]
+        first = ends[self._which] + 1
+        own = segments_in(self._groups[0])[first : ends[self._which + 1] + 1]
+        low, high = (np.append(0.0, np.cumsum(own[:, which])) for which in (t.MIN_LENGTH, t.MAX_LENGTH))
+        along = STRETCHED * lengths_along(legs[self._which])
+        gone, rest = along[at], along[-1] - along[at]
+        counts = [m for m in range(1, len(own)) if high[m] >= gone and high[-1] - high[m] >= rest]
+        mean = 0.5 * (low + high)
+        stowed = [(mean[m] - gone) / m - (mean[-1] - mean[m] - rest) / (len(own) - m) for m in counts]
+        self._even = int(np.abs(stowed).argmin()) if counts else 0
+        return [first + m for m in counts]
+
+    def _solved(self, count: int, starts: int, deadline: Deadline) -> tuple[Floats | None, bool]:
+        """Return a chain with so many segments before the place, and whether more may be there.
+
+        Where the second part is not solved, what came nearest is taken: the whole chain has more freedom.
+        """
+        if count not in self._heads:
+            self._heads[count] = PartSearch(problem_before(self._groups, self._row(count)))
+        head = self._heads[count].solve(starts, deadline)
+        if head is None:
+            return None, not self._heads[count].possible
+        if count not in self._tails:
+            within = self._within(problem_beyond(self._groups, head), deadline)
+            self._tails[count] = within, PartSearch(problem_beyond(self._groups, np.concatenate([head, within])))
+        within, part = self._tails[count]
+        tail = part.solve(starts, deadline)
+        tail = part.nearest if tail is None else tail
+        return (None if tail is None else np.concatenate([head, within, tail])), True
+
+    def _within(self, rest: Groups, deadline: Deadline) -> Floats:
+        """The segments (m, 3) that lie in a long narrow place beyond the first part, fitted to the route."""
+        line = self._legs[self._which][self._at : self._end + 1]
+        if not self._long:
+            return np.empty((0, 3))
+        low, high = (segments_in(rest[0])[:-1, which] for which in (t.MIN_LENGTH, t.MAX_LENGTH))
+        ends = np.cumsum(0.5 * (low + high))
+        count = int(np.searchsorted(ends, lengths_along(line)[-1] + BARELY * high.mean()))
+        return fit_first_segments(rest, count, line, max(0.0, deadline()))
+
+    def _row(self, count: int) -> Floats:
+        """The place and the tangent of the route there, as a target (15,) of the end of the first segments."""
+        leg, at = self._legs[self._which], self._at
+        ahead = leg[at + TANGENT_POINTS] - leg[at - TANGENT_POINTS]
+        row = np.zeros(t.TARGET_WIDTH)
+        row[t.TARGET_SEGMENT], row[t.HAS_POSITION], row[t.ORIENTATION] = count - 1.0, 1.0, t.DIRECTION
+        row[t.TARGET_POSITION : t.TARGET_POSITION + 3] = leg[at]
+        row[t.GOAL : t.GOAL + 3] = ahead / np.linalg.norm(ahead)
+        return row
+
+
+def _run_about(which: NDArray[np.bool_], at: int) -> tuple[int, int]:
+    """First and last of the neighbours of a point (K,) that are all so."""
+    others = np.flatnonzero(~which)
+    behind, ahead = others[others < at], others[others > at]
+    return int(behind[-1]) + 1 if len(behind) else 0, int(ahead[0]) - 1 if len(ahead) else len(which) - 1
+
 
 MOST = 12
 """Roots at most."""
@@ -52,21 +229,21 @@ DIRECTIONS, ROLLS = 64, 16
 twice as many directions, each at one angle."""
 
 STEPS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0)
-"""Places behind a root where it is looked for room, and how much is enough. In radii of the body."""
+"""Places behind a terminal pose where it is looked for room, and how much is enough. In radii of the body."""
 
 ENOUGH = 1.25
 """Room that is enough there, in radii of the body."""
 
 IN_WALL = 0.75
-"""Room that a root lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open what lies
-behind it (a tool that leads through the wall of a tube: two tubes)."""
+"""Room that a terminal pose lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open
+what lies behind it (a tool that leads through the wall of a tube: two tubes)."""
 
 AGREEMENT = 1e-3
 """What a pose counts that is turned away from the route, beside the mean square of the room that it lacks: decides
 between poses in the open."""
 
 APART = 0.35
-"""How far roots are apart, in rad; two radii of the body count as one."""
+"""How far terminal poses are apart, in rad; two radii of the body count as one."""
 
 BEFORE = 3
 """Points of a route that its tangent is taken over."""
@@ -189,17 +366,17 @@ def bridge_chains(
     for one, two in pairs[: 2 * width]:
         if deadline() <= 0.0:
             return
-        (head, _), (tail, root) = ahead.chain(*one), behind.chain(*two)
+        (head, _), (tail, terminal_pose) = ahead.chain(*one), behind.chain(*two)
         rest = problem_beyond(groups, head)
         if len(tail) > 0:
             rest = problem_ending_at(rest, n - len(head) - len(tail), behind.frames[two])
         bridge = solve_part(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
         if bridge is not None:
-            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, root), tail)
+            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, terminal_pose), tail)
 
 
 def _ends(grown: GrownChains, most: int) -> list[End]:
-    """Chains beyond which a bridge may begin: those that end in the open, those that they continue, and the root."""
+    """Chains beyond which a bridge may begin: those in the open, those that they continue, and the terminal pose."""
     if not grown.open:
         return [(0, 0)]
     k, outside = grown.outside()
@@ -227,7 +404,7 @@ TANGENT = slice(2, POSE_POSITION, 3)
 """The tangent (3,) in a pose (12,)."""
 
 MOST_TANGENTS = 4
-"""Most tangents of an elbow with which chains are led past it."""
+"""Most tangents of an intermediate target with which chains are led past it."""
 
 
 class _Junction(NamedTuple):
@@ -256,18 +433,18 @@ class JoinedChains:
         self._groups, self._legs, self._deadline = groups, legs, deadline
         self._n = int(groups[0][0])
         self._segment = float(groups[2][UNIT]) / self._n
-        self._roots = find_terminal_poses(groups, np.concatenate(list(legs)))
-        self._other = reverse_problem(groups, self._roots[0]) if len(self._roots) else None
+        self._terminal_poses = find_terminal_poses(groups, np.concatenate(list(legs)))
+        self._other = reverse_problem(groups, self._terminal_poses[0]) if len(self._terminal_poses) else None
 
     def chains_of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
         yield from self.chains_past_all_targets(width, OPEN)
-        for elbow in self._elbows:
-            yield from elbow.chains_of_width(width)
+        for target in self._intermediate_targets:
+            yield from target.chains_of_width(width)
 
     @cached_property
-    def _elbows(self) -> "list[_IntermediateTarget]":
-        """Ways to pass the first elbow, where there is one; made once chains past all targets are not enough."""
+    def _intermediate_targets(self) -> "list[_IntermediateTarget]":
+        """Ways to pass the first intermediate target, if any; made once chains past all targets are not enough."""
         if len(self._legs) == 1:
             return []
         before = problem_up_to(self._groups, segments_of(self._groups)[0] + 1)
@@ -293,14 +470,16 @@ class JoinedChains:
 
     def _behind(self, other: Groups, width: int, open_from: float = math.inf) -> GrownChains:
         """Chains from the target."""
-        return GrownChains(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._deadline(), open_from)
+        return GrownChains(
+            other, self._legs[::-1, ::-1].copy(), self._terminal_poses, width, self._deadline(), open_from
+        )
 
     def _wholes(self, grown: GrownChains, groups: Groups) -> Iterator[tuple[float, Floats]]:
         """Chains (n, 3) that reach the other end by themselves, and their scores."""
         for i in range(min(grown.complete_count, WHOLES)):
-            chain, root = grown.complete_chain(i)
+            chain, terminal_pose = grown.complete_chain(i)
             if groups is not self._groups:
-                chain = reverse_chain(self._groups, problem_from_pose(groups, root), chain)
+                chain = reverse_chain(self._groups, problem_from_pose(groups, terminal_pose), chain)
             yield float(grown.scores[grown.segments, i]), chain
 
     def _given(self, wholes: Iterable[tuple[float, Floats]]) -> Iterator[Floats]:
@@ -314,8 +493,8 @@ class JoinedChains:
         for _, k, i, j in self._joints(ahead, behind)[:most]:
             if self._deadline() <= 0.0:
                 return
-            (head, _), (tail, root) = ahead.chain(k, i), behind.chain(self._n - k, j)
-            begun = problem_from_pose(self._other, root)
+            (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
+            begun = problem_from_pose(self._other, terminal_pose)
             closed = self._closed(self._groups, head, behind.frames[self._n - k, j])
             if closed is not None:
                 head = closed
@@ -350,21 +529,21 @@ class JoinedChains:
 
 
 class _IntermediateTarget:
-    """Chains in two parts: up to the first elbow, to pass it with one tangent, and from there as the first part ends.
+    """Chains in two parts: up to the first intermediate target, to pass it with one tangent, and from there on.
 
     Parameters
     ----------
     groups, before : tuple of ndarray
-        The problem, and that of the segments up to the elbow.
+        The problem, and that of the segments up to the intermediate target.
     legs, deadline
         See `JoinedChains`.
-    root : ndarray (12,)
-        Pose of the elbow, against the tangent.
+    terminal_pose : ndarray (12,)
+        Pose of the intermediate target, against the tangent.
     """
 
-    def __init__(self, groups: Groups, before: Groups, legs: Floats, root: Floats, deadline: Deadline) -> None:
+    def __init__(self, groups: Groups, before: Groups, legs: Floats, terminal_pose: Floats, deadline: Deadline) -> None:
         self._groups, self._before, self._legs, self._deadline = groups, before, legs, deadline
-        self._heads = JoinedChains(with_end_tangent(before, -root[TANGENT]), legs[:1], deadline)
+        self._heads = JoinedChains(with_end_tangent(before, -terminal_pose[TANGENT]), legs[:1], deadline)
         self._head: Floats | None = None
         self._tails: JoinedChains | None = None
 

@@ -14,7 +14,6 @@ from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
-from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import POSE_WIDTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes import MOUTH
@@ -26,11 +25,30 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.route_classes.curves import RouteCurves
-from sinuous.solver.routing.bottlenecks import WIDE
-from sinuous.solver.routing.edges import SharpWalls, rims_of, walls_of
-from sinuous.solver.routing.growth import FIRST_WIDTH, LEG_POINTS, GrownChains, lengthen_route, query_of, settle_chains
-from sinuous.solver.routing.partial_problems import Groups, fit_chain, problem_beyond, reverse_chain, segments_in
-from sinuous.solver.routing.tubes import Tube, chains_out_of_tube, find_tube_around, route_through, tubes_beside
+from sinuous.solver.routing.chains import WIDE
+from sinuous.solver.routing.partial_chains import (
+    FIRST_WIDTH,
+    LEG_POINTS,
+    Groups,
+    GrownChains,
+    fit_chain,
+    lengthen_route,
+    problem_beyond,
+    query_of,
+    reverse_chain,
+    segments_in,
+    settle_chains,
+)
+from sinuous.solver.routing.tubes import (
+    SharpWalls,
+    Tube,
+    chains_out_of_tube,
+    find_tube_around,
+    rims_of,
+    route_through,
+    tubes_beside,
+    walls_of,
+)
 
 
 class BufferPool:
@@ -87,9 +105,15 @@ POINTS = 1024
 AHEAD = 2.0
 """Distance ahead of the base, in radii of the body, of the place from which rays say whether the base is enclosed."""
 
+RAYS = np.array([way for way in np.ndindex(3, 3, 3) if np.count_nonzero(np.array(way) - 1) in (1, 3)], float) - 1.0
+"""Directions (14, 3) along the axes of a frame and between three of them, both ways, of no unit length."""
+
 ENCLOSED = 12
-"""Rays of `enclosed.RAYS`, as long as the robot, that meet an obstacle where the base is enclosed: not all do where
-there is a door."""
+"""Of these rays, as long as the robot, those that meet an obstacle where the base is enclosed: not all do where there
+is a door."""
+
+MET = 0.02
+"""Distance from the obstacles at which a ray ends, as a share of its length."""
 
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
@@ -249,9 +273,10 @@ class Searches:
         known = self._about
         if known is None or known[0] is not scene:
             base, ahead = self.robot.base, self.robot.mount + AHEAD * self._radius
-            place, frame = base[:3, 3] + ahead * base[:3, 2], base[:3, :3].reshape(1, 9).copy()
-            met = rays_met(scene._kernel_group, frame, place[None].copy(), self._longest)
-            known = self._about = scene, met >= ENCLOSED
+            places = np.tile(base[:3, 3] + ahead * base[:3, 2], (len(RAYS), 1))
+            ways = RAYS / np.linalg.norm(RAYS, axis=1)[:, None] @ base[:3, :3].T
+            met = RouteCurves(self.robot, scene).see(places, places + self._longest * ways, MET * self._longest).which
+            known = self._about = scene, int(np.count_nonzero(met >= 0)) >= ENCLOSED
         return known[1]
 
     def _walls_of(self, scene: Snapshot) -> SharpWalls:
@@ -308,7 +333,6 @@ class Searches:
                 self.by_edges(problem, query, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
-            self._enclosed(problem.scene)
             self.distances(problem, line)
             self.widths_across(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self.robot), 3))

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from sinuous.base.arguments import Parameter, Rows, Stack
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.parameter_groups import read_tangent
-from sinuous.base.reprs import ShortRepr
 from sinuous.studies.batch.tables.reading import NpzRows, open_source
 from sinuous.studies.batch.tables.results import INVALID, STATUSES
 from sinuous.studies.batch.work import ChunkSolver
@@ -218,16 +219,7 @@ class Batch(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, without the results."""
-        return {
-            "file": None if self.file is None else str(self.file),
-            "rows": self.rows,
-            "total": self.total,
-            "before": self.before,
-            "counts": dict(self.counts),
-            "invalid": list(self.invalid),
-            "failed": [each._asdict() for each in self.failed],
-            "seconds": self.seconds,
-        }
+        return result_of(self, "file rows total before counts invalid failed seconds")
 
     def _shown(self) -> Iterator[str]:
         yield f"{self.rows:,} rows"

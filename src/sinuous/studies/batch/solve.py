@@ -9,8 +9,7 @@ from typing import Any, Unpack
 
 from sinuous.base import checks
 from sinuous.base.arguments import Rows, Truth, Whole
-from sinuous.base.errors import InputError, UnfinishedError
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.errors import InputError, UnfinishedError, refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.model.robot import Robot
 from sinuous.problem.target import GoalArrays

@@ -1,5 +1,6 @@
 """Fit a robot to measurements, and say which measurements would tell most about it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal, get_args
 
@@ -12,7 +13,16 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import holds
-from sinuous.studies.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bounds_of
+from sinuous.studies.calibration.calibration import (
+    LEVEL,
+    ROUNDING,
+    Calibration,
+    Parameter,
+    Trial,
+    attainable,
+    bounds_of,
+    scales_of_points,
+)
 from sinuous.studies.calibration.fit import (
     DRAWING_WEIGHT,
     Fit,
@@ -25,6 +35,7 @@ from sinuous.studies.calibration.fit import (
     left_out,
 )
 from sinuous.studies.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
+from sinuous.studies.calibration.mistakes import find_mistake
 from sinuous.studies.calibration.model import derivatives, model
 from sinuous.studies.calibration.parameters import (
     ORDER,
@@ -134,7 +145,10 @@ def calibrate(
     refuse_size(robot, rows)
     names = _names(fit, checks.choice("frame", frame, get_args(Frame)))
     drawn = robot.changed(tool=None, uncertainty=None)
-    notes = [f"rows without a measurement: {_few(rows.dropped)}"] if rows.dropped else []
+    notes = [f"rows that say 0, 0, 0, taken as not seen: {_few(rows.zeros)}"] if rows.zeros else []
+    dropped = tuple(row for row in rows.dropped if row not in rows.zeros)
+    if dropped:
+        notes.append(f"rows without a measurement: {_few(dropped)}")
     still = [a.name for a, moves in zip(robot.actuators, np.ptp(rows.actuators, axis=0), strict=True) if moves == 0.0]
     if still:
         notes.append(f"never move, so nothing is known of them: {', '.join(still)}")
@@ -145,6 +159,9 @@ def calibrate(
         drawn = _giving(drawn, names)
         chosen = _fit_as_told(drawn, rows, frame == "base", names, notes)
     last = fitted(drawn, chosen, rows)
+    plain = robot.changed(tool=None, uncertainty=None)
+    mistake = find_mistake(plain, rows, frame == "base", float(np.median(errors(last.residuals))))
+    notes += [] if mistake is None else [mistake]
     return _result(robot, drawn, last, rows, trials, notes, frame)
 
 
@@ -246,7 +263,14 @@ def _result(
         real = real.changed(base=_orthogonal(state.pose @ robot.base))
     else:
         device = _orthogonal(np.linalg.inv(state.pose))
-    real = real.changed(tool=tool, uncertainty=Uncertainty(bounds_of(len(robot), held, rows, LEVEL), LEVEL))
+    level = attainable(len(rows.labels), LEVEL)
+    if level < LEVEL:
+        needed = math.ceil(LEVEL / (1.0 - LEVEL) - ROUNDING)
+        notes.append(
+            f"{len(rows.labels)} rows allow a bound at {100.0 * level:.3g} %; {100.0 * LEVEL:g} % needs {needed}"
+        )
+    bounds = bounds_of(len(robot), held, rows, level, scales_of_points(held))
+    real = real.changed(tool=tool, uncertainty=Uncertainty(bounds, level))
     fit_names = (frame, *(each.name for each in state.values.groups))
     parameters = tuple(_parameters(last, drawn, rows, frame))
     residuals = np.where(seen, last.residuals, np.nan)

@@ -11,8 +11,9 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
+from sinuous.base.documents import result_of, result_value
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr, call
+from sinuous.base.frozen import ShortRepr, call
 from sinuous.model.inverse import fitting
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import at_rest
@@ -22,6 +23,9 @@ from sinuous.studies.calibration.parameters import Values
 
 LEVEL = 0.95
 """Share of rows for which the bound of the robot held, by default."""
+
+ROUNDING = 1e-9
+"""By how much a number of rows may miss a whole one."""
 
 MOST_SHOWN = 5
 """Patterns, and parameters, that an explanation names."""
@@ -147,6 +151,11 @@ class Calibration(ShortRepr):
         return dict(sorted(found.items(), key=lambda each: -each[1].mean))
 
     @property
+    def level(self) -> float:
+        """Level of the bound of the robot: 0.95, or with fewer than 19 rows what n of them allow, n / (n + 1)."""
+        return attainable(len(self.labels), LEVEL)
+
+    @property
     def undetermined(self) -> tuple[str, ...]:
         """Names of the parameters about which the drawing says more than the measurements."""
         return tuple(each.name for each in self.parameters if not each.determined)
@@ -163,13 +172,28 @@ class Calibration(ShortRepr):
             `rows`: for that share of the rows of further patterns like those that were measured (hierarchical conformal
             prediction); for that at least `1 / (1 - level) - 1` patterns are needed, with fewer it is the other. Labels
             that go on from another, as `circle_hold` does from `circle`, are no pattern of their own here.
+
+        Returns
+        -------
+        float
+            Infinite where there are too few rows: for 95 % at least 19, for 90 % at least 9. Patterns that have fewer
+            count together.
         """
         share, off = checks.number("level", level, low=0.0, high=1.0), self._off(self.held_back)
         if checks.choice("of", of, ("patterns", "rows")) == "rows":
             like = bound_of_further(_parts(off, whole_patterns(self.labels)), share)
             if np.isfinite(like):
                 return like
-        return max(bound_of(part, share) for part in _parts(off, self.labels))
+        return max(bound_of(part, share) for part in joined_parts(off, self.labels, share))
+
+    def confidence(self, error: Number) -> float:
+        """Share of further rows that are off by at most `error`, of rows of all patterns: P(clear) of a clearance.
+
+        The clearance of an answer of `drawn` with the fitted parameters and no `uncertainty` is such an error. It is
+        k / (n + 1) where k of n held-back rows are off by no more.
+        """
+        off = self._off(self.held_back)
+        return float((off <= checks.number("error", error, low=0.0)).sum()) / (len(off) + 1)
 
     def for_motion(
         self,
@@ -207,8 +231,10 @@ class Calibration(ShortRepr):
         share = checks.number("level", level, above=0.0, high=1.0)
         rows = read(self.robot, actuators, measured, places, markers, ["motion"] * len(np.asarray(measured)), unit)
         count = len(rows.rows)
-        if share * (count + 1) > count:
-            needed = f"at least {math.ceil(share / (1.0 - share))} rows" if share < 1.0 else "a level below 1"
+        if share > attainable(count, share) + ROUNDING:
+            needed = (
+                f"at least {math.ceil(share / (1.0 - share) - ROUNDING)} rows" if share < 1.0 else "a level below 1"
+            )
             raise InputError("measured", f"rows for a bound at {share:.4g}", count, needed)
         points = rows.points @ self.device[:3, :3].T + self.device[:3, 3]
         off = predicted(model(self.robot, Values((), np.zeros(0)), rows.places), rows.actuators) - points
@@ -217,7 +243,9 @@ class Calibration(ShortRepr):
             problem = f"rows are off by {usual:.3g}, the robot is {length:.3g} long"
             wanted = "points in the frame of the device and the length unit of the robot, or another unit"
             raise InputError("measured", problem, points[0].tolist(), wanted)
-        return self.robot.changed(uncertainty=Uncertainty(bounds_of(len(self.robot), off, rows, share), share))
+        known = self.held_back if self.held_back.shape[1:] == off.shape[1:] else off
+        bounds = bounds_of(len(self.robot), off, rows, share, scales_of_points(known))
+        return self.robot.changed(uncertainty=Uncertainty(bounds, share))
 
     def predict(self, actuators: ActuatorValues) -> Floats:
         """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight.
@@ -246,7 +274,7 @@ class Calibration(ShortRepr):
                 f"error of rows {name}: mean {each.mean:.3g} ({100 * each.mean / unit:.2g} % of the length), "
                 f"median {each.median:.3g}, 95 % {each.p95:.3g}, worst {each.worst:.3g}"
             )
-        lines.append(f"bound of the error at {LEVEL:.0%}: {self.bound():.3g}")
+        lines.append(f"bound of the error at {self.level:.3g}: {self.bound(self.level):.3g}")
         kept = sorted((t for t in self.trials if t.kept), key=lambda t: t.after - t.before)
         if kept:
             said = [f"{t.group} ({t.before:.3g} to {t.after:.3g})" for t in kept[:MOST_SHOWN]]
@@ -262,16 +290,13 @@ class Calibration(ShortRepr):
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values."""
         return {
-            "robot": self.robot.to_dict(),
-            "device": self.device.tolist(),
+            **result_of(self, "robot device"),
             "fitted": list(self.groups),
-            "parameters": [each._asdict() for each in self.parameters],
-            "errors": {"fitted": self.fitted._asdict(), "held_back": self.expected._asdict()},
-            "patterns": {label: each._asdict() for label, each in self.by_pattern.items()},
-            "bound": self.bound(),
-            "level": LEVEL,
-            "dropped": list(self.dropped),
-            "notes": list(self.notes),
+            **result_of(self, "parameters"),
+            "errors": result_value({"fitted": self.fitted, "held_back": self.expected}),
+            "patterns": result_value(self.by_pattern),
+            "bound": self.bound(self.level),
+            **result_of(self, "level dropped notes"),
         }
 
     def _off(self, residuals: Floats) -> Floats:
@@ -286,18 +311,22 @@ class Calibration(ShortRepr):
         )
 
 
-def bounds_of(segments: int, off: Floats, rows: Measurements, level: float) -> float | tuple[float, ...]:
+def bounds_of(
+    segments: int, off: Floats, rows: Measurements, level: float, scales: Floats
+) -> float | tuple[float, ...]:
     """Bound of each segment for errors (N, k, 3), the largest of all patterns: that of the first point beyond its end.
 
-    No segment has less than those before.
+    The score of a row is the worst of its points, each divided by its scale (k,), so the bounds of all points hold
+    together. No segment has less than those before.
     """
-    own = [(place.segment, k) for k, place in enumerate(rows.places) if rows.levers[k] > 0.0]
-    labels = np.array(rows.labels)
+    sizes = np.linalg.norm(off, axis=2)
+    own = np.flatnonzero(rows.levers > 0.0)
+    scores = np.nanmax(sizes[:, own] / scales[own], axis=1)
+    worst_score = max(bound_of(part, level) for part in joined_parts(scores, rows.labels, level))
     bounds: dict[int, float] = {}
-    for segment, k in own:
-        size = np.linalg.norm(off[:, k], axis=1)
-        parts = [size[(labels == label) & np.isfinite(size)] for label in set(rows.labels)]
-        bounds[segment] = max([bounds.get(segment, 0.0), *(bound_of(part, level) for part in parts if len(part))])
+    for k in own.tolist():
+        segment = rows.places[k].segment
+        bounds[segment] = max(bounds.get(segment, 0.0), worst_score * float(scales[k]))
     each: list[float] = []
     worst = 0.0
     for k in range(segments):
@@ -305,6 +334,32 @@ def bounds_of(segments: int, off: Floats, rows: Measurements, level: float) -> f
         worst = max(worst, bounds[min(beyond)] if beyond else max(bounds.values()))
         each.append(worst)
     return each[0] if len(set(each)) == 1 else tuple(each)
+
+
+def scales_of_points(off: Floats) -> Floats:
+    """Scale (k,) of the error of each point, of errors (N, k, 3): their mean, at least a tenth of the largest one."""
+    means = np.nanmean(np.linalg.norm(off, axis=2), axis=0)
+    largest = float(np.nanmax(means))
+    return np.maximum(np.nan_to_num(means), 0.1 * largest) if largest > 0.0 else np.ones(off.shape[1])
+
+
+def attainable(rows: int, level: float) -> float:
+    """The level of a bound that so many rows allow: `level`, or with too few of them n / (n + 1)."""
+    return min(level, rows / (rows + 1.0))
+
+
+def joined_parts(off: Floats, labels: Sequence[str], level: float) -> list[Floats]:
+    """The errors (N,) of each pattern that has rows enough for this level; those of all others together.
+
+    Where these are too few, too, all rows are one part.
+    """
+    parts = _parts(off, labels)
+    enough = [part for part in parts if np.isfinite(bound_of(part, level))]
+    others = [part for part in parts if not np.isfinite(bound_of(part, level))]
+    rest = [np.concatenate(others)] if others else []
+    if rest and not np.isfinite(bound_of(rest[0], level)):
+        return [*enough, off]
+    return [*enough, *rest]
 
 
 def _parts(off: Floats, labels: Sequence[str]) -> list[Floats]:
@@ -324,8 +379,12 @@ def whole_patterns(labels: Sequence[str]) -> list[str]:
 
 
 def bound_of(off: Floats, level: float) -> float:
-    """The quantile of errors (N,) that a further row exceeds with at most this probability (split conformal)."""
-    return float(np.quantile(off, min(1.0, level * (1.0 + 1.0 / max(len(off), 1))), method="linear"))
+    """The error that a further row exceeds with at most the probability 1 - level; infinite with too few rows.
+
+    Of n errors (N,) it is the ceil((n + 1) level)-th smallest (split conformal prediction, Vovk et al. 2005).
+    """
+    place = math.ceil((len(off) + 1) * level - ROUNDING)
+    return math.inf if place > len(off) else float(np.sort(off)[max(place, 1) - 1])
 
 
 def bound_of_further(parts: Sequence[Floats], level: float) -> float:

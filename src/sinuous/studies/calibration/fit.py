@@ -36,7 +36,7 @@ SCALE_ROUNDS = 2, 8
 """How often the scale of the loss is taken anew: at least, and at most, as long as it becomes less than half."""
 
 POSE_TURNS = 4
-"""How often a robot that gravity bends is laid over its measurements: the pose turns it under gravity."""
+"""How often a robot that gravity bends is aligned with its measurements: the pose turns it under gravity."""
 
 LEAST_SCALE = 1e-9
 """Lengths of the robot: the least scale of the loss."""
@@ -233,7 +233,7 @@ def left_out(fit: Fit, rows: Measurements, drawn: Robot) -> Floats:
 
 
 def begun(drawn: Robot, rows: Measurements, levelled: bool, groups: tuple[ParameterGroup, ...] = ()) -> FitState:
-    """The drawing, laid over the measurements (Kabsch), anew where the robot turns under gravity."""
+    """The drawing, aligned with the measurements (Kabsch), anew where the robot turns under gravity."""
     state = FitState(np.eye(4), levelled, Values(groups, np.zeros(sum(len(each.names) for each in groups))))
     seen = np.isfinite(rows.points).all(axis=-1)
     there = rows.points[seen]

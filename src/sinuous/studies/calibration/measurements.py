@@ -29,6 +29,12 @@ UNIT_FACTORS = (1000.0, 0.001, 100.0, 0.01, 10.0, 0.1, 25.4, 1.0 / 25.4)
 FOLDS = 8
 """Into how many parts rows fall, each of which is held back in turn."""
 
+FEWEST_SEEN = 5
+"""Points that must have been seen to tell which were lost."""
+
+FAR_GAPS = 2.0
+"""How many times farther than points are apart the origin is from all of them, where it stands for a lost one."""
+
 
 class Place(NamedTuple):
     """A place of the body.
@@ -67,6 +73,8 @@ class Measurements(NamedTuple):
         Numbers of the rows that hold no measurement.
     levers : ndarray (k,)
         1 where a point is one of the body, 0 where it stands for a direction.
+    zeros : tuple of int
+        Numbers of the rows that the device has lost: they say exactly 0, 0, 0. They count as not seen.
     """
 
     actuators: Floats
@@ -77,12 +85,13 @@ class Measurements(NamedTuple):
     rows: NDArray[np.intp]
     dropped: tuple[int, ...]
     levers: Floats
+    zeros: tuple[int, ...] = ()
 
     def part(self, chosen: NDArray[np.bool_] | slice) -> "Measurements":
         """Some of the rows."""
         labels = tuple(np.array(self.labels)[chosen].tolist())
         arrays = self.actuators[chosen], self.points[chosen], self.places, labels, self.folds[chosen]
-        return Measurements(*arrays, self.rows[chosen], self.dropped, self.levers)
+        return Measurements(*arrays, self.rows[chosen], self.dropped, self.levers, self.zeros)
 
 
 def refuse_loose(robot: Robot) -> None:
@@ -109,6 +118,8 @@ def read(
     ordered = in_order("actuators", actuators, names, finite=False) if isinstance(actuators, Mapping) else actuators
     values = _numbers("actuators", ordered, (None, len(names)))
     given = _numbers("measured", measured, None)
+    lost = _dropouts(given)
+    given[lost] = math.nan
     factor = checks.number("unit", unit, above=0.0)
     if len(given) != len(values):
         raise InputError("measured", f"{len(given)} rows", measured, f"{len(values)} rows, as many as actuators")
@@ -121,7 +132,27 @@ def read(
         raise InputError("measured", "no row has finite numbers", measured, "rows of numbers")
     kept = tuple(label for label, ok in zip(labels, good, strict=True) if ok)
     dropped = tuple(int(i) for i in np.flatnonzero(~good))
-    return Measurements(values[good], points[good], kinds, kept, _folds(kept), np.flatnonzero(good), dropped, levers)
+    zeros = tuple(int(i) for i in np.flatnonzero(lost.reshape(len(lost), -1).any(axis=1)))
+    folds, numbers = _folds(kept), np.flatnonzero(good)
+    return Measurements(values[good], points[good], kinds, kept, folds, numbers, dropped, levers, zeros)
+
+
+def _dropouts(given: Floats) -> NDArray[np.bool_]:
+    """Tell which points (N,), (N, k) or poses (N,) are where a device puts what it has lost: exactly at its origin.
+
+    An origin that lies among the other points, as of positions relative to a start, is a measurement.
+    """
+    from scipy.spatial import cKDTree  # noqa: PLC0415
+
+    poses = given.shape[1:] == (4, 4)
+    points = given[:, :3, 3] if poses else given
+    lost = (points == 0.0).all(axis=-1)
+    seen = points[~lost & np.isfinite(points).all(axis=-1)]
+    if not lost.any() or len(seen) < FEWEST_SEEN:
+        return np.zeros_like(lost)
+    gaps, _ = cKDTree(seen).query(seen, 2)
+    away = float(np.linalg.norm(seen, axis=1).min()) > FAR_GAPS * float(np.quantile(gaps[:, 1], 0.9))
+    return lost if away else np.zeros_like(lost)
 
 
 def _numbers(key: str, value: Stack, shape: tuple[int | None, int] | None) -> Floats:

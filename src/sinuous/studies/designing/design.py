@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sinuous.base.checks import Floats
-from sinuous.base.documents import write_table
+from sinuous.base.documents import result_of, write_table
 from sinuous.base.errors import InputError
-from sinuous.base.reprs import ShortRepr
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.studies.designing.objectives import Objective
@@ -144,26 +144,8 @@ class Design(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
-        return {
-            "status": "solved" if self.solved else "unsolved",
-            "minimise": list(self.minimise),
-            "front": [
-                {
-                    **found._asdict(),
-                    "robot": found.robot.to_dict(),
-                    "objectives": dict(found.objectives),
-                    "answers": {name: q.tolist() for name, q in found.answers.items()},
-                }
-                for found in self.front
-            ],
-            "deciding": self.deciding,
-            "changes": [change._asdict() for change in self.changes],
-            "cut": [cut._asdict() for cut in self.cut],
-            "tried": self.tried,
-            "most_done": self.most_done,
-            "tasks": self.tasks,
-            "seconds": self.seconds,
-        }
+        own = result_of(self, "minimise front deciding changes cut tried most_done tasks seconds")
+        return {"status": "solved" if self.solved else "unsolved", **own}
 
     def _shown(self) -> Iterator[str]:
         yield ", ".join(self.minimise)

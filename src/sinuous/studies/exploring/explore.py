@@ -18,10 +18,10 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, warn_of
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.documents import result_of
+from sinuous.base.errors import InputError, refuse_unknown, warn_of
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
@@ -42,8 +42,6 @@ from sinuous.studies.workspace.reach import reach_of
 
 MOST_PARTS = 20
 """Sizes of parts that are told."""
-
-FRACTIONS = ("covered", "joined")
 
 
 class Exploration(ShortRepr):
@@ -87,9 +85,7 @@ class Exploration(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values; a share of nothing is `None`."""
-        names = ("shapes", "motions", "tests", "spacing", "rounds", "full", "seconds")
-        shares = {name: None if math.isnan(getattr(self, name)) else getattr(self, name) for name in FRACTIONS}
-        return {**{name: getattr(self, name) for name in names}, "parts": list(self.parts), **shares}
+        return result_of(self, "shapes motions tests spacing rounds full seconds parts covered joined")
 
     def __str__(self) -> str:
         told = [f"{self.shapes:,} shapes", f"{self.motions:,} motions"]

@@ -156,7 +156,7 @@ class Explorer:
         near, seed, deadline = task.near, task.seed, task.deadline
         path = work.trees.grow(np.stack([begin, *near]), seed, (0, JOIN_DRAWS), deadline)
         if path is None and seed % 4 == 0 and deadline.left() > 0.0:
-            query = Query(self.robot, work.scene, begin, lambda _: near, seed, 0, deadline)
+            query = Query(self.robot, work.scene, begin, lambda _: near, seed, deadline)
             path = find_path(query, work.trees, JOIN_TURNS)
         if path is not None:
             found.add_way(own, path.q, task)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sinuous.base.errors import InputError
-from sinuous.base.processes import pool_of
+from sinuous.base.system import pool_of
 from sinuous.scene.grids import Field
 from sinuous.solver.thread_pool import CancellableThreads
 from sinuous.studies.runs.engine import Arrays, Engine, LostError, Work

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Unpack
 from sinuous.base import checks
 from sinuous.base.documents import write_table
 from sinuous.base.errors import InputError, SuspiciousInput
+from sinuous.base.frozen import ShortRepr
 from sinuous.base.progress import ProgressBar
-from sinuous.base.reprs import ShortRepr
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene

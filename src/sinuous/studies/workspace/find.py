@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.base.checks import Floats
-from sinuous.base.keywords import refuse_unknown
+from sinuous.base.errors import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.kernels.compile import code_first
 from sinuous.model.robot import Robot

@@ -18,8 +18,7 @@ from sinuous.base.arguments import Vector
 from sinuous.base.checks import Floats
 from sinuous.base.documents import read_archive, write_archive
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import Frozen
-from sinuous.base.notebook import NotebookMixin
+from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.model.robot import Robot
 
 VOXELS_IN_REACH = 35

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.scene.extents import box_of
 from sinuous.scene.obstacles import HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.view.display.contents import Contents
 from sinuous.view.display.style import ARROW_SHARE, Viewpoint, arrows_of
@@ -61,7 +60,7 @@ def _turned_box(obstacle: Obstacle) -> tuple[Floats, Floats, Floats]:
         center, rotation, half, rounding = obstacle.frame
         half = half + rounding
     else:
-        ends = box_of(obstacle)
+        ends = obstacle._box
         if ends is None:  # an empty grid
             return np.full(3, np.inf), np.eye(3), np.ones(3)
         center, rotation, half = ends.mean(axis=0), np.eye(3), 0.5 * np.ptp(ends, axis=0)
@@ -152,7 +151,7 @@ def _box(obstacle: Obstacle) -> Floats | None:
     if isinstance(obstacle, Dotted):
         points = points_of(obstacle)
         return np.stack([points.min(axis=0), points.max(axis=0)]) if len(points) else None
-    return box_of(obstacle)
+    return obstacle._box
 
 
 def _feet(obstacles: Sequence[Obstacle], bounds: Bounds, reach: float) -> list[Floats]:

@@ -16,9 +16,9 @@ from sinuous.answer.solutions import Solutions
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.files.problem_file import ProblemFile
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
+from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.motion.tables import interpolate
 from sinuous.problem.problem import Problem
@@ -168,7 +168,7 @@ def _thicker(robot: Robot) -> Robot:
     return robot.changed(segments=[each.changed(radius=each.radius + bound) for each, bound in pairs], uncertainty=None)
 
 
-Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
+Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | Job | Solution | Motion | Floats
 Things = Thing | Sequence[Thing | Sequence[Thing]]
 """What can be drawn."""
 
@@ -344,7 +344,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
         _add_motion(contents, thing)
     elif isinstance(thing, Problem):
         _add_question(contents, thing.robot, thing.scene, thing.targets)
-    elif isinstance(thing, ProblemFile):
+    elif isinstance(thing, Job):
         targets = [target for together in thing.waypoints for target in together]
         _add_question(contents, thing.robot, thing.scene.snapshot(), () if thing.is_path else targets)
         if thing.is_path:

@@ -15,7 +15,7 @@ from sinuous.kernels import packing
 from sinuous.model.poses import least_rotation
 from sinuous.model.robot import Robot
 from sinuous.scene.grids import Field, Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.scene.point_cloud import PointCloud
 

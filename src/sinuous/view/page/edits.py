@@ -8,14 +8,13 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.documents import pose_arguments
 from sinuous.base.errors import InputError
-from sinuous.base.plain import pose_arguments
 from sinuous.model.poses import pose
 from sinuous.model.rates import KEYS, Kept, Rates, least, scaled
 from sinuous.motion.job import Job
-from sinuous.scene.extents import box_of
 from sinuous.scene.grids import Grid
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import moved
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.scene.point_cloud import PointCloud
@@ -38,7 +37,7 @@ def pose_of(obstacle: Obstacle) -> Floats | None:
         return pose(obstacle.frame.center, rotation=obstacle.frame.rotation)
     if isinstance(obstacle, Grid) and obstacle.source is not None:
         return None
-    box = box_of(obstacle) if isinstance(obstacle, Mesh | PointCloud | Grid) else None
+    box = obstacle._box if isinstance(obstacle, Mesh | PointCloud | Grid) else None
     return None if box is None else pose(box.mean(axis=0))
 
 

@@ -19,13 +19,12 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import yaml_text
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.files.documents import join, parse
-from sinuous.files.problem_file import problem_of
-from sinuous.methods.registry import name_of
+from sinuous.methods.method import name_of
 from sinuous.model.poses import least_rotation
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment, straight
-from sinuous.motion.job import Job
+from sinuous.motion.job import Job, job_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import pace_motion
 from sinuous.motion.tables import write_motion
@@ -717,7 +716,7 @@ def read_problem(name: str, content: bytes, folder: Path) -> Job:
             raise InputError("file", f"not UTF-8 at byte {error.start}", title, "a text file in UTF-8") from None
         values = parse(text, Path(title))
         _refuse_far_files(values, folder)
-        job = problem_of(values, str(folder / title), Job)
+        job = job_of(values, str(folder / title))
         job.scene.prepare()
         return job
     except InputError as error:

@@ -24,7 +24,7 @@ from viser.transforms import SO3
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.view.display import style

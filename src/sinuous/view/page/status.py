@@ -14,7 +14,7 @@ from sinuous.measures.body import segment_ends
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import Violation
 from sinuous.model.robot import Robot
-from sinuous.problem.body_question import ask_body
+from sinuous.problem.problem import ask_body
 from sinuous.problem.target import Target
 from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.statics.rest import bodies_at

@@ -14,7 +14,7 @@ from viser.transforms import SO3
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.packing import BendLine
-from sinuous.methods.registry import METHODS
+from sinuous.methods.method import METHODS
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance

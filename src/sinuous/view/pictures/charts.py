@@ -146,8 +146,9 @@ def _draw_places(axes: Any, own: "Calibration") -> None:
 def _draw_over(axes: Any, own: "Calibration") -> None:
     off = np.linalg.norm(own.held_back[:, 0], axis=1)
     axes.plot(own.rows, off, ".", color=INK, markersize=2)
-    axes.axhline(own.bound(), color=CURVES[1], linewidth=1.0)
-    axes.text(own.rows[0], own.bound(), " bound of the robot", va="bottom", fontsize=SMALL_PT, color=INK)
+    bound = own.bound(own.level)
+    axes.axhline(bound, color=CURVES[1], linewidth=1.0)
+    axes.text(own.rows[0], bound, " bound of the robot", va="bottom", fontsize=SMALL_PT, color=INK)
     finish_axes(axes, "error of held-back rows", x="row", y="length unit")
 
 

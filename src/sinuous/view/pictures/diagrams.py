@@ -11,7 +11,7 @@ from sinuous.answer.solution import Solution
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.methods.registry import options_of
+from sinuous.methods.method import options_of
 from sinuous.motion.motion import Motion
 from sinuous.solver.solver import KeptOptions
 from sinuous.view.display import style

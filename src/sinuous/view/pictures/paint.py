@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
 from sinuous.view.display.bounds import Bounds, direction_of
 from sinuous.view.display.contents import Arm

@@ -3,8 +3,6 @@
 CSV is readable everywhere, and ten times as slow as the others. Parquet needs pyarrow (the extra `batch`).
 """
 
-import csv
-import warnings
 import zipfile
 import zlib
 from abc import ABC, abstractmethod
@@ -21,9 +19,8 @@ from numpy.typing import NDArray
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable
-from sinuous.base.errors import InputError
-from sinuous.base.keywords import refuse_unknown
-from sinuous.files.documents import NUMBER
+from sinuous.base.errors import InputError, refuse_unknown
+from sinuous.base.text_tables import SAMPLED, axis_of, filled_lines, tell_format
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
 
@@ -279,53 +276,38 @@ def _column(parts: list[Any], name: str) -> Any:
 
 
 class CsvSource(Source):
-    """A CSV file with a header. A cell that is no finite number makes its row invalid, and no other."""
+    """A text table with names of columns. A cell that is no finite number makes its row invalid, and no other."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
         try:
             with file.open(encoding="utf-8-sig", newline=None) as text:
-                header = next((line for line in text if line.strip()), "")
-                self.rows = sum(1 for line in text if line.strip())
+                lines = filled_lines(text)
+                head = list(islice(lines, SAMPLED))
+                self._table, rows = tell_format(head)
+                self.rows = len(rows) + sum(1 for _ in lines)
         except UnicodeDecodeError:
             raise InputError("file", "is not UTF-8", str(file), "a CSV file") from None
-        names = [name.strip() for name in next(csv.reader([header]), [])]
+        names = [axis_of(name) or name for name in self._table.names or ()]
         groups = _groups_of(names)
         self._groups = {key: len(columns) for key, columns in groups.items()}
         self._places = [names.index(name) for columns in groups.values() for name in columns]
+        self._table.warn_of_units(self._places, file)
         self._text = file.open(encoding="utf-8-sig", newline=None)
-        self._lines = (line for line in self._text if line.strip())
-        next(self._lines, None)
+        self._lines = islice(filled_lines(self._text), len(head) - len(rows), None)
         self._at = 0
 
     def read(self, first: int, last: int) -> Raw:
         """Return rows `first` to `last`, the end not included; chunks are asked for in rising order."""
         lines = list(islice(self._lines, first - self._at, last - self._at))
         self._at = last
-        parts = np.split(_cells(lines, self._places), np.cumsum(list(self._groups.values()))[:-1], axis=1)
+        numbers = self._table.read(lines, self._places, strict=False)
+        parts = np.split(numbers, np.cumsum(list(self._groups.values()))[:-1], axis=1)
         return dict(zip(self._groups, parts, strict=True))
 
     def close(self) -> None:
         """Close the file."""
         self._text.close()
-
-
-def _cells(lines: list[str], places: Sequence[int]) -> Floats:
-    """Read the cells of these columns: all together, or where something is no number one by one."""
-    if not lines:
-        return np.empty((0, len(places)))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            read = np.loadtxt(lines, delimiter=",", usecols=places, ndmin=2, comments=None, quotechar='"')
-    except (ValueError, UserWarning):
-        return np.array([[_number(row, place) for place in places] for row in csv.reader(lines)])
-    return read
-
-
-def _number(row: list[str], place: int) -> float:
-    cell = row[place].strip() if place < len(row) else ""
-    return float(cell) if NUMBER.fullmatch(cell) else np.nan
 
 
 SOURCES: dict[str, Callable[[Path], Source]] = {".csv": CsvSource, ".npz": NpzSource, ".parquet": ParquetSource}

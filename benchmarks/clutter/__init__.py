@@ -1,1 +1,0 @@
-"""`python -m benchmarks clutter`: intricate places, each of which is known to be possible."""

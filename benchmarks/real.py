@@ -1,0 +1,431 @@
+"""`python -m benchmarks real`: robots as they are, each figure beside the published one.
+
+Two robots are calibrated from motion capture, and judged on motions that the fit did not see. A tendon robot and rods
+are held against what others computed, a soft tentacle against what was measured (facts of these projects:
+`benchmarks/data/README.md`), and solves under gravity and payload against Cosserat rods.
+"""
+
+import csv
+import math
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+import sinuous as sn
+from benchmarks.harness.experiment import Part
+from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.plan import Plan
+from benchmarks.judges.cosserat import shoot
+from benchmarks.judges.kinematics import tip_poses
+from sinuous.base.checks import Floats
+from sinuous.files.documents import parse_yaml
+from sinuous.files.nouns import read_robot
+from sinuous.statics.equilibrium import run
+from sinuous.studies.calibration.table import Measured, read_table
+
+DATA = Path(__file__).parent / "data"
+
+PUBLISHED = "published for their MuJoCo model: 4.1 % (arXiv 2606.22397)"
+
+MOTIONS = ("pair12", "pair13", "pair23", "seg")
+"""Kinds of motion of the rows with which robots are fitted; each is left out in turn."""
+
+OF_IT = 40
+"""Rows of a motion, evenly spread over it, that bound the errors of its other rows."""
+
+
+def captured_robot(name: str) -> sn.Robot:
+    """A robot as drawn."""
+    return read_robot(parse_yaml((DATA / f"{name}.yaml").read_text()))
+
+
+def rows_of(robot: sn.Robot, name: str) -> Measured:
+    """Measurements of a robot."""
+    return read_table(DATA / f"tdcr_{name}.csv", [actuator.name for actuator in robot.actuators])
+
+
+def off(robot: sn.Robot, rows: Measured) -> Floats:
+    """Errors (N,) of the tip, with kinematics of the judges."""
+    tips = tip_poses(robot, robot.from_actuators(rows.actuators))[:, :3, 3]
+    result: Floats = np.linalg.norm(tips - rows.measured, axis=1)
+    return result
+
+
+def within_of_some(found: sn.studies.Calibration, rows: Measured, errors: Floats) -> float:
+    """Percent of rows (N,) of a motion within the bound of some of it, the mean of all ways to spread these."""
+    step, shares = max(2, len(errors) // OF_IT), []
+    for first in range(step):
+        some = np.arange(len(errors)) % step == first
+        bound = found.for_motion(rows.actuators[some], rows.measured[some]).uncertainty
+        assert bound is not None
+        shares.append(float((errors[~some] <= bound.bound).mean()))
+    return 100.0 * float(np.mean(shares))
+
+
+def fitted(name: str, plan: Plan) -> Iterator[Line]:
+    """Fit a robot to all its rows; hold back kinds of motion, and, of v4, motions that were never fitted."""
+    robot = captured_robot(name)
+    length, rows = robot.mean_length, rows_of(robot, f"{name}_train")
+    groups = rows.groups or ()
+    sn.studies.calibrate(robot, rows.actuators[:60], rows.measured[:60])  # kernels are loaded
+    began = perf_counter()
+    own = sn.studies.calibrate(robot, rows.actuators, rows.measured, groups=groups)
+    where = f"{name}, {len(groups)} rows, {own.drawn.mean_length:g} mm"
+    yield Line(where, "a fit that chooses its parameters", perf_counter() - began, "s", Goal(5.0), noise=1.0)
+    yield Line(where, "mean error of the tip, fitted rows", 100.0 * off(own.robot, rows).mean() / length, "%")
+    yield Line(where, "mean error, rows held back by the fit", 100.0 * own.expected.mean / length, "%")
+    errors, bounds, likes, some = [], [], [], []
+    for family in MOTIONS[: plan.count(len(MOTIONS), 1)]:
+        other = np.array([family not in label for label in groups])
+        labels = [label for label, kept in zip(groups, other, strict=True) if kept]
+        part = sn.studies.calibrate(robot, rows.actuators[other], rows.measured[other], groups=labels)
+        held = Measured(rows.actuators[~other], rows.measured[~other], None)
+        errors.append(off(part.robot, held))
+        bounds.append(errors[-1] <= part.bound())
+        likes.append(errors[-1] <= part.bound(of="rows"))
+        some.append(within_of_some(part, held, errors[-1]))
+    each = ", ".join(f"{f} {100.0 * e.mean() / length:.1f}" for f, e in zip(MOTIONS, errors, strict=False))
+    mean = 100.0 * float(np.concatenate(errors).mean()) / length
+    goal = Goal(4.0) if name == "v6" else None
+    yield Line(where, "mean error, each kind of motion left out in turn", mean, "%", goal, note=each)
+    for of, kept in (("patterns", bounds), ("rows", likes)):
+        share = 100.0 * float(np.concatenate(kept).mean())
+        yield Line(where, f"rows of these within the bound of {of} at 95 %", share, "%", Goal(93.0, at_most=False))
+    what = f"the same within the bound of {OF_IT} of each kind (for_motion), the kind with least"
+    yield Line(where, what, min(some), "%", Goal(93.0, at_most=False), note=f"most {max(some):.1f} %")
+    if name == "v4":
+        val = rows_of(robot, "v4_val")
+        errors_of = off(own.robot, val)
+        reached = 100.0 * float(errors_of.mean()) / length
+        worst = f"worst {100.0 * errors_of.max() / length:.1f} %; {PUBLISHED}"
+        yield Line(where, f"mean error, {len(errors_of)} rows of other motions", reached, "%", Goal(3.2), note=worst)
+        inside = 100.0 * float((errors_of <= own.bound()).mean())
+        yield Line(where, "rows of these motions within the bound at 95 %", inside, "%", Goal(93.0, at_most=False))
+        like = 100.0 * float((errors_of <= own.bound(of="rows")).mean())
+        yield Line(where, "the same within the bound of rows at 95 %", like, "%")
+        within = within_of_some(own, val, errors_of)
+        what = f"the same within the bound of {OF_IT} of them (for_motion)"
+        yield Line(where, what, within, "%", Goal(93.0, at_most=False))
+
+
+CALIBRATED: dict[str, Part] = {name: partial(fitted, name) for name in ("v4", "v6")}
+
+
+TENDON_ROBOT = "tendon robot of 0.4 m, 20 arcs, 77 loads, against VCref"
+RODS = "one rod under gravity and two wrenches, 400 shapes each, against SoroSim"
+TENTACLE = "soft tentacle, 22 loads, 4 markers"
+
+ANOTHER = 5.0
+"""Percent of the length from which on two shapes are other equilibria, not errors."""
+
+REPEATS = 5
+
+
+class Case(NamedTuple):
+    """A row of the tendon robot: tensions (6,), force (3,), and tips by the name of the model."""
+
+    tensions: Floats
+    force: Floats
+    tips: dict[str, Floats]
+
+
+def tendon_robot(_: Plan) -> list[Line]:
+    """Distances of tips, and the time of one equilibrium from the straight robot."""
+    robot = the_tendon_robot()
+    errors, others, seconds, names = [], [], [], []
+    for case in cases():
+        load = sn.Force(case.force)
+        found = robot.equilibrium(tensions=case.tensions, forces=load)
+        seconds.append(min(_alone(found) for _ in range(REPEATS)))
+        off = {name: 250.0 * float(np.linalg.norm(found.tip[:3, 3] - tip)) for name, tip in case.tips.items()}
+        if off["VCref"] > ANOTHER:
+            models = ", ".join(f"{name} {value:.2g} %" for name, value in off.items() if name in ("PCC", "PRB", "VC"))
+            names.append(
+                f"q {case.tensions.tolist()} N, f {case.force.tolist()} N: another equilibrium ({models} away)"
+            )
+        errors.append(off["VCref"])
+        others.append(250.0 * float(np.linalg.norm(case.tips["PCC"] - case.tips["VCref"])))
+    note = "PCC there {:.2g} % in the median. {}".format(np.median(others), "; ".join(names))
+    return [
+        Line(TENDON_ROBOT, "distance of the tip, median", float(np.median(errors)), "%", Goal(0.1), note=note),
+        Line(TENDON_ROBOT, "distance of the tip, 95 %", float(np.quantile(errors, 0.95)), "%", Goal(0.5)),
+        Line(TENDON_ROBOT, "share within 0.5 %", 100.0 * float(np.mean(np.array(errors) <= 0.5)), "%"),
+        Line(
+            TENDON_ROBOT,
+            "one equilibrium, from the straight robot",
+            float(np.median(seconds)),
+            "us",
+            Goal(100e-6),
+            Times.of(seconds),
+            note="there 18 to 1,900 ms; compiled code alone",
+        ),
+    ]
+
+
+def _alone(found: sn.Equilibrium) -> float:
+    """Seconds of the search for an equilibrium, without laying out tables."""
+    began = time.thread_time()
+    run(found.robot, found._begin)
+    return time.thread_time() - began
+
+
+def the_tendon_robot() -> sn.Robot:
+    """Two sections with ten disks each."""
+    rod = sn.Stiffness(youngs_modulus=54e9, poisson=0.3, radius=0.7e-3)
+    tendons = sn.Tendons(angles=[0.5 * math.pi, -math.pi / 6.0, 7.0 * math.pi / 6.0], radius=0.01, straight=True)
+    stiffness = sn.Stiffness(rod.bend, rod.twist)
+    return sn.Robot.uniform(2, 0.2, tendons=tendons, stiffness=stiffness, arcs=10)
+
+
+def cases() -> list[Case]:
+    """All loads of the data that the reference has an answer for."""
+    found: dict[tuple[str, ...], dict[str, Floats]] = {}
+    with (DATA / "tendon_robot_models.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["disks_per_segment"] == "10":
+                key = tuple(row[name] for name in ("q1", "q2", "q3", "q4", "q5", "q6", "fx", "fy", "fz"))
+                tip = np.array([float(row[name]) for name in ("tip_x", "tip_y", "tip_z")])
+                found.setdefault(key, {})[row["model"]] = tip
+    numbers = {key: np.array([float(each) for each in key]) for key in found}
+    return [Case(numbers[key][:6], numbers[key][6:], tips) for key, tips in found.items() if "VCref" in tips]
+
+
+class Rod(NamedTuple):
+    """Material, radius and length of a rod."""
+
+    stiffness: sn.Stiffness
+    mass: float
+    length: float
+
+
+def _rod(young: float, poisson: float, density: float, radius: float, length: float) -> Rod:
+    stiffness = sn.Stiffness(youngs_modulus=young, poisson=poisson, radius=radius)
+    return Rod(stiffness, density * math.pi * radius**2, length)
+
+
+ROD_MATERIALS = {
+    "springsteel": _rod(200e9, 0.33, 7870.0, 0.8e-3, 0.6),
+    "tpu": _rod(70e6, 0.4, 1200.0, 5e-3, 0.4),
+}
+
+
+def rods(name: str, plan: Plan) -> list[Line]:
+    """Distances of the tip with 8 and with 16 arcs."""
+    count = plan.count(400, 40)
+    return [line for arcs, goal in ((8, 0.2), (16, 0.05)) for line in _rods(name, count, arcs, goal)]
+
+
+def _rods(name: str, count: int, arcs: int, goal: float) -> Iterator[Line]:
+    own = ROD_MATERIALS[name]
+    base = np.eye(4)
+    base[:3, :3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    half = 0.5 * own.length
+    errors, failed = [], 0
+    for shape in read_rods(name)[:count]:
+        robot = sn.Robot.uniform(
+            2, half, stiffness=own.stiffness, mass=own.mass, arcs=arcs // 2, gravity=shape[3:, 0], base=base
+        )
+        loads = [sn.Force(shape[3:, 1], shape[:3, 1], segment=1), sn.Force(shape[3:, 2], shape[:3, 2])]
+        try:
+            found = robot.shape([[0.0, 0.0, half]] * 2, loads)
+        except sn.InputError:
+            failed += 1
+            continue
+        errors.append(100.0 * float(np.linalg.norm(found.tip[:3, 3] - shape[3:, -1])) / own.length)
+    where = f"{name}, {arcs} arcs"
+    yield Line(RODS, f"{where}: distance of the tip, median", float(np.median(errors)), "%", Goal(goal))
+    yield Line(RODS, f"{where}: distance of the tip, largest", max(errors), "%")
+    yield Line(RODS, f"{where}: no equilibrium found", float(failed), "shapes", Goal(0.0, correctness=True))
+
+
+def read_rods(name: str) -> Floats:
+    """Read shapes (m, 6, 17): moments or rotations, then forces or positions; gravity, two wrenches, 14 stations."""
+    with (DATA / f"rod_{name}.csv").open(encoding="utf-8") as file:
+        rows = list(csv.reader(file))[2:]
+    return np.array([[float(each or 0.0) for each in row[1:]] for row in rows]).reshape(-1, 6, len(rows[0]) - 1)
+
+
+MARKERS = np.array([0.1291, 0.2195, 0.2800, 0.3600])
+OFFSETS = np.array([[0.0, 0.025, 0.0], [0.0, -0.021, 0.0], [0.0, 0.020, 0.0], [0.0, 0.0, 0.008]])
+"""Arc lengths of the markers, and where they are in the frame of the body there, in m."""
+
+TAPER = ((0.0, 15.41e-3), (0.305, 6.42e-3), (0.36, 4.80e-3))
+"""Arc length and radius, in m; linear in between."""
+
+TENDONS_END = 0.305
+"""Arc length at which the tendons end, in m: `end_segment_index` of the makers' routing is their first segment."""
+
+SLOPE = 0.0295
+"""Of the tendons towards the backbone."""
+
+NOMINAL = np.array([505e3, 1500.0, 0.45])
+"""Young's modulus (Pa), density (kg / m^3), Poisson's ratio: as the makers state them, and as they fitted them."""
+
+LOWEST, LARGEST = np.array([10e3, 1000.0, 0.4]), np.array([1e6, 2000.0, 0.5])
+"""Within which they are fitted, as the makers did."""
+
+
+def tentacle(_: Plan) -> list[Line]:
+    """Distances of markers with the nominal material, and with three parameters that are fitted."""
+    loads, markers = read_tentacle()
+
+    def residual(scale: Floats) -> Floats:
+        return (_places(scale * NOMINAL, loads) - markers).ravel() * 1e3
+
+    limits = LOWEST / NOMINAL, LARGEST / NOMINAL
+    fit = least_squares(residual, (0.9, 0.8, 0.95), bounds=limits, diff_step=[1e-3], xtol=1e-4)
+    note = ", ".join(f"{value:.4g}" for value in NOMINAL * fit.x) + " (Pa, kg / m^3); published 15.8 mm"
+    what = "rms of markers, fitted E, density, Poisson's ratio"
+    return [
+        Line(TENTACLE, "rms of markers, nominal", _rms(residual(np.ones(3))), "mm", note="published 36.8 mm"),
+        Line(TENTACLE, what, _rms(fit.fun), "mm", Goal(15.8), note=note),
+    ]
+
+
+def _rms(residual: Floats) -> float:
+    return float(np.sqrt(np.mean(np.sum(residual.reshape(-1, 3) ** 2, axis=1))))
+
+
+def read_tentacle() -> tuple[Floats, Floats]:
+    """Tensions (22, 2) in N and places of markers (22, 4, 3) in m."""
+    with (DATA / "soft_tentacle.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.reader(file) if not row[0].startswith("#")][1:]
+    numbers = np.array(rows, np.float64)
+    return numbers[:, 2:4], numbers[:, 4:].reshape(-1, 4, 3)
+
+
+def _places(material: Floats, tensions: Floats) -> Floats:
+    """Places of the markers (m, 4, 3) at these tensions (m, 2)."""
+    young, density, poisson = material
+    parts = np.linspace(0.0, TENDONS_END, 13)[1:], np.linspace(TENDONS_END, 0.36, 4), MARKERS
+    ends = np.unique(np.concatenate(parts).round(6))
+    begins = np.concatenate([[0.0], ends[:-1]])
+    segments = []
+    for begin, end in zip(begins, ends, strict=True):
+        middle = 0.5 * (begin + end)
+        radius = float(np.interp(middle, *np.array(TAPER).T))
+        # A tendon that comes nearer to the backbone: a line in each piece, all with the same tension.
+        angles, circle = np.radians([30.0, 150.0]), 11.4e-3 - SLOPE * middle
+        lines = sn.Chambers(angles=angles, radius=circle) if middle < TENDONS_END else None
+        rod = sn.Stiffness(youngs_modulus=young, poisson=poisson, radius=radius)
+        mass = density * math.pi * radius**2
+        segments.append(sn.Segment(end - begin, chambers=lines, stiffness=rod, mass=mass))
+    base = np.eye(4)
+    base[:3, :3] = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]
+    robot = sn.Robot(segments, base=base, gravity=(0.0, 0.0, -9.81))
+    at = np.searchsorted(ends, MARKERS - 1e-6)
+    result = []
+    for pair in tensions:
+        poses = robot.equilibrium(tensions=np.tile(pair, len(robot.actuators) // 2)).poses[at]
+        result.append(poses[:, :3, 3] + np.einsum("mij,mj->mi", poses[:, :3, :3], OFFSETS))
+    return np.array(result)
+
+
+LOADED: dict[str, Part] = {
+    "tendon-robot": tendon_robot,
+    **{f"rod-{name}": partial(rods, name) for name in ROD_MATERIALS},
+    "tentacle": tentacle,
+}
+
+
+SECTION = "inverse kinematics under gravity and payload, sections of 4 arcs"
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+
+ROD = sn.Stiffness(bend=0.01, twist=0.008)
+
+MASS, CARRIED = 0.05, 0.01
+"""Of the body, kg / m; of the payload, kg. It moves the tips of these robots by some 30 % of their length."""
+
+STIFF = 1e6
+"""EA of the judge's rod, N: it does not stretch."""
+
+NEAR = 0.5
+"""Percent of the length by which the judge's tip may be off."""
+
+
+def loaded_robot(sections: int) -> sn.Robot:
+    """A robot that hangs, stands or lies, as its drive makes it."""
+    segment = sn.Segment((0.07, 0.13), max_bend=2.0, radius=0.005, stiffness=ROD, mass=MASS, arcs=4)
+    return sn.Robot([segment] * sections, gravity=GRAVITY, payload=sn.Payload(CARRIED))
+
+
+def solves(sections: int, spheres: int, goal: float, plan: Plan) -> list[Line]:
+    """Targets that are known to be reached by a loaded body that is clear; a few answers are computed as a rod."""
+    count, judged, random = plan.count(60, 10), plan.count(8, 2), np.random.default_rng(sections + spheres)
+    robot, scene = loaded_robot(sections), list(_balls(random, spheres))
+    solver, targets = sn.Solver(robot, scene), list(_targets(random, robot, scene, count))
+    solver.solve(targets[0])  # kernels are loaded
+    seconds, answers = [], []
+    for target in targets:
+        began = time.thread_time()
+        answers.append(solver.solve(target))
+        seconds.append(time.thread_time() - began)
+    answered = [(found, target) for found, target in zip(answers, targets, strict=True) if found.solved]
+    solved, wrong = len(answered), sum(not found.verify().ok for found, _ in answered)
+    errors = [_off(robot, found.q, target) for found, target in answered[:judged]]
+    what = f"{sections} sections" + (f" among {spheres} spheres" if spheres else "")
+    times = Times.of(seconds)
+    agrees = 100.0 * float(np.mean(np.array(errors) <= NEAR))
+    return [
+        Line(SECTION, f"{what}: a solve", times.median, "ms", Goal(goal), times, (solved, count)),
+        Line(SECTION, f"{what}: solved", 100.0 * solved / count, "%", Goal(99.9, at_most=False)),
+        Line(SECTION, f"{what}: answers that do not verify", float(wrong), "", Goal(0.0, correctness=True)),
+        Line(SECTION, f"{what}: tip of a Cosserat rod off by, median", float(np.median(errors)), "%"),
+        Line(
+            SECTION,
+            f"{what}: off by at most {NEAR} %",
+            agrees,
+            "% of answers",
+            note=f"{judged} answers; worst {max(errors):.2g} %",
+        ),
+    ]
+
+
+def _balls(random: np.random.Generator, count: int) -> Iterator[sn.Sphere]:
+    while count > 0:
+        place = random.uniform(-0.35, 0.35, 3)
+        if np.linalg.norm(place) > 0.1:
+            count -= 1
+            yield sn.Sphere(place, 0.025)
+
+
+def _targets(random: np.random.Generator, robot: sn.Robot, scene: list[sn.Sphere], count: int) -> Iterator[sn.Target]:
+    while count > 0:
+        bends = random.uniform(-1.0, 1.0, (len(robot), 2))
+        q = np.concatenate([bends, random.uniform(0.08, 0.12, (len(robot), 1))], axis=1)
+        try:
+            shape = robot.shape(q)
+        except sn.InputError:
+            continue
+        if shape.stable and sn.check(robot, q, scene).ok:
+            count -= 1
+            yield sn.Target(shape.tip[:3, 3])
+
+
+def _off(robot: sn.Robot, q: Floats, target: sn.Target) -> float:
+    """Distance of the judge's tip from the target, in percent of the length."""
+    rests = np.array([[-y / length, x / length, 0.0] for x, y, length in q])
+    loads = np.zeros((len(q), 6))
+    loads[-1, :3] = CARRIED * GRAVITY
+    stiffness, weights = np.array([[ROD.bend, ROD.twist, STIFF]] * len(q)), np.tile(MASS * GRAVITY, (len(q), 1))
+    reaction = robot.shape(q).reaction
+    guess = -np.concatenate([reaction[3:], reaction[:3]])
+    tip = shoot(q[:, 2], stiffness, rests, weights, loads, robot.base, guess)[-1][:3, 3]
+    assert target.position is not None
+    return 100.0 * float(np.linalg.norm(tip - target.position)) / robot.mean_length
+
+
+SOLVED: dict[str, Part] = {
+    f"load-{sections}-{spheres}": partial(solves, sections, spheres, goal)
+    for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3))
+}
+
+PARTS: dict[str, Part] = {**CALIBRATED, **LOADED, **SOLVED}
+"""What is measured, in order: calibrated robots, then shapes and solves under load."""

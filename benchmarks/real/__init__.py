@@ -1,1 +1,0 @@
-"""Robots as they are: calibrated from measurements, and under load; beside what others published."""

@@ -1,0 +1,260 @@
+"""What one answer costs from cold, through `Solver.solve` and inside the kernel, and whether it is right.
+
+Targets are random and reachable; or full poses that others publish, of three inextensible segments (P2); or of random
+robots among all kinds of obstacles, possible and not, of which claims are judged.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.parallel import in_processes
+from benchmarks.harness.plan import Plan
+from benchmarks.judges.judge import Flags, within_limits
+from benchmarks.judges.kinematics import tip_poses, twist_norm
+from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance
+from sinuous.base.checks import Floats
+from sinuous.kernels.compile import entry
+from sinuous.kernels.solve.search import search
+from sinuous.kernels.tables import SOLVED
+from sinuous.solver.solver import Solver
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What came of m problems.
+
+    Attributes
+    ----------
+    q : ndarray (m, n, 3)
+    seconds : ndarray (m,)
+        Around the call, solved or not.
+    claimed, confirmed : ndarray (m,) of bool
+        Whether the solver says solved, and whether the judge agrees with that.
+    """
+
+    q: Floats
+    seconds: Floats
+    claimed: Flags
+    confirmed: Flags
+
+    @property
+    def times(self) -> Times:
+        """Summary of the times of all problems."""
+        return Times.of(self.seconds)
+
+    @property
+    def solved(self) -> tuple[int, int]:
+        """How many were confirmed, of how many."""
+        return int(self.confirmed.sum()), len(self.confirmed)
+
+    @property
+    def percent(self) -> float:
+        """Share of confirmed ones."""
+        return 100.0 * float(self.confirmed.mean())
+
+    @property
+    def complaint(self) -> str:
+        """Numbers of problems that are not confirmed, to begin a search with."""
+        failed = np.flatnonzero(~self.confirmed)
+        lies = np.flatnonzero(self.claimed & ~self.confirmed)
+        parts = [f"not solved: {_some(failed)}"] if len(failed) else []
+        parts += [f"FALSE: {_some(lies)}"] if len(lies) else []
+        return "; ".join(parts)
+
+
+def _some(numbers: NDArray[np.intp]) -> str:
+    return ", ".join(str(i) for i in numbers[:5]) + (" ..." if len(numbers) > 5 else "")
+
+
+def solve_all(plan: Plan, problems: ProblemSet, what: str) -> Answers:
+    """Solve every problem from cold, through `Solver.solve`, with the defaults of a user."""
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
+    solver.solve(problems.targets[0])
+    q, seconds, claimed = [], [], []
+    for target in plan.track(problems.targets, what, len(problems.targets)):
+        began = perf_counter()
+        solution = solver.solve(target)
+        seconds.append(perf_counter() - began)
+        q.append(solution.q)
+        claimed.append(solution.solved)
+    said, found = np.array(claimed), np.array(q)
+    return Answers(found, np.array(seconds), said, said & problems.right(found))
+
+
+SECTION = (
+    "cold start: 5 segments of 45-70 mm, bends to 2.4, position and direction "
+    "(1e-4 of the length and 1e-3 rad by default, or 1e-6 of both; with spheres the proof is included)"
+)
+LOOP = 20
+"""Times that a problem runs in the compiled loop; the mean counts."""
+SCENES = 10
+SPHERES = 40
+
+TOLERANCES = {"default tolerance": None, "1e-6": 1e-6}
+"""By default 1e-4 of the robot's mean length and 1e-3 rad; else relative to the length, and as many rad."""
+
+REACHED = "random reachable targets, position and direction, to 1e-6 of the length and 1e-6 rad"
+ARMS = {3: 2.4, 5: 2.4, 8: 2.0, 20: 1.2}
+"""Number of segments, and their largest bend."""
+
+
+def measure(plan: Plan) -> Iterator[Line]:
+    """Through `Solver.solve` and inside the kernel, at the default tolerance and at 1e-6."""
+    count = plan.count(2000, 50)
+    free = reachable(arm(5, 2.4), count, plan.rng(1))
+    crowded = [
+        among_spheres(arm(5, 2.4, radius=4.0), SPHERES, count // SCENES, plan.rng(2, i))
+        for i in range(plan.count(SCENES, 2))
+    ]
+    for words, relative in TOLERANCES.items():
+        yield _called(plan, [_at(free, relative)], f"Solver.solve, {words}", Goal(15e-6))
+        yield _inside([_at(free, relative)], f"inside the kernel, {words}", Goal(6e-6))
+    for words, relative in TOLERANCES.items():
+        sets = [_at(problems, relative) for problems in crowded]
+        yield _called(plan, sets, f"{SPHERES} spheres, Solver.solve, {words}", Goal(35e-6))
+        yield _inside(sets, f"{SPHERES} spheres, inside the kernel, {words}", None)
+
+
+def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:
+    if relative is None:
+        return problems
+    return problems.with_tolerance(relative_tolerance(problems.robot, relative))
+
+
+def _called(plan: Plan, sets: list[ProblemSet], what: str, goal: Goal) -> Line:
+    answers = [solve_all(plan, problems, what) for problems in sets]
+    times = Times.of([s for a in answers for s in a.seconds])
+    solved = sum(a.solved[0] for a in answers), sum(a.solved[1] for a in answers)
+    complaints = [f"scene {i}: {a.complaint}" for i, a in enumerate(answers) if a.complaint]
+    return Line(SECTION, what, times.median, "us", goal, times, solved, "; ".join(complaints))
+
+
+def _inside(sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
+    seconds, good = map(np.concatenate, zip(*map(_in_loop, sets), strict=True))
+    times = Times.of(seconds)
+    return Line(SECTION, what, times.median, "us", goal, times, (int(good.sum()), len(good)))
+
+
+@entry
+def repeat(times: int, *arguments: Any) -> int:
+    """Search `times` times over, compiled; return the status of the last time."""
+    status = 0
+    for _ in range(times):
+        status = search(*arguments)[0]
+    return status
+
+
+def _in_loop(problems: ProblemSet) -> tuple[Floats, Flags]:
+    """Seconds (m,) of a search with the arguments that `Solver.solve` hands over, and which answers are right."""
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
+    seconds, solved = [], []
+    for target in [problems.targets[0], *problems.targets]:  # the first once more: it loads or compiles
+        arguments = solver._first_call(target).arguments
+        began = perf_counter()
+        status = repeat(LOOP, *arguments)
+        seconds.append((perf_counter() - began) / LOOP)
+        solved.append(status == SOLVED)
+    q = np.array([solver.solve(target).q for target in problems.targets])
+    return np.array(seconds[1:]), np.array(solved[1:]) & problems.right(q)
+
+
+def reachable_targets(plan: Plan) -> Iterator[Line]:
+    """Without obstacles, from the single arc on; all must be solved."""
+    for n, max_bend in ARMS.items():
+        asked = _at(reachable(arm(n, max_bend), plan.count(10_000, 50), plan.rng(3, n)), 1e-6)
+        what = f"solved, {n} segments, bends to {max_bend}"
+        answers = solve_all(plan, asked, what)
+        goal = Goal(100.0, at_most=False, correctness=True)
+        yield Line(REACHED, what, answers.percent, "%", goal, answers.times, answers.solved, answers.complaint)
+
+
+POSES = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9, se(3) error below 1e-6"
+LARGEST_ERROR = 1e-6
+
+
+def poses(plan: Plan) -> Iterator[Line]:
+    """All must be solved; then how fast."""
+    seeds = range(plan.count(10, 2))
+    sets = {seed: full_poses(seed, plan.count(1000, 25)) for seed in seeds}
+    runs = {seed: solve_all(plan, problems, f"full poses, seed {seed}") for seed, problems in sets.items()}
+    good = {seed: run.confirmed & (_errors(sets[seed], run) < LARGEST_ERROR) for seed, run in runs.items()}
+    times = Times.of(np.concatenate([run.seconds for run in runs.values()]))
+    solved = sum(int(flags.sum()) for flags in good.values()), times.count
+    failed = [f"seed {seed}: {np.flatnonzero(~flags)[:5].tolist()}" for seed, flags in good.items() if not flags.all()]
+    goal = Goal(100.0, at_most=False, correctness=True)
+    yield Line(POSES, "solved", 100.0 * solved[0] / solved[1], "%", goal, times, solved, "; ".join(failed))
+    yield Line(POSES, "median", times.median, "us", Goal(12e-6))
+    yield Line(POSES, "p99", times.p99, "us", Goal(300e-6), noise=1.0)
+
+
+def _errors(problems: ProblemSet, run: Answers) -> Floats:
+    """Return the norms of the errors in se(3)."""
+    wanted = np.tile(np.eye(4), (len(problems.targets), 1, 1))
+    wanted[:, :3, :3] = [target.rotation for target in problems.targets]
+    wanted[:, :3, 3] = [target.position for target in problems.targets]
+    return twist_norm(tip_poses(problems.robot, run.q), wanted)
+
+
+CLAIMS = 'no false "solved": random robots (3 to 6 segments) among all kinds of obstacles, default tolerance'
+TARGETS = 100
+"""Targets in one scene."""
+
+STARTS = 3
+"""Starts of one solve: many answers, quickly, matter more here than that all are found."""
+
+
+class Tally(NamedTuple):
+    """What came of one scene.
+
+    Attributes
+    ----------
+    claimed : int
+    false : list of int
+        Numbers of the targets whose claim the judge rejects.
+    outside : list of int
+        Numbers of the targets whose answer, solved or not, is outside the limits.
+    """
+
+    claimed: int
+    false: list[int]
+    outside: list[int]
+
+
+def examine(seed: int) -> Tally:
+    """Solve and judge one scene; `clutter(seed, TARGETS)` makes it again."""
+    problems = clutter(seed, TARGETS)
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance, max_starts=STARTS)
+    solutions = [solver.solve(target) for target in problems.targets]
+    claims = np.flatnonzero([solution.solved for solution in solutions])
+    q = np.array([solution.q for solution in solutions])
+    lies = claims[~problems.only(claims).right(q[claims])] if len(claims) else claims
+    outside = np.flatnonzero(~within_limits(problems.robot, q))
+    return Tally(len(claims), lies.tolist(), outside.tolist())
+
+
+def false_claims(plan: Plan) -> Iterator[Line]:
+    """Count false claims, and answers outside the limits."""
+    seeds = range(1000 * plan.seed, 1000 * plan.seed + plan.count(1000, 5))
+    found = list(plan.track(in_processes(examine, seeds, alone=plan.quick, chunk=5), "false claims", len(seeds)))
+    claimed, total = sum(tally.claimed for tally in found), TARGETS * len(seeds)
+    false = {seed: tally.false for seed, tally in zip(seeds, found, strict=True) if tally.false}
+    outside = {seed: tally.outside for seed, tally in zip(seeds, found, strict=True) if tally.outside}
+    solved = claimed - _sum(false), total
+    goal = Goal(0, correctness=True)
+    yield Line(CLAIMS, "false claims", _sum(false), "", goal, None, solved, _seeds(false))
+    yield Line(CLAIMS, "answers outside limits, solved or not", _sum(outside), "", goal, None, None, _seeds(outside))
+
+
+def _sum(numbers: dict[int, list[int]]) -> int:
+    return sum(len(found) for found in numbers.values())
+
+
+def _seeds(numbers: dict[int, list[int]]) -> str:
+    """Scene seeds and targets of the first few, to make them again."""
+    return "; ".join(f"clutter({seed}): {found[:5]}" for seed, found in list(numbers.items())[:5])

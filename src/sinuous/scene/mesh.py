@@ -1,0 +1,258 @@
+"""Obstacles made of triangles: solid when they are watertight, a shell otherwise."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from sinuous.base import checks
+from sinuous.base.arguments import Number, Orientation, Rows, Triangles, Truth, Vector
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.base.frozen import text
+from sinuous.scene.mesh_files import Y_UP, read_mesh
+from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around
+from sinuous.scene.triangles import Integers, apart, cuts_itself, mend
+
+TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""The turn by a quarter about x that brings y up to z."""
+
+Up = Literal["y", "z"]
+"""Which axis of a file is up."""
+
+ODD = 1000.0
+"""By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Mesh(Obstacle):
+    """Triangles: a solid where they are watertight, a surface otherwise.
+
+    Watertight means that every edge has exactly two triangles, which run along it in opposite directions, and that the
+    whole encloses a volume. Distances to a solid are negative inside; to a surface they are unsigned, less half of its
+    `thickness`.
+
+    Vertices that are exactly equal are taken for one unless the surface is closed without that (STL files repeat them).
+    Triangles without area and vertices without a triangle are dropped. Bodies that face inwards, and single triangles
+    that face another way than their neighbours, are turned.
+
+    Parameters
+    ----------
+    vertices : array_like (v, 3)
+        In the world.
+    faces : array_like of int (f, 3)
+        Vertices of every triangle, counterclockwise as seen from outside.
+    thickness : float
+        Of a surface that is not watertight: half of it lies on each side.
+    inside : bool
+        The body must stay within; for watertight meshes only.
+    name : str, optional
+
+    Attributes
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray of int64 (f, 3)
+        As used, after what is said above.
+    watertight : bool
+        Whether it is a solid.
+    defects : tuple of str
+        What is not as it should be, and what became of it; one sentence each.
+    extent : float
+        Length of the diagonal of its box; of a mesh that is one of several `bodies`, of all together.
+    scale : float or None
+        What the coordinates in its file were multiplied with; None when it comes from arrays.
+
+    Raises
+    ------
+    InputError
+        When there are no triangles, a vertex is not finite, a triangle has a vertex that is not there, or when
+        `thickness` or `inside` do not fit to what the mesh is.
+    """
+
+    faces: Integers
+    thickness: float
+    inside: bool
+    watertight: bool
+    defects: tuple[str, ...]
+    extent: float
+    scale: float | None
+
+    def __init__(
+        self,
+        vertices: Rows,
+        faces: Triangles,
+        *,
+        thickness: Number = 0.0,
+        inside: Truth = False,
+        name: str | None = None,
+    ) -> None:
+        places = checks.points("vertices", vertices)
+        clean, used, solid, defects = mend(places, _indices(faces, len(places)))
+        if solid and cuts_itself(clean, used):
+            solid = False
+            defects.append("its surface cuts through itself, so it is used as a shell and not as a solid")
+        width, within = checks.number("thickness", thickness, low=0.0), checks.truth("inside", inside)
+        if width > 0.0 and solid:
+            raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")
+        if within and not solid:
+            raise InputError("inside", "needs a watertight mesh", within, f"another mesh: {defects[-1]}")
+        self._keep(
+            name,
+            _vertices=checks.closed(clean),
+            faces=checks.closed(used),
+            thickness=width,
+            inside=within,
+            watertight=solid,
+            defects=tuple(defects),
+            extent=float(np.linalg.norm(np.ptp(clean, axis=0))),
+            scale=None,
+        )
+
+    @property
+    def vertices(self) -> Floats:
+        """Corners (v, 3) of the triangles, in the world."""
+        own: Floats = vars(self)["_vertices"]
+        return self._in_place(own)
+
+    @classmethod
+    def load(
+        cls,
+        file: str | Path,
+        scale: Number,
+        position: Vector | None = None,
+        rotation: Orientation | None = None,
+        thickness: Number = 0.0,
+        inside: Truth = False,
+        name: str | None = None,
+        *,
+        xyzw: Vector | None = None,
+        up: Up | None = None,
+    ) -> "Mesh":
+        """Read a mesh from an STL, PLY, OBJ, GLB or GLTF file; needs the extra `mesh`.
+
+        A vertex p of the file comes to lie at `rotation @ (scale * p) + position`. Of several bodies in a file all are
+        used, as they are placed in it. In GLB and GLTF files y is up and lengths are in metres, as their specification
+        says; they are turned so that z is up first, and `defects` says so.
+
+        Parameters
+        ----------
+        file : path
+        scale : float
+            Length unit of the scene over that of the file, like 0.001 for a file in mm and a robot in m: mesh files
+            do not say it.
+        position : array_like (3,), optional
+            Where the origin of the file lies.
+        rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
+            A matrix or a quaternion wxyz.
+        thickness, inside, name
+            See `Mesh`.
+        xyzw : array_like (4,), optional
+            A quaternion in the order of SciPy and ROS, instead of `rotation`.
+        up : str, optional
+            Which axis of the file is up, `y` or `z`; `y` is turned to z. By default `y` of GLB and GLTF, else `z`.
+
+        Raises
+        ------
+        InputError
+            When the package is missing, the file cannot be read, is cut off or holds no mesh, or as `Mesh` does.
+        """
+        placement = Placement(scale, position, rotation, xyzw)
+        if up is not None:
+            checks.choice("up", up, get_args(Up))
+        vertices, faces, notes = read_mesh(Path(file))
+        y_up = Path(file).suffix.lower() in Y_UP
+        if up is None and y_up:
+            notes.append("y is up in such a file, so it was turned to have z up; up: z leaves it as it stands")
+        try:
+            turned = vertices @ TO_Z_UP.T if up == "y" or (up is None and y_up) else vertices
+            moved = placement.apply(checks.points("vertices", turned))
+            mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
+        except InputError as error:
+            raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
+        said = {"thickness": mesh.thickness or None, "inside": mesh.inside or None, "up": up}
+        source = Origin.of(file, **placement.arguments, **said)
+        mesh._keep(name, scale=placement.scale, defects=(*notes, *mesh.defects), _source=source)
+        return mesh
+
+    def bodies(self) -> "tuple[Mesh, ...]":
+        """Divide a solid whose bodies may overlap, like the parts of a machine, into solids within which none do.
+
+        Distances to bodies that overlap are known to each of them only, not to their triangles taken together. A mesh
+        that needs no dividing, is a shell, or is to be stayed within, is returned as it is. The first part has
+        all defects.
+        """
+        groups = apart(self.vertices, self.faces) if self.watertight and not self.inside else []
+        if len(groups) < 2:
+            return (self,)
+        parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
+        own = super().source
+        source = None if own is None else own._replace(parts=len(parts))
+        for i, part in enumerate(parts):
+            defects = () if i else self.defects
+            part._keep(self.name, defects=defects, extent=self.extent, scale=self.scale, _source=source)
+        return parts
+
+    @property
+    def source(self) -> Origin | None:
+        """See `Obstacle.source`; None where reading the file again would divide the mesh into several."""
+        own = super().source
+        return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own
+
+    @property
+    def _box(self) -> Floats:
+        return box_around(self.vertices[np.unique(self.faces)], 0.5 * self.thickness)
+
+    def _content(self) -> dict[str, Any]:
+        """What it is, without what is told of where it came from."""
+        told = ("defects", "extent", "scale")
+        own = {name: value for name, value in super()._content().items() if name not in told}
+        return own | {"vertices": self.vertices}
+
+    def _shown(self) -> Iterator[str]:
+        yield f"{len(self.vertices)} vertices, {len(self.faces)} triangles, {'solid' if self.watertight else 'shell'}"
+        yield from () if self.name is None else (f"name={text(self.name)}",)
+
+    @cached_property
+    def _longest(self) -> float:
+        """The longest side of a triangle."""
+        corners = vars(self)["_vertices"][self.faces]
+        return float(np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=-1).max()))
+
+    def check_size(self, length: float) -> None:
+        """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.
+
+        Raises
+        ------
+        InputError
+            When a triangle is `ODD` times as long as the robot, or the robot as the whole mesh.
+        """
+        longest = self._longest
+        key, value = ("vertices", self.extent) if self.scale is None else ("scale", self.scale)
+        expected = f"a mesh in the unit of the robot, which is {length:g} long"
+        if longest > ODD * length:
+            raise InputError(key, f"makes a triangle {longest:g} long", value, expected)
+        if self.extent * ODD < length:
+            raise InputError(key, f"makes the whole mesh only {self.extent:g} large", value, expected)
+
+
+def _indices(faces: Any, count: int) -> Integers:
+    """Check triangles as rows of three vertex numbers below `count`."""
+    expected = f"rows of 3 whole numbers from 0 to {count - 1}"
+    try:
+        result = np.array(faces)
+    except (ValueError, TypeError, OverflowError):
+        raise InputError("faces", "", faces, expected) from None
+    if result.size == 0:
+        raise InputError("faces", "", faces, "at least one triangle")
+    if result.dtype.kind not in "iu":
+        raise InputError("faces", "", faces, expected)
+    if result.ndim != 2 or result.shape[1] != 3:
+        raise InputError("faces", f"shape {result.shape}", faces, expected)
+    wrong = ((result < 0) | (result >= count)).any(axis=1)
+    if wrong.any():
+        first = int(wrong.argmax())
+        raise InputError(f"faces[{first}]", "has a vertex that is not there", result[first].tolist(), expected)
+    return result.astype(np.int64)

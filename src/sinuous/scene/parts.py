@@ -1,0 +1,384 @@
+"""What the kernels read of a scene: a table with one row an obstacle, and one store of numbers for all.
+
+Triangles, balls and cubes are in the order in which the kernels search them, see `sinuous.kernels.fields.trees`.
+"""
+
+import threading
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.kernels import packing
+from sinuous.kernels import tables as t
+from sinuous.kernels.tables import BALLS, CUBES, LEAF_ITEMS, TRIANGLES
+from sinuous.scene import sampling
+from sinuous.scene.grids import Field, Grid
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.sampling import Progress
+from sinuous.scene.triangles import bodies_overlap, sides_of
+
+
+def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
+    """Normals of the inside, the three edges and the three corners of every triangle of a closed surface.
+
+    At an edge the sum of the normals of its triangles; at a corner their sum weighted by their angles there (Baerentzen
+    & Aanaes 2005, Signed distance computation using the angle weighted pseudonormal).
+
+    Parameters
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray of int64 (f, 3)
+
+    Returns
+    -------
+    ndarray (f, 7, 3)
+        Unit vectors: triangle; edges from the first corner to the second, second to third, third to first; corners.
+    """
+    corners = vertices[faces]
+    sides = np.roll(corners, -1, axis=1) - corners
+    flat = _unit(np.cross(sides[:, 0], sides[:, 1]))
+    before = -np.roll(sides, 1, axis=1)
+    angles = np.arctan2(np.linalg.norm(np.cross(sides, before), axis=-1), (sides * before).sum(axis=-1))
+    at_corners = _gather(faces, angles[..., None] * flat[:, None], len(vertices))
+    _, edge = np.unique(sides_of(faces)[2], return_inverse=True)
+    edge = edge.reshape(faces.shape)
+    at_edges = _gather(edge, np.broadcast_to(flat[:, None], corners.shape), int(edge.max()) + 1)
+    return np.concatenate([flat[:, None], at_edges, at_corners], axis=1)
+
+
+def _gather(index: NDArray[np.int64], vectors: Floats, count: int) -> Floats:
+    """Sum vectors (f, 3, 3) by their index (f, 3), and give everyone the direction of the sum of its own."""
+    sums = [np.bincount(index.ravel(), vectors[..., axis].ravel(), count) for axis in range(3)]
+    return _unit(np.stack(sums, axis=-1))[index]
+
+
+def _unit(vectors: Floats) -> Floats:
+    """Scale vectors (..., 3) to length 1; zero stays zero."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0.0, length, 1.0)
+
+
+WORSE = 1.5
+"""By how much larger leaves may be than in a new order, on average, before one is made."""
+
+
+class LeafOrder(NamedTuple):
+    """An order of primitives (m,), and the sum of the sides of all leaves of the tree when it was made."""
+
+    order: NDArray[np.int64]
+    leaves: float
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Many primitives of one kind, in the order of their tree.
+
+    Attributes
+    ----------
+    kind : int
+        TRIANGLES, BALLS or CUBES of the kernels.
+    levels : int
+        Of the tree.
+    nodes : ndarray (2 << levels, 6)
+        Boxes of the tree.
+    items : ndarray (m, size)
+        Numbers of the primitives.
+    normals : ndarray (m, 21) or (0, 21)
+        Of the parts of triangles, where they have an inside.
+    sign : float
+        -1 where the body must stay inside.
+    half : float
+        Half side of cubes.
+    rounding : float
+        What is taken off the distance.
+    order : LeafOrder or None
+        Of balls: how they were put in order.
+    """
+
+    kind: int
+    levels: int
+    nodes: Floats
+    items: Floats
+    normals: Floats
+    sign: float = 1.0
+    half: float = 0.0
+    rounding: float = 0.0
+    order: LeafOrder | None = None
+
+    @property
+    def low(self) -> Floats:
+        """Low corner (3,) of the box about all."""
+        return self.nodes[1, :3] - self.rounding
+
+    @property
+    def high(self) -> Floats:
+        """High corner (3,) of the box about all."""
+        return self.nodes[1, 3:] + self.rounding
+
+
+NO_NORMALS = np.empty((0, 21))
+
+
+def triangles(mesh: Mesh) -> Pieces:
+    """Triangles of a mesh, with normals where it is watertight."""
+    corners = mesh.vertices[mesh.faces]
+    order, levels, nodes = _tree(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
+    return Pieces(
+        TRIANGLES,
+        levels,
+        nodes,
+        with_planes(corners[order]),
+        part_normals(mesh.vertices, mesh.faces)[order].reshape(-1, 21) if mesh.watertight else NO_NORMALS,
+        sign=-1.0 if mesh.inside else 1.0,
+        rounding=0.0 if mesh.watertight else 0.5 * mesh.thickness,
+    )
+
+
+def with_planes(corners: Floats) -> Floats:
+    """Numbers (m, 13) of triangles: corners, unit normal, offset of the plane."""
+    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = sides / np.linalg.norm(sides, axis=-1, keepdims=True)
+    offsets = (normals * corners[:, 0]).sum(axis=-1, keepdims=True)
+    return np.concatenate([corners.reshape(-1, 9), normals, offsets], axis=1)
+
+
+def balls(cloud: PointCloud, like: LeafOrder | None = None) -> Pieces:
+    """Balls about the points of a cloud; in the order of as many earlier balls, if those lay in about the same way."""
+    radii = cloud.radii[:, None]
+    corners = cloud.points - radii, cloud.points + radii
+    known = None if like is None or len(like.order) != len(cloud.points) else like
+    if known is not None:
+        levels, nodes = _enclosed(known.order, *corners)
+        known = known if _leaves(levels, nodes) <= WORSE * known.leaves else None
+    if known is None:
+        order, levels, nodes = _tree(cloud.points, *corners)
+        known = LeafOrder(order, _leaves(levels, nodes))
+    items = np.concatenate([cloud.points, radii], axis=1)[known.order]
+    return Pieces(BALLS, levels, nodes, items, NO_NORMALS, order=known)
+
+
+def cubes(centers: Floats, side: float) -> Pieces:
+    """Solid cubes about points (m, 3)."""
+    order, levels, nodes = _tree(centers, centers - 0.5 * side, centers + 0.5 * side)
+    return Pieces(CUBES, levels, nodes, centers[order], NO_NORMALS, half=0.5 * side)
+
+
+def _tree(centers: Floats, lows: Floats, highs: Floats) -> tuple[NDArray[np.int64], int, Floats]:
+    """Order, number of levels, and boxes (2 << levels, 6) of a tree over what has these centers and corners (m, 3)."""
+    from sinuous.kernels.fields.trees import arrange  # noqa: PLC0415
+
+    order = np.arange(len(centers))
+    arrange(_plain(centers), _levels(len(centers)), order)
+    return order, *_enclosed(order, lows, highs)
+
+
+def _enclosed(order: NDArray[np.int64], lows: Floats, highs: Floats) -> tuple[int, Floats]:
+    """Number of levels, and boxes (2 << levels, 6) of a tree over what is in this order, with these corners (m, 3)."""
+    from sinuous.kernels.fields.trees import enclose  # noqa: PLC0415
+
+    levels = _levels(len(order))
+    nodes = np.empty((2 << levels, 6))
+    enclose(_plain(lows), _plain(highs), order, levels, nodes)
+    return levels, nodes
+
+
+def _levels(count: int) -> int:
+    return max(0, (max(1, -(-count // LEAF_ITEMS)) - 1).bit_length())
+
+
+def _leaves(levels: int, nodes: Floats) -> float:
+    """Sum of the sides of all leaves."""
+    leaves = nodes[1 << levels :]
+    return float((leaves[:, 3:] - leaves[:, :3]).sum())
+
+
+def _plain(array: Floats) -> Floats:
+    """Return an array as the kernels are compiled for: writable, rows one after the other."""
+    return np.require(array, np.float64, ["C", "W"])
+
+
+NOTHING = np.empty(0)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What the kernels read of one obstacle.
+
+    Attributes
+    ----------
+    row : ndarray (33,)
+        Its places in the store are counted from the beginning of its own.
+    store : ndarray (s,)
+    """
+
+    row: Floats
+    store: Floats
+
+
+class _Entry:
+    """What is prepared of one obstacle, and the lock of whoever prepares it."""
+
+    __slots__ = ("lock", "order", "part")
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.part: Part | None = None
+        self.order: LeafOrder | None = None
+
+
+_ENTRIES: "WeakKeyDictionary[Obstacle, _Entry]" = WeakKeyDictionary()
+_LOCK = threading.Lock()
+"""Held while an entry is looked up, never while an obstacle is prepared: different ones do not wait for each other."""
+
+
+def _entry(obstacle: Obstacle) -> _Entry:
+    with _LOCK:
+        entry = _ENTRIES.get(obstacle)
+        if entry is None:
+            entry = _ENTRIES[obstacle] = _Entry()
+        return entry
+
+
+def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> Part:
+    """Make what the kernels read of an obstacle, once for all scenes that it is in.
+
+    Raises
+    ------
+    InputError
+        For a mesh that cuts through itself.
+    """
+    if isinstance(obstacle, Primitive):
+        return Part(obstacle.row, NOTHING)
+    if obstacle.place is not None:
+        root, pose = obstacle.place
+        return put(prepare(root, name, progress), pose)
+    entry = _entry(obstacle)
+    with entry.lock:
+        if entry.part is None:
+            entry.part = _prepare(obstacle, name, progress)
+        return entry.part
+
+
+def put(part: Part, pose: Floats) -> Part:
+    """Return what the kernels read of an obstacle that is in the store, moved by a pose (4, 4); the store is shared."""
+    row = part.row.copy()
+    row[t.PLACED] = 1.0
+    row[t.PLACE : t.PLACE + t.POSE_WIDTH] = packing.pose_row(pose)[0]
+    row[t.ROUNDOFF] += packing.roundoff(pose[None, :3, 3])
+    return Part(row, part.store)
+
+
+def unsampled(obstacle: PointCloud | Mesh, before: PointCloud | None = None) -> Part:
+    """Make what the kernels read of an obstacle that will soon be replaced: without samples, which take longer.
+
+    Balls are left in the order of those of the cloud `before`, where they lie in about the same way: sorting takes most
+    of the time.
+    """
+    if obstacle.place is not None:
+        root, pose = obstacle.place
+        assert isinstance(root, PointCloud | Mesh)
+        return put(unsampled(root), pose)
+    entry = _entry(obstacle)
+    with entry.lock:
+        if entry.part is None:
+            like = None if before is None else _entry(before).order
+            made = triangles(obstacle) if isinstance(obstacle, Mesh) else balls(obstacle, like)
+            entry.part, entry.order = _of_pieces(made), made.order
+        return entry.part
+
+
+def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
+    if isinstance(obstacle, Field) or (isinstance(obstacle, Grid) and not obstacle.occupancy):
+        return _of_samples(obstacle.values, obstacle.origin, obstacle.spacing, obstacle.exact_below)
+    if isinstance(obstacle, Grid):
+        occupied = np.argwhere(obstacle.values)
+        return _sampled(cubes(obstacle.origin + obstacle.spacing * occupied, obstacle.spacing), progress)
+    if isinstance(obstacle, PointCloud):
+        return _sampled(balls(obstacle), progress)
+    if isinstance(obstacle, Mesh):
+        pieces = triangles(obstacle)
+        small = len(pieces.items) < sampling.FEWEST_PIECES
+        if small and not obstacle.watertight:
+            return _with_candidates(pieces)
+        part = _sampled(pieces, progress)  # of a small one, too: samples tell whether its sides are as its normals say
+        if obstacle.watertight:
+            _check_sides(obstacle, part, name)
+        return _with_candidates(pieces) if small else part
+    raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
+
+
+def _of_pieces(pieces: Pieces) -> Part:
+    """Row and store of a tree."""
+    row = np.zeros(t.OBSTACLE_WIDTH)
+    row[[t.KIND, t.SIGN]] = t.TREE, pieces.sign
+    row[[t.LEVELS, t.ITEM_COUNT, t.ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
+    row[[t.CUBE_HALF, t.ROUNDING_RADIUS]] = pieces.half, pieces.rounding
+    items = pieces.nodes.size
+    normals = items + pieces.items.size
+    row[[t.NODES, t.ITEMS]] = 0.0, items
+    row[[t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
+    if len(pieces.items):
+        row[t.ROUNDOFF] = packing.roundoff(np.stack([pieces.low, pieces.high]), abs(pieces.rounding))
+    return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
+
+
+def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
+    """Row and store of a tree with samples."""
+    part = _of_pieces(pieces)
+    if not len(pieces.items):
+        return part
+    wanted = min(max(sampling.PER_PIECE * len(pieces.items), sampling.LEAST), sampling.MOST)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
+    row = _with_grid(part.row, t.FIRST_SAMPLE, -1, shape, low, spacing)
+    values = sampling.sample(row, part.store, low, spacing, shape, progress)
+    return Part(
+        _with_grid(part.row, t.FIRST_SAMPLE, part.store.size, shape, low, spacing),
+        np.concatenate([part.store, values.ravel()]),
+    )
+
+
+def _of_samples(values: Floats, low: Floats, spacing: float, exact_below: float) -> Part:
+    """Row and store of samples alone, which are distances below a value."""
+    row = np.zeros(t.OBSTACLE_WIDTH)
+    row[[t.KIND, t.SIGN, t.NODES, t.ITEMS, t.NORMALS, t.FIRST_CELL]] = t.SAMPLES, 1.0, -1.0, -1.0, -1.0, -1.0
+    row[t.EXACT_BELOW] = exact_below
+    corners = np.stack([low, low + spacing * np.array(values.shape)])
+    row[t.ROUNDOFF] = packing.roundoff(corners, float(np.abs(values).max()))
+    return Part(_with_grid(row, t.FIRST_SAMPLE, 0, values.shape, low, spacing), values.ravel().copy())
+
+
+def _with_candidates(pieces: Pieces) -> Part:
+    """Row and store of a tree of triangles, and lists of those that may be the closest."""
+    part = _of_pieces(pieces)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.CELLS)
+    row = _with_grid(part.row, t.FIRST_CELL, part.store.size, shape, low, spacing)
+    return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]))
+
+
+def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
+    """Return a row that says where its grid is: `first` is the column of the place in the store."""
+    result = row.copy()
+    result[first], result[t.SPACING] = at, spacing
+    result[t.SHAPE : t.SHAPE + 3] = shape
+    result[t.ORIGIN : t.ORIGIN + 3] = low
+    return result
+
+
+def _check_sides(mesh: Mesh, part: Part, name: str) -> None:
+    """Refuse a solid whose sides cannot be told apart: bodies that overlap, or a surface that cuts through itself.
+
+    The former are found exactly, the latter by distances that jump between samples.
+    """
+    values = part.store[int(part.row[t.FIRST_SAMPLE]) :].reshape(part.row[t.SHAPE : t.SHAPE + 3].astype(int))
+    jump = max(float(np.abs(np.diff(values, axis=axis)).max()) for axis in range(3))
+    wrong = f"a distance that jumps by {jump:.3g}" if jump > part.row[t.SPACING] * (1.0 + 1e-6) else ""
+    wrong = "bodies that overlap" if bodies_overlap(mesh.vertices, mesh.faces) else wrong
+    if wrong:
+        raise InputError(name, "cuts through itself", wrong, "its bodies one by one: mesh.bodies()")

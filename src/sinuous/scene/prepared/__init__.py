@@ -1,1 +1,0 @@
-"""What the kernels read of large obstacles: trees, and samples kept on disk."""

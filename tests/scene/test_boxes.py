@@ -1,0 +1,50 @@
+"""The boxes around obstacles hold all of them, and are no larger."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.scene.obstacles import Obstacle
+from tests.helpers import random_rotation
+
+RNG = np.random.default_rng(2)
+OBSTACLES: list[Obstacle] = [
+    sn.Sphere((1, 2, 3), 0.5),
+    sn.Box((1, 0, 0), (1, 2, 3), rotation=random_rotation(RNG)),
+    sn.Capsule((0, 0, 0), (1, 2, 3), 0.4),
+    sn.Mesh(RNG.normal(size=(5, 3)), [[0, 1, 2], [2, 3, 4]], thickness=0.4),
+    sn.PointCloud(RNG.normal(size=(20, 3)), RNG.uniform(0.1, 0.5, 20)),
+    sn.Grid(RNG.random((4, 5, 6)) < 0.1, (1, 1, 1), 0.5),
+]
+
+
+@pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda obstacle: obstacle.kind)
+def test_boxes_fit(obstacle: Obstacle) -> None:
+    box = obstacle._box
+    assert box is not None
+    low, high = box
+    scene, rng = sn.Scene([obstacle]), np.random.default_rng(1)
+    around = rng.uniform(low - 1.0, high + 1.0, (40_000, 3))
+    within = scene.distance(around) <= 0.0
+    assert within.any() or obstacle.kind == "mesh"
+    assert ((around[within] >= low) & (around[within] <= high)).all()
+    for axis in range(3):  # the obstacle comes near each side
+        for side in (low, high):
+            face = rng.uniform(low, high, (40_000, 3))
+            face[:, axis] = side[axis]
+            assert scene.distance(face).min() < 0.06 * float(np.linalg.norm(high - low))
+
+
+def test_a_cylinder_is_within_the_box_of_its_own_frame() -> None:
+    box = np.asarray(sn.Cylinder((0, 0, 0), (0, 0, 2), 0.5)._box)
+    np.testing.assert_allclose(box, [[-0.5, -0.5, 0.0], [0.5, 0.5, 2.0]], atol=1e-12)
+
+
+def test_what_has_no_end_or_nothing_in_it_has_no_box() -> None:
+    assert sn.HalfSpace((0, 0, 0), (0, 0, 1))._box is None
+    assert sn.Grid(np.zeros((2, 2, 2), bool), (0, 0, 0), 1.0)._box is None
+
+
+def test_samples_fill_their_box() -> None:
+    field = sn.Field(lambda points: np.linalg.norm(points, axis=1) - 0.5, (-1, -1, -1), (1, 1, 1), 0.5)
+    np.testing.assert_allclose(np.asarray(field._box), [[-1, -1, -1], [1, 1, 1]])

@@ -1,0 +1,50 @@
+"""What kernels read of obstacles is prepared once each, and different obstacles do not wait for each other."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from sinuous.scene import parts
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.parts import Part
+from sinuous.scene.sampling import Progress
+from tests.scene import shapes
+
+
+def test_different_obstacles_are_prepared_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = threading.Barrier(2, timeout=60.0)
+    made: list[str] = []
+
+    def slow(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
+        both.wait()  # breaks when only one of them gets here
+        made.append(name)
+        return Part(np.zeros(18), np.zeros(0))
+
+    monkeypatch.setattr(parts, "_prepare", slow)
+    meshes = {name: Mesh(*shapes.cube()) for name in ("left", "right")}
+    threads = [threading.Thread(target=parts.prepare, args=(mesh, name)) for name, mesh in meshes.items()]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(made) == ["left", "right"]
+
+
+def test_one_obstacle_is_prepared_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[str] = []
+
+    def slow(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
+        made.append(name)
+        threading.Event().wait(0.05)
+        return Part(np.zeros(18), np.zeros(0))
+
+    monkeypatch.setattr(parts, "_prepare", slow)
+    mesh = Mesh(*shapes.cube())
+    threads = [threading.Thread(target=parts.prepare, args=(mesh, "one")) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert made == ["one"]

@@ -1,0 +1,71 @@
+"""Blocking surfaces close the passage that a route leads through, and no other one."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from benchmarks.wild import doors
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.scene import Scene
+from sinuous.solver.route_classes.curves import RouteCurves
+from sinuous.solver.route_classes.passages import (
+    Passage,
+    SurfaceBounds,
+    make_blocking_surface,
+    passages,
+    refined,
+)
+from tests.helpers import Floats
+from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, wall
+
+ENDS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 250.0)])
+BOUNDS = SurfaceBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
+
+
+def curves(scene: list[Obstacle]) -> RouteCurves:
+    return RouteCurves(ROBOT, Scene(scene).snapshot())
+
+
+def made(own: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> Mesh:
+    closing = make_blocking_surface(own, passage, bounds)
+    assert closing is not None
+    return closing
+
+
+def line(*corners: tuple[float, float, float], count: int = 120) -> Floats:
+    """Points on a line through corners."""
+    parts = [np.linspace(a, b, count, endpoint=False) for a, b in itertools.pairwise(corners)]
+    return np.vstack([*parts, corners[-1]])
+
+
+@pytest.mark.parametrize("tilt", [0.0, 40.0, -40.0])
+@pytest.mark.parametrize("door", [0, 1])
+def test_a_blocking_surface_in_a_door_closes_it_and_leaves_the_other_open(door: int, tilt: float) -> None:
+    own, place = curves(wall()), (0.5 * sum(DOORS[door]), 0.0, 150.0)
+    route = line((place[0] - tilt, 0.0, 110.0), place, (place[0] + tilt, 0.0, 190.0))
+    passage, *_ = passages(route, own.scene.distance(route), BOUNDS)
+    closed = own.scene.beside([made(own, passage, BOUNDS)])
+    rng = np.random.default_rng(0)
+    through = np.column_stack([rng.uniform(-12.0, 12.0, 500), rng.uniform(-ACROSS, ACROSS, 500)])
+    for this, edges in enumerate(DOORS):
+        for x, y in through + np.array([0.5 * sum(edges), 0.0]):
+            crossing = np.column_stack([np.full(81, x), np.full(81, y), np.linspace(120.0, 180.0, 81)])
+            if own.scene.distance(crossing).min() > BOUNDS.keep:
+                assert (closed.distance(crossing).min() < 0.5) == (this == door)
+
+
+@pytest.mark.parametrize("number", [28, 30, 56])
+def test_a_blocking_surface_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
+    known = doors.make(0, number)
+    own = RouteCurves(doors.ROBOT, known.scene.snapshot())
+    bounds = SurfaceBounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
+    middles = [(*door.mean(axis=0), known.middle) for door in known.doors]
+    for i, middle in enumerate(middles):
+        aside = np.array([4.0, -12.0, 20.0])
+        route = refined(line(tuple(middle - aside), middle, tuple(middle + aside), count=4), 2.0)
+        passage, *_ = passages(route, own.scene.distance(route), bounds)
+        closed = own.scene.beside([made(own, passage, bounds)]).distance(np.array(middles))
+        assert closed[i] < 1.0
+        assert (np.delete(closed, i) > 3.0).all()

@@ -1,0 +1,160 @@
+"""Ticks of a control loop under load: the loaded tip moves as asked, within limits and rates, and is proved clear."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.model.rates import Changes
+from tests.helpers import refused
+from tests.solver.test_loaded_solve import GRAVITY, ROD, Q, arm
+
+DT = 0.02
+
+
+def test_the_loaded_tip_moves_as_asked() -> None:
+    robot = arm()
+    solver, before = sn.Solver(robot), robot.shape(Q).tip[:3, 3]
+    velocity = np.array([0.05, -0.02, 0.03])
+    step = solver.step(Q, velocity, DT)
+    assert step.status == "reached"
+    assert step.proved
+    moved = robot.shape(step.q).tip[:3, 3] - before
+    assert moved == pytest.approx(DT * velocity, abs=2e-5)
+    assert step.twist[3:] == pytest.approx(velocity, rel=1e-3, abs=1e-5)
+    free = robot.changed(gravity=None, payload=None)
+    assert np.abs(robot.tip(step.q)[:3, 3] - robot.tip(Q)[:3, 3] - DT * velocity).max() > 1e-4, "as without load"
+    assert sn.Solver(free).step(Q, velocity, DT).q.tolist() != step.q.tolist()
+    turned = solver.step(Q, [0.1, 0.0, 0.0, 0.0, 0.02, 0.0], DT)
+    assert turned.twist == pytest.approx([0.1, 0.0, 0.0, 0.0, 0.02, 0.0], abs=1e-4)
+
+
+def test_ticks_come_to_a_target_within_rates_and_limits() -> None:
+    robot = arm()
+    goal = Q + np.array([[0.3, -0.2, 0.0], [0.2, 0.2, 0.005], [-0.3, 0.2, 0.0]])
+    target = sn.Target(robot.shape(goal).tip[:3, 3])
+    rates, solver, q = sn.Rates(bend=2.0, length=0.05), sn.Solver(robot), Q
+    for _ in range(40):
+        step = solver.step(q, target=target, dt=DT, rates=rates)
+        change = np.abs(step.q - step.initial)
+        assert np.hypot(change[:, 0], change[:, 1]).max() <= 2.0 * DT
+        assert change[:, 2].max() <= 0.05 * DT
+        assert robot.excess(step.q) == 0.0
+        q = step.q
+    assert step.status == "reached"
+    assert sn.check(robot, q, None, target).ok
+
+
+def test_limits_of_bends_and_lengths_hold_to_the_last_digit() -> None:
+    robot = arm()
+    q = Q.copy()
+    q[:, :2] *= (1.99 / np.hypot(q[:, 0], q[:, 1]))[:, None]
+    q[1, 2] = 0.13
+    solver = sn.Solver(robot)
+    for _ in range(6):
+        step = solver.step(q, robot.shape(q).tip[:3, 0] * 0.3, 0.1)
+        assert robot.excess(step.q) == 0.0
+        q = step.q
+    assert {each.constraint for each in step.active} <= {"bend", "length"}
+
+
+def test_the_loaded_body_stays_clear_and_slides_along() -> None:
+    robot = arm()
+    shape = robot.shape(Q)
+    ball = sn.Sphere(shape.tip[:3, 3] + np.array([0.03, 0.0, 0.0]), 0.015)
+    solver, q = sn.Solver(robot, [ball]), Q
+    held = set[str]()
+    for _ in range(12):
+        step = solver.step(q, [0.1, 0.1, 0.0], DT)
+        assert step.proved
+        assert step.clearance is not None
+        assert step.clearance <= sn.check(robot, step.q, [ball]).clearance + 1e-12
+        held, q = held | {each.constraint for each in step.active}, step.q
+    assert held == {"clearance"}
+    assert robot.shape(q).tip[1, 3] - shape.tip[1, 3] > 0.01, "it stuck"
+
+
+def test_what_was_measured_corrects_the_loaded_model() -> None:
+    robot, real = arm(), arm(mass=0.06)
+    place = robot.shape(Q + 0.1 * np.array([1.0, 1.0, 0.0])).tip[:3, 3]
+    target = sn.Target(place)
+    solver = sn.Solver(robot)
+    step = solver.step(Q, target=target, dt=DT, measured=real.shape(Q).tip)
+    for _ in range(12):
+        step = solver.step(step, target=target, dt=DT, measured=real.shape(step.q).tip, gain=0.6)
+    off = np.linalg.norm(real.shape(step.q).tip[:3, 3] - place)
+    alone = np.linalg.norm(real.shape(sn.solve(robot, target, initial=Q).q).tip[:3, 3] - place)
+    assert off < 1e-3 * robot.mean_length < alone
+
+
+GOAL = Q + np.array([[0.3, -0.2, 0.0], [0.2, 0.2, 0.005], [-0.3, 0.2, 0.0]])
+
+
+def test_what_is_reached_within_changes_comes_to_the_target() -> None:
+    robot, rates, q, ends = arm(), sn.Rates(bend=2.0, length=0.05), Q, list[float]()
+    target, solver = sn.Target(robot.shape(GOAL).tip[:3, 3]), sn.Solver(robot)
+    for _ in range(10):
+        found = solver.solve(target, initial=q, within=rates * 0.04)
+        change = np.abs(found.q - q)
+        assert np.hypot(change[:, 0], change[:, 1]).max() <= 0.08
+        assert change[:, 2].max() <= 0.002
+        assert sn.Motion(robot, [q, found.q]).solved
+        assert found.position_error is not None
+        ends.append(found.position_error)
+        q = found.q
+        if found.solved:
+            break
+        assert found.status is sn.Status.RATE_BOUND
+    assert (np.diff(ends) < 0.0).all()
+    assert found.solved
+    assert found.verify().ok
+    assert len(ends) > 2
+
+
+def test_nothing_within_the_changes_is_nearer() -> None:
+    """Law: no drive that the changes allow, here on their borders, brings the loaded tip nearer to the target."""
+    robot, random = arm(), np.random.default_rng(0)
+    target = sn.Target(robot.shape(GOAL).tip[:3, 3])
+    found = sn.Solver(robot).solve(target, initial=Q, within=sn.Rates(bend=0.1, length=0.002) * 1.0)
+    assert found.status is sn.Status.RATE_BOUND
+    angles = np.arctan2(*(found.q - Q)[:, 1::-1].T) + random.normal(0.0, 0.3, (300, 3))
+    bends, ends = (
+        0.1 * np.stack([np.cos(angles), np.sin(angles)], axis=-1),
+        0.002 * random.choice([-1.0, 1.0], (300, 3)),
+    )
+    tried = Q + np.concatenate([bends, ends[..., None]], axis=-1)
+    tips = np.array([robot.shape(each).tip[:3, 3] for each in tried])
+    least = float(np.linalg.norm(tips - target.position, axis=1).min())
+    assert found.position_error is not None
+    assert found.position_error <= least
+    assert least < 1.05 * found.position_error, "no neighbour was tried"
+
+
+def test_changes_among_obstacles_end_where_the_way_is_proved() -> None:
+    robot = arm()
+    end = robot.shape(GOAL).tip[:3, 3]
+    ball = sn.Sphere(0.5 * (robot.shape(Q).tip[:3, 3] + end), 0.02)
+    found = sn.Solver(robot, [ball]).solve(sn.Target(end), initial=Q, within=Changes(bend=1.0))
+    assert not found.solved
+    assert sn.Motion(robot, [Q, found.q], [ball]).solved
+
+
+def test_changes_that_nothing_bounds_are_not_called_solved() -> None:
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004, straight=True, stiffness=300.0))
+    robot = sn.Robot([segment] * 3, stiffness=ROD, mass=0.05, arcs=4, gravity=GRAVITY)
+    near = Q + np.array([[0.05, -0.02, 0.0], [0.02, 0.0, 0.0], [0.0, 0.02, 0.0]])
+    target = sn.Target(robot.shape(near).tip[:3, 3])
+    found = sn.Solver(robot).solve(target, initial=Q, within=Changes(bend=0.5))
+    assert found.status is sn.Status.UNPROVED
+    assert found.position_error is not None
+    assert found.position_error < 1e-4 * robot.mean_length
+
+
+def test_changes_from_a_drive_that_cannot_hold_its_load() -> None:
+    with pytest.warns(sn.SuspiciousInput, match="hangs like a thread"):
+        solver, target = sn.Solver(arm(payload=sn.Payload(1e4))), sn.Target((0.0, 0.0, 0.2))
+    found = solver.solve(target, initial=Q, within=Changes(bend=0.5))
+    assert not found.solved
+    assert found.status is sn.Status.STALLED
+    assert "no stable equilibrium" in str(found)
+    refused("initial", lambda: solver.solve(target, within=Changes(0.5)))
+    refused("within", lambda: solver.solve(target, initial=Q, within=0.1))  # type: ignore[arg-type]

@@ -379,12 +379,27 @@ class Robot(NotebookMixin, Frozen):
         return (*held_back(self.segments, self.self_radii, self.curvatures), *self.coordinate_notes)
 
     @cached_property
+    def held_notes(self) -> tuple[str, ...]:
+        """What is locked or bends in one plane, and why: what results say of it."""
+        return tuple(self.drive.coordinates.notes(self.segment_names))
+
+    @cached_property
     def coordinate_notes(self) -> tuple[str, ...]:
         """What is locked or bends in one plane, and why; and lengths that no actuator moves."""
         return (
-            *self.drive.coordinates.notes(self.segment_names),
+            *self.held_notes,
+            *self._open_notes,
             *(f"no actuator moves length of {name}; give it a stage, or one length" for name in self._loose_lengths),
         )
+
+    @property
+    def _open_notes(self) -> tuple[str, ...]:
+        """What actuators that bend the robot move, but do not determine."""
+        if not self.drive.jacobian.reshape(-1, len(self), 3)[..., :2].any():
+            return ()
+        lengths = {f"length of {name} (" for name in self._loose_lengths}
+        left = [each for each in self.undetermined if not any(each.startswith(name) for name in lengths)]
+        return (f"actuators alone do not determine {some_of(left)}",) if left else ()
 
     @property
     def _loose_lengths(self) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 Two robots are calibrated from motion capture, and judged on motions that the fit did not see. A tendon robot and rods
 are held against what others computed, a soft tentacle against what was measured (facts of these projects:
-`benchmarks/data/README.md`), and solves under gravity and payload against Cosserat rods.
+`benchmarks/data/README.md`), and solves under gravity and payload against Cosserat rods;
+control steps under load are timed.
 """
 
 import csv
@@ -422,10 +423,45 @@ def _off(robot: sn.Robot, q: Floats, target: sn.Target) -> float:
     return 100.0 * float(np.linalg.norm(tip - target.position)) / robot.mean_length
 
 
+STEPPED = "control steps under gravity and payload, two sections of 8 arcs among 40 spheres"
+
+DT, REPEATS = 0.02, 3
+"""Seconds of a control step; and how often each is made: the least time is the one without the work of others."""
+
+
+def control_steps(plan: Plan) -> list[Line]:
+    """Loops with twists that turn round, of a body under load and of the same robot without; each from where it is."""
+    count, random = plan.count(1000, 100), np.random.default_rng(plan.seed)
+    hanging = loaded_robot(2).changed(arcs=8)
+    twists = 0.1 * random.normal(size=(count // 10 + 1, 3)).repeat(10, axis=0)
+    scene, times = list(_balls(random, 40)), []
+    for robot in (hanging, hanging.changed(gravity=None, payload=None)):
+        solver, seconds, proved = sn.Solver(robot, scene), [], 0
+        q = np.array([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1]])
+        solver.step(q, twists[0], DT)  # kernels are loaded
+        for twist in twists[:count]:
+            each = []
+            for _ in range(REPEATS):
+                began = perf_counter()
+                step = solver.step(q, twist, DT)
+                each.append(perf_counter() - began)
+            seconds.append(min(each))
+            proved, q = proved + step.proved, step.q
+        times.append((Times.of(seconds), proved))
+    (loaded, proved), (free, _) = times
+    return [
+        Line(STEPPED, "a step: median", loaded.median, "ms", Goal(1e-3), loaded, note=f"{proved} of {count} proved"),
+        Line(STEPPED, "a step: p99", loaded.p99, "ms", Goal(5e-3), loaded),
+        Line(STEPPED, "a step: worst", loaded.worst, "ms", None, loaded),
+        Line(STEPPED, "the same without load: median", free.median, "us", None, free),
+        Line(STEPPED, "a step under load, in steps without", loaded.median / free.median, "", Goal(10.0)),
+    ]
+
+
 SOLVED: dict[str, Part] = {
     f"load-{sections}-{spheres}": partial(solves, sections, spheres, goal)
     for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3))
-}
+} | {"load-step": control_steps}
 
 PARTS: dict[str, Part] = {**CALIBRATED, **LOADED, **SOLVED}
 """What is measured, in order: calibrated robots, then shapes and solves under load."""

@@ -13,21 +13,21 @@ from sinuous.base.progress import LONG
 from sinuous.cli import warm
 from sinuous.cli.app import main
 from sinuous.cli.warm import WarmStep, steps
-from sinuous.kernels.compile import pieces
-from sinuous.kernels.compile.pieces import FREE, PIECES
+from sinuous.kernels.compile import tiers
+from sinuous.kernels.compile.tiers import FREE, PIECES
 from sinuous.methods.method import METHODS
 from tests.base.test_progress import Terminal
 from tests.kernels.test_compile import decorated
 
-FIRST, SECOND = pieces.PIECES[:2]
+FIRST, SECOND = tiers.PIECES[:2]
 
 
 @pytest.fixture
-def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[pieces.Piece], None]:
+def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[tiers.Piece], None]:
     """Steps, of which the first compiles and the others find everything; returns what stands for pieces."""
 
-    def compile_it(piece: pieces.Piece) -> None:
-        pieces._tellers[-1](piece)
+    def compile_it(piece: tiers.Piece) -> None:
+        tiers._tellers[-1](piece)
 
     steps = [WarmStep("one", lambda: compile_it(FIRST)), *[WarmStep("another", lambda: None)] * (LONG - 1)]
     monkeypatch.setattr(warm, "steps", lambda methods: steps)

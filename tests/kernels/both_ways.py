@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compile.pieces import FREE, name_of
+from sinuous.kernels.compile.tiers import FREE, name_of
 from sinuous.kernels.tables import SECONDS
 
 NEAR = 1e-9

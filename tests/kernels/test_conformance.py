@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sinuous.kernels.compile.pieces import PIECES
+from sinuous.kernels.compile.tiers import PIECES
 from tests.kernels.both_ways import NEAR
 
 ROOT = Path(__file__).parents[2]

@@ -2,7 +2,6 @@
 
 import math
 import pickle
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -213,19 +212,6 @@ def test_the_bad_row_is_named() -> None:
     quaternions[9] = 0.0
     refused("xyzw[9]", lambda: TipGoals.read({"xyzw": quaternions}), "not zero")
     refused("rotations[9]", lambda: TipGoals.read({"rotations": quaternions}), "not zero")
-
-
-def test_what_does_not_fit_together_is_refused() -> None:
-    refused("positions", partial(TipGoals.read, {}), "nothing is asked")
-    refused("directions", lambda: TipGoals.read({"positions": P, "directions": D[:4]}), "positions: 20", "got 4")
-    refused("rotations", lambda: TipGoals.read({"positions": P, "rotations": R[:4]}), "positions: 20", "got 4")
-    refused("xyzw", lambda: TipGoals.read({"positions": P[:4], "xyzw": R.as_quat()}), "positions: 4", "got 20")
-    refused("directions", lambda: TipGoals.read({"positions": P, "directions": D, "rotations": R}), "one of directions")
-    refused("xyzw", lambda: TipGoals.read({"rotations": R, "xyzw": R.as_quat()}), "one of rotations, xyzw")
-    shapes = (5, "a", [[1, 2]], P.T, P[0], P[None], [[1, 2, True]], [[1, 2, 3], [1, 2]], True)
-    refused_each("positions", shapes, lambda value: TipGoals.read({"positions": value}), "rows of 3 finite numbers")
-    refused_each("xyzw", (True, P, R.as_matrix()), lambda value: TipGoals.read({"xyzw": value}), "rows of 4")
-    refused_each("rotations", (True, P[0], 3), lambda value: TipGoals.read({"rotations": value}), "quaternions")
 
 
 def test_there_may_be_none() -> None:

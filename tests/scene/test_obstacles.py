@@ -5,7 +5,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import pytest
 
+import sinuous as sn
 from sinuous.scene.grids import Grid
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
@@ -92,3 +94,15 @@ def test_shapes_without_a_body_are_refused() -> None:
     refused("normal", lambda: HalfSpace((0, 0, 0), (0, 0, 0)))
     refused("rotation", lambda: Box((0, 0, 0), (1, 1, 1), np.diag([1, 1, -1])))
     refused("rotation", lambda: Box((0, 0, 0), (1, 1, 1), (0, 0, 0, 0)))
+
+
+class Unmeasured(Sphere):
+    """A primitive of a kind that kernels know no distance of."""
+
+    _code = -1
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_nothing_is_clear_of_a_primitive_without_a_distance(inside: bool) -> None:
+    scene = sn.Scene([Unmeasured((0.0, 0.0, 0.0), 9.0 if inside else 0.1, inside=inside)])
+    assert scene.distance([5.0, 0.0, 0.0]) == -np.inf

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.measures.statics import imbalance
 from sinuous.model.rates import Changes
+from sinuous.statics.rest import Rest, Way
 from tests.helpers import refused
 from tests.solver.test_loaded_solve import GRAVITY, ROD, Q, arm
 
@@ -158,3 +160,72 @@ def test_changes_from_a_drive_that_cannot_hold_its_load() -> None:
     assert "no stable equilibrium" in str(found)
     refused("initial", lambda: solver.solve(target, within=Changes(0.5)))
     refused("within", lambda: solver.solve(target, initial=Q, within=0.1))  # type: ignore[arg-type]
+
+
+@pytest.mark.filterwarnings("ignore:.*is not bent at all")
+@pytest.mark.parametrize("stretches", [None, 1e9])
+@pytest.mark.parametrize("among", [False, True])
+def test_a_step_without_a_load_is_that_of_the_robot_alone(stretches: float | None, among: bool) -> None:
+    """Law: what gives way to nothing, or has nothing to give way to, moves as a rigid body does."""
+    stiff = sn.Stiffness(bend=1e7, twist=1e7, stretch=stretches)
+    loaded = arm(stiffness=stiff, payload=None, arcs=1)  # contacts are looked for in every arc
+    free, twist = loaded.changed(gravity=None, payload=None), np.array([0.1, 0.05, -0.1, 0.03, 0.02, -0.04])
+    ball = [sn.Sphere(free.tip(Q)[:3, 3] + np.array([0.012, 0.0, 0.012]), 0.01)] if among else []
+    rates = sn.Rates(bend=2.0, length=0.05, acceleration=sn.Rates(bend=200.0))
+    target = sn.Target(free.tip(Q + 0.05)[:3, 3])
+    still = np.zeros_like(Q)
+    for given in ({"twist": twist}, {"twist": twist[:3], "rates": rates, "velocity": still}, {"target": target}):
+        steps = [sn.Solver(each, ball).step(Q, dt=DT, **given) for each in (loaded, free)]
+        assert steps[0].q == pytest.approx(steps[1].q, abs=1e-6)
+        assert steps[0].proved == steps[1].proved
+        assert [each.constraint for each in steps[0].active] == [each.constraint for each in steps[1].active]
+
+
+def test_a_step_does_not_depend_on_the_steps_before() -> None:
+    """Law: what is kept of the step before makes it quicker, and nothing else."""
+    robot, random = arm(), np.random.default_rng(0)
+    solver, q = sn.Solver(robot), Q
+    for twist in random.normal(0.0, 0.1, (8, 6)):
+        warm, cold = solver.step(q, twist, DT), sn.Solver(robot).step(q, twist, DT)
+        assert warm.q == pytest.approx(cold.q, abs=1e-9)
+        assert (warm.status, warm.proved) == (cold.status, cold.proved)
+        q = warm.q
+
+
+def pulled(most: float, arcs: int = 3) -> sn.Robot:
+    tendons = sn.Tendons(3, 0.004, stiffness=300.0, tension=(0.0, most))
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons, stiffness=sn.Stiffness(0.01), mass=0.05)
+    return sn.Robot([segment] * 3, arcs=arcs, gravity=GRAVITY, payload=sn.Payload(0.01))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_tensions_under_load_are_kept_at_the_end_and_between(seed: int) -> None:
+    """Tensions of the limit's own judge, at places between both ends; steps at the limit are not stuck."""
+    random, most = np.random.default_rng(seed), 0.0
+    lax, q = pulled(1e3), np.column_stack([random.uniform(-0.4, 0.4, (3, 2)), np.full(3, 0.1)])
+    most = float(np.nanmax(Rest(lax, q).pulls)) * random.uniform(1.01, 1.3)
+    robot, held, moved = pulled(most), set[str](), 0.0
+    solver = sn.Solver(robot)
+    for twist in random.normal(0.0, 0.2, (4, 3)).repeat(4, axis=0):
+        step = solver.step(q, twist, DT)
+        assert step.proved
+        way = Way(Rest(robot, q), Rest(robot, step.q))
+        for share in np.linspace(0.0, 1.0, 7):
+            rest = way.rest(float(share))
+            assert imbalance(robot, rest.q, rest.found[0], rest.displacements) < 1e-7
+            assert np.nanmax(rest.pulls) <= most * (1.0 + 1e-6)
+        held |= {each.actuator or "" for each in step.active if each.constraint == "actuator"}
+        moved += float(np.abs(step.q - q).max())
+        q = step.q
+    assert held, "no limit was met"
+    assert moved > 0.02, "it stuck"
+
+
+def test_a_step_from_a_tension_beyond_its_limit_is_not_proved_and_leads_back() -> None:
+    lax = pulled(1e3)
+    most = 0.9 * float(np.nanmax(Rest(lax, Q).pulls))
+    robot, q = pulled(most), Q * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1]
+    before = float(np.nanmax(Rest(robot, q).pulls))
+    step = sn.Solver(robot).step(q, target=sn.Target((0.0, 0.0, 0.3)), dt=DT, rates=sn.Rates(bend=1.0))
+    assert not step.proved
+    assert float(np.nanmax(Rest(robot, step.q).pulls)) <= before

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.answer.solution import Solution
@@ -82,17 +81,6 @@ def test_arrays_are_a_loop(robot: sn.Robot, scene: Any, kind: str) -> None:
     assert many.equals(solver.solve_many(targets, workers=1))
     for workers in (1, 2, 5):
         assert many.equals(solver.solve_many(**given, workers=workers))
-
-
-def test_ways_to_say_a_rotation_are_the_same() -> None:
-    turned = Rotation.random(10, rng=0)
-    solver = sn.Solver(ARM, max_starts=5, time=LONG)
-    positions = tips(ARM, 10)[:, :3, 3]
-    first = solver.solve_many(positions=positions, rotations=turned.as_matrix())
-    for other in ({"rotations": turned}, {"rotations": turned.as_quat(scalar_first=True)}, {"xyzw": turned.as_quat()}):
-        again = solver.solve_many(positions=positions, **other)
-        assert again.status.tolist() == first.status.tolist()
-        np.testing.assert_allclose(again.q, first.q, atol=1e-3)
 
 
 def test_several_targets_at_once_in_any_order() -> None:

@@ -21,11 +21,10 @@ from sinuous.base.system import pool_of
 from sinuous.cli.app import Warm
 from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.kernels.compile import code_first, cores
-from sinuous.kernels.compile.pieces import Piece, told_to
 from sinuous.kernels.compile.sources import COMPILER
 from sinuous.kernels.compile.store import CACHE, clear, size_of
 from sinuous.kernels.compile.targets import shipped
-from sinuous.kernels.compile.tiers import TOOK
+from sinuous.kernels.compile.tiers import TOOK, Piece, told_to
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import FEWEST_TARGETS, train
 from sinuous.methods.method import METHODS, name_of

@@ -150,11 +150,47 @@ def pose_row(matrix: Floats) -> Floats:
     return np.concatenate([matrix[:3, :3].ravel(), matrix[:3, 3]])[None, :].copy()
 
 
+class RobotParts(NamedTuple):
+    """What the group of a robot is made of.
+
+    Attributes
+    ----------
+    segments : ndarray (n, 18)
+    actuators : ndarray (p, 7)
+    base, tool : ndarray (12,)
+        Poses.
+    avoids_itself : float
+        1 or 0.
+    """
+
+    segments: Floats
+    actuators: Floats
+    base: Floats
+    tool: Floats
+    avoids_itself: float
+
+    def group(self) -> Floats:
+        """Return the group that kernels read, a new array."""
+        header = [float(len(self.segments)), float(len(self.actuators)), self.avoids_itself]
+        return np.concatenate([header, self.segments.ravel(), self.actuators.ravel(), self.base, self.tool])
+
+
 def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
     """Return the group of a robot, of its tables (n, 18) and (p, 7), and the poses (4, 4) of base and tool."""
-    header = [float(len(limits)), float(len(actuation)), float(avoids_itself)]
-    parts = (header, limits, actuation, pose_row(base), pose_row(tool))
-    return np.concatenate([np.ravel(part) for part in parts])
+    return RobotParts(limits, actuation, pose_row(base)[0], pose_row(tool)[0], float(avoids_itself)).group()
+
+
+def robot_parts(group: Floats) -> RobotParts:
+    """Return what the group of a robot is made of, as views."""
+    rows = group[t.ROBOT_HEADER : -2 * t.POSE_WIDTH]
+    end = t.SEGMENT_WIDTH * int(group[0])
+    return RobotParts(
+        rows[:end].reshape(-1, t.SEGMENT_WIDTH),
+        rows[end:].reshape(-1, t.ACTUATOR_WIDTH),
+        group[-2 * t.POSE_WIDTH : -t.POSE_WIDTH],
+        group[-t.POSE_WIDTH :],
+        float(group[2]),
+    )
 
 
 def primitive_row(

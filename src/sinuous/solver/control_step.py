@@ -27,7 +27,7 @@ from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Targets, Tolerance, meets, target_list, target_table
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.loaded_control_step import NO_BODY, LoadedControlStep
+from sinuous.solver.loaded_control_step import LoadedControlStep
 from sinuous.solver.loaded_solve import unsolved_start
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.step_query import RateLimits, StepQuery
@@ -135,8 +135,9 @@ class ControlLoop:
         scene = self._scene.snapshot()
         asked = StepQuery(kind, motion, rows, 1, self._beyond(wish), self._time)
         moved = before if limits.accelerates else None
-        answer = self._answer(scene, asked, targets, own, limits, seconds, moved)
-        wanted = WantedStep(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
+        answer = self._answer(scene, asked, own, limits, seconds, moved)
+        limited = limits.limited if self._group is not None else (*limits.limited, *self._loaded(scene).lines)
+        wanted = WantedStep(self._robot, scene, self._tolerance, seconds, kind, motion, limited)
         return Step(wanted, own, answer, observed)
 
     def _loaded(self, scene: Snapshot) -> LoadedControlStep:
@@ -150,8 +151,8 @@ class ControlLoop:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
         asked = StepQuery(MEET_TARGETS, STILL, problem._rows, ROUNDS, self._beyond(self._wish), seconds)
         limits = self._limits_of(changes)
-        answer = self._answer(problem.scene, asked, problem.targets, initial, limits, 1.0, None)
-        if answer[t.START] == NO_BODY:
+        answer = self._answer(problem.scene, asked, initial, limits, 1.0, None)
+        if answer[t.START] < 0.0:  # no body at rest
             return unsolved_start(initial)
         q = answer[t.CONFIGURATION : t.CONFIGURATION + initial.size].reshape(initial.shape).copy()
         off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
@@ -189,7 +190,6 @@ class ControlLoop:
         self,
         scene: Snapshot,
         asked: StepQuery,
-        targets: tuple[Target, ...],
         initial: Floats,
         limits: RateLimits,
         dt: float,
@@ -198,7 +198,7 @@ class ControlLoop:
         """Make a tick, of the loaded body where there is one; see `_tick`."""
         if self._group is None:
             room = a.most_constraints(len(initial))
-            return self._loaded(scene)(asked, targets, initial, limits, dt, velocity, room)
+            return self._loaded(scene)(asked, initial, limits, dt, velocity, room)
         return self._tick(scene, asked, initial, limits, dt, velocity)
 
     def _tick(

@@ -57,9 +57,9 @@ class LoadedBody:
         from sinuous.kernels.step.states import workspace_size  # noqa: PLC0415
 
         group = self._group.copy()
-        rows = group[k.ROBOT_HEADER : k.ROBOT_HEADER + self._count * k.SEGMENT_WIDTH].reshape(-1, k.SEGMENT_WIDTH)
-        rows[:, k.MIN_LENGTH] = rows[:, k.MAX_LENGTH] = arcs[:, 2]
-        group[-k.POSE_WIDTH :] = packing.pose_row(rolled(float(rolls[-1])) @ self._tool)[0]
+        parts = packing.robot_parts(group)
+        parts.segments[:, k.MIN_LENGTH] = parts.segments[:, k.MAX_LENGTH] = arcs[:, 2]
+        parts.tool[:] = packing.pose_row(rolled(float(rolls[-1])) @ self._tool)[0]
         targets = problem._rows.copy()
         for row in targets:
             segment = int(row[k.TARGET_SEGMENT])

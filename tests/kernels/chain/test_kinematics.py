@@ -21,20 +21,8 @@ from tests.helpers import (
 SAMPLES = [q for n in (1, 2, 5, 12) for q in configurations(n, n, 12)]
 
 
-def poses(frames: Floats) -> list[Floats]:
-    return [as_matrix(row[:9].reshape(3, 3), row[9:]) for row in frames]
-
-
 def reach(q: Floats) -> float:
     return float(1.0 + q[:, 2].sum())
-
-
-def test_forward_is_the_product_of_exponentials() -> None:
-    rng = np.random.default_rng(0)
-    for q in SAMPLES:
-        base = random_pose(rng)
-        for got, expected in zip(poses(frames_of(q, base)), expm_chain(q, base), strict=True):
-            np.testing.assert_allclose(got, expected, atol=3e-14 * reach(q))
 
 
 @pytest.mark.parametrize("s", [0.0, 1e-9, 0.25, 0.7, 1.0])

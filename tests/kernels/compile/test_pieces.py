@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compile import pieces, store
+from sinuous.kernels.compile import store, tiers
 from tests.base.test_progress import Terminal
 
 
@@ -16,11 +16,11 @@ from tests.base.test_progress import Terminal
 def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], Any]:
     """Make an entry, with a cache of its own, that belongs to a piece of so many seconds."""
     monkeypatch.setattr(store, "CACHE", tmp_path)
-    monkeypatch.setattr(pieces, "_told", [])
+    monkeypatch.setattr(tiers, "_announced", [])
 
     def make(seconds: int) -> Any:
         name = f"{half.__module__.partition('.')[2]}.{half.__name__}"
-        monkeypatch.setattr(pieces, "PIECES", (pieces.Piece("halves", seconds, (name,)),))
+        monkeypatch.setattr(tiers, "PIECES", (tiers.Piece("halves", seconds, (name,)),))
         return compiling.entry(half)
 
     return make
@@ -36,7 +36,7 @@ def test_compiling_is_announced_with_what_and_how_long_and_loading_is_not(
     assert fresh(9)(2.0) == 1.0
     said = "sinuous: compiling halves, once on this machine (about 9 s); 'sinuous warm' compiles everything ahead\n"
     assert capsys.readouterr().err == said
-    monkeypatch.setattr(pieces, "_told", [])
+    monkeypatch.setattr(tiers, "_announced", [])
     again = fresh(9)
     assert again(4.0) == 2.0
     assert sum(again.stats.cache_hits.values()) == 1
@@ -54,20 +54,20 @@ def test_compiling_a_piece_is_announced_once_in_a_process(
 
 
 def test_another_can_be_told(fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]) -> None:
-    told: list[pieces.Piece] = []
+    told: list[tiers.Piece] = []
     entry = fresh(9)
-    with pieces.told_to(told.append):
+    with tiers.told_to(told.append):
         entry(2.0)
     assert [piece.what for piece in told] == ["halves"]
     assert capsys.readouterr().err == ""
-    assert pieces._tellers == [pieces._print]
+    assert tiers._tellers == [tiers._print]
 
 
 def test_a_person_sees_a_bar(fresh: Callable[[int], Any], monkeypatch: pytest.MonkeyPatch) -> None:
     fresh(9)
     stream = Terminal()
     monkeypatch.setattr(sys, "stderr", stream)
-    with pieces.announced(pieces.PIECES[0]):
+    with tiers.announced(tiers.PIECES[0]):
         pass
     said = stream.getvalue()
     assert said.startswith("sinuous: compiling halves")

@@ -15,7 +15,7 @@ import pytest
 
 from sinuous.base.work_time import AbandonedError, counting_looks, looked, no_work, work_time
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compile import helpers, pieces, store, tiers
+from sinuous.kernels.compile import helpers, store, tiers
 from sinuous.kernels.maths.vectors import Array
 from tests.base.processes import alive, until
 from tests.kernels.compile import parts
@@ -42,18 +42,17 @@ def orders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Orders:
     monkeypatch.setattr(tiers, "_told", [])
     monkeypatch.setattr(tiers, "_spent", defaultdict(float))
     monkeypatch.setattr(tiers, "begun", lambda: True)
-    monkeypatch.setattr(pieces, "begun", lambda: True)
-    monkeypatch.setattr(pieces, "_told", [])
-    monkeypatch.setattr(pieces, "PIECES", (piece(9),))
+    monkeypatch.setattr(tiers, "_announced", [])
+    monkeypatch.setattr(tiers, "PIECES", (piece(9),))
     noted = Orders()
     monkeypatch.setattr(tiers, "foreman", noted)
     return noted
 
 
-def piece(seconds: int, **more: Any) -> pieces.Piece:
+def piece(seconds: int, **more: Any) -> tiers.Piece:
     names = (half, fill)
     entries = tuple(f"{one.__module__.partition('.')[2]}.{one.__name__}" for one in names)
-    return pieces.Piece("halves", seconds, entries, **more)
+    return tiers.Piece("halves", seconds, entries, **more)
 
 
 def half(x: float) -> float:
@@ -99,7 +98,7 @@ WAITS = ["heavy", "large", "code first", "no helpers", "compiled", "sources chan
 def test_a_call_waits_for_its_code_where_that_is_better(
     why: str, orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(pieces, "PIECES", (piece(9, most={"heavy": 0, "large": 3}.get(why)),))
+    monkeypatch.setattr(tiers, "PIECES", (piece(9, most={"heavy": 0, "large": 3}.get(why)),))
     monkeypatch.setattr(tiers, "MODE", "compiled" if why == "compiled" else "auto")
     orders.taken = why != "no helpers"
     entry: Any = compiling.entry(fill)

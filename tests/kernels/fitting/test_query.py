@@ -68,21 +68,6 @@ def test_only_segments_up_to_the_target_count() -> None:
     assert query.other_length == pytest.approx(1.0)
 
 
-def test_without_a_position_nothing_is_asked() -> None:
-    found, query = asked(ROBOT, Target(direction=(0, 0, 1)))
-    assert not found
-    assert (query == 7.0).all()
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_origin_and_axis_are_those_of_the_base(seed: int) -> None:
-    base = random_pose(np.random.default_rng(seed))
-    query = read(Robot.uniform(2, length=1.0, max_bend=1.0, base=base), Target((0.0, 0.0, 2.0), direction=(0, 3, 4)))
-    assert query.origin == pytest.approx(base[:3, 3])
-    assert query.axis == pytest.approx(base[:3, 2])
-    assert query.back == pytest.approx((0.0, -0.6, -0.8))
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_a_tool_moves_the_goal_and_leaves_it_room(seed: int) -> None:
     rng = np.random.default_rng(seed)

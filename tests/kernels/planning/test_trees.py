@@ -100,7 +100,7 @@ def test_the_bound_of_any_edge_is_half_as_large_as_it_may_be() -> None:
     edges = 0
     for seed in range(12):
         scene, ends = pair(seed)
-        path = RRTConnect(STRETCHING, scene.snapshot()).grow(ends, 0, (0, 5000), Deadline(60.0))
+        path = RRTConnect(STRETCHING, scene.snapshot()).grow(ends, 0, (0, 5000), Deadline(1e4))
         assert path is not None
         tight = prove_steps(STRETCHING, scene.snapshot(), path.q, slack=0.01).clearances
         assert (path.answers[:, CLEARANCES + PROVED_BOUND] >= 0.49 * tight).all()
@@ -114,7 +114,7 @@ def test_trees_come_out_of_narrow_places(segments: int, number: int) -> None:
     hard = draw(segments, 1, number, 0)
     trees = RRTConnect(hard.robot, hard.scene.snapshot())
     for seed in range(4):
-        path = trees.grow(np.stack([hard.start, hard.goal]), seed, (0, 1024), Deadline(60.0))
+        path = trees.grow(np.stack([hard.start, hard.goal]), seed, (0, 1024), Deadline(1e4))
         assert path is not None, seed
         assert len(path.q) > 2
         assert prove_steps(hard.robot, hard.scene.snapshot(), path.q).proved.all()
@@ -128,7 +128,7 @@ def test_a_tree_that_is_behind_keeps_limits_that_segments_share() -> None:
     goals = [q for q in goals if np.hypot(*robot.tip(q)[:2, 3]) > 1.0][:150]
     scene = Scene([sn.Sphere(robot.tip(q)[:3, 3], 0.02) for q in goals])  # so none of them is reached
     trees = RRTConnect(robot, scene.snapshot())
-    assert trees.grow(np.stack([np.tile([0.0, 0.0, 1.0], (4, 1)), *goals]), 0, (0, 200), Deadline(60.0)) is None
+    assert trees.grow(np.stack([np.tile([0.0, 0.0, 1.0], (4, 1)), *goals]), 0, (0, 200), Deadline(1e4)) is None
     assert len(goals) == 150
     assert len(trees.reached) > 2
     assert max(robot.excess(q) for q in trees.reached) < 1e-12

@@ -15,7 +15,7 @@ of their callers. Here a kernel is lowered, and the entry, or a shared kernel, l
 Overridden: `Compiler.define_pipelines` (passes that kernels have no use for are left out), the methods `finalize`,
 `add_ir_module` and `_optimize_final_module` of `JITCodeLibrary`, and `Lower` for variables that live in registers.
 
-**Lean calls** (`calls`). Numba hands over seven fields of every array and an error code. Kernels own no memory and
+**Lean calls** (also `once`). Numba hands over seven fields of every array and an error code. Kernels own no memory and
 raise nothing, so an array is its address and shape, and a result comes back as a value. Overridden: the call convention
 (`CPUCallConv`), the data model of arrays, `CPUContext`. Goes with the above; leaving both is `SINUOUS_COMPILER=numba`.
 
@@ -24,14 +24,14 @@ that lives in another. A file of ours is named by a hash of all sources that a f
 the processor, so that checkouts and environments share one folder, and wheels can ship code. In the place of a
 dispatcher's `_cache`. To leave it, set `cache=True`.
 
-**Answers before code** (`interpreting`, `tiers`, `helpers`, `pieces`). An entry without code runs as Python, made of
+**Answers before code** (`interpreting`, `tiers`, `helpers`). An entry without code runs as Python, made of
 the same lines, with the arithmetic of machine code; processes of the lowest priority compile meanwhile; a call ends as
 Python, or is made again once its code is there. A dispatcher asks `_compile_for_args` where it has no code, and that is
 overridden. `SINUOUS_KERNELS` says how entries run: `auto` is this, `compiled` waits for code, `interpreted` compiles
 nothing.
 
-`SINUOUS_COMPILER` is `linked`, all of the above, or `numba`: `numba.njit` with options that its manual has, and neither
-`once` nor `calls`; code is still kept in the store, where that Numba lets it, and what is slow to come is still
+`SINUOUS_COMPILER` is `linked`, all of the above, or `numba`: `numba.njit` with options that its manual has, without
+`once`; code is still kept in the store, where that Numba lets it, and what is slow to come is still
 interpreted meanwhile. By default it is `linked` with the versions of Numba in `sources.TRIED`, and `numba` with others,
 so that a new Numba works, slowly at first; `sinuous warm` says so. To try one, run the tests with it and
 `SINUOUS_COMPILER=linked`, and list it.

@@ -26,8 +26,7 @@ from sinuous.kernels.compile.store import COPIES, Store
 from sinuous.kernels.compile.tiers import MODE, tiered
 
 if COMPILER == "linked":
-    from sinuous.kernels.compile.calls import call_leanly
-    from sinuous.kernels.compile.once import KERNELS, compiler
+    from sinuous.kernels.compile.once import KERNELS, call_leanly, compiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -21,11 +21,11 @@ from numba.core import config
 PACKAGE = Path(__file__).parents[2]
 
 VERSION = 3
-"""Of how kernels are compiled, and of what is kept: raise it with `OPTIONS` of `marks`, with `once` and `calls`, and
+"""Of how kernels are compiled, and of what is kept: raise it with `OPTIONS` of `marks`, with `once`, and
 with the format of `store`. The text of these files does not count."""
 
 TRIED = ("0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
-"""Versions of Numba that `once` and `calls` were tried with."""
+"""Versions of Numba that `once` was tried with."""
 
 COMPILERS = ("linked", "numba")
 

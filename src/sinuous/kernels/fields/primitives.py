@@ -7,8 +7,32 @@ a kind of its own because it is so common.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.maths.vectors import Array, Mat, Vec, dot, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
-from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING_RADIUS, SIGN, SPHERE
+from sinuous.kernels.maths.vectors import (
+    ZERO,
+    Array,
+    Mat,
+    Vec,
+    dot,
+    get_mat,
+    get_vec,
+    mat_vec,
+    norm,
+    scale,
+    sub,
+    vec_mat,
+)
+from sinuous.kernels.tables import (
+    AXES,
+    BOX,
+    CENTER,
+    CYLINDER,
+    HALF_EXTENTS,
+    HALF_SPACE,
+    KIND,
+    ROUNDING_RADIUS,
+    SIGN,
+    SPHERE,
+)
 
 FLAT = 100.0
 """Largest size of a patch, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
@@ -50,14 +74,17 @@ def cylinder(p: Vec, radius: float, half: float) -> tuple[float, Vec]:
     return d, (g[0] * p[0] / rho, g[0] * p[1] / rho, g[2])
 
 
-def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
+def _shape(kind: int, rotation: Mat, half: Vec, p: Vec, sign: float) -> tuple[float, Vec]:
+    """Distance to what is no sphere; of an unknown kind, by its sign, the one that lets nothing be clear of it."""
     local = vec_mat(p, rotation)
     if kind == BOX:
         d, g = box(local, half)
     elif kind == CYLINDER:
         d, g = cylinder(local, half[0], half[2])
-    else:
+    elif kind == HALF_SPACE:
         d, g = local[2], (0.0, 0.0, 1.0)
+    else:
+        d, g = -sign * math.inf, ZERO
     return d, mat_vec(rotation, g)
 
 
@@ -68,13 +95,17 @@ def axis_of(table: Array, i: int, axis: int) -> Vec:
 
 
 def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 33), and its gradient."""
+    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 33), and its gradient.
+
+    It is -inf where the kind of the primitive has no distance here: everything is infinitely deep in that. NaN would
+    be passed over by comparisons, and so all would be clear.
+    """
     local = sub(p, get_vec(table, i, CENTER))
+    sign = table[i, SIGN]
     if table[i, KIND] == SPHERE:
         d, g = sphere(local)
     else:
-        d, g = _shape(int(table[i, KIND]), get_mat(table, i, AXES), get_vec(table, i, HALF_EXTENTS), local)
-    sign = table[i, SIGN]
+        d, g = _shape(int(table[i, KIND]), get_mat(table, i, AXES), get_vec(table, i, HALF_EXTENTS), local, sign)
     return sign * (d - table[i, ROUNDING_RADIUS]), scale(sign, g)
 
 

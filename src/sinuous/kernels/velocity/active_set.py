@@ -16,10 +16,9 @@ import math
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy, put_vec, scale
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.coupling import reply
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.velocity import layout as v
+from sinuous.kernels.velocity.body import answer_weights, move_freely
 from sinuous.kernels.velocity.bounds import LENGTH_TOLERANCE, Cut, Limits, along, size_of, worst_cut
 from sinuous.kernels.velocity.layout import Control, StepRequest, WorkingSet
 
@@ -169,7 +168,7 @@ def _add(control: Control, count: int) -> None:
     """Compute what constraint number `count` moves, and make it active; its weights and its value are there."""
     working = control.working
     moved = shaped(working.replies[count], (control.q.shape[0], 3))
-    reply(control.columns, control.root, working.weights, count, 0, control.rows, working.pull, moved, False)
+    answer_weights(control, control.body, count, moved)
     for b in range(count + 1):
         working.system[count, b] = working.system[b, count] = _dot(working.weights[b], working.replies[count])
     working.system[count, count] += working.about[count, v.CONSTRAINT_VARIANCE]
@@ -184,8 +183,7 @@ def _constrained(problem: Problem, asked: StepRequest, control: Control, start: 
     within, n = Limits(problem.limits, asked.rates, control.root, start), q.shape[0]
     for at in range(bounds):
         rows[at, 3 * n + v.TAKEN] = 0.0
-    sweeps.forward(control.columns, control.root, control.none, control.rows, mu, False)
-    sweeps.backward(control.columns, control.root, control.none, control.rows, working.free, False)
+    move_freely(control, control.body, mu)
     count = wishes = 0
     _combine(working, count, step)
     for _ in range(4 * working.active.shape[0]):

@@ -89,11 +89,11 @@ WorkingSet = namedtuple("WorkingSet", "weights replies about system scratch acti
 which of them are active (r,) int64, and the numbers of those (r,) int64; the step without any of them, and a motion
 (n, 3)."""
 
-Control = namedtuple("Control", "q trial frames columns rows root none step bounds near pairs spans working sweep")
+Control = namedtuple("Control", "q trial frames columns rows root none step bounds near pairs spans working sweep body")
 """Configurations where it is and where it may go next (n, 3), frames (n + 1, 12) and columns (n, 18) where it is; rows
 of what is asked; root of the metric (n, 9), no motion (n, 3) and the step (n, 3); bounds (b, 3 n + 10); numbers of
-obstacles (m,) int64; self-contacts and spans as `body.self_contacts` has them; the working set; and scratch of the
-proof of a motion, with the clock."""
+obstacles (m,) int64; self-contacts and spans as `body.self_contacts` has them; the working set; scratch of the
+proof of a motion, with the clock; and the body, `None` for a rigid one, see `velocity.body`."""
 
 
 def most_bounds(segments: int, obstacles: int, actuators: int) -> int:
@@ -162,4 +162,4 @@ def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]
     pull, rest = cut(rest, n, 3)
     working = WorkingSet(weights, replies, about, system, scratch, active, listed, free, pull)
     sweep = carve_sweep(rest, base, n, m)
-    return Control(q, trial, frames, columns, rows, root, none, step, bounds, near, pairs, spans, working, sweep)
+    return Control(q, trial, frames, columns, rows, root, none, step, bounds, near, pairs, spans, working, sweep, None)

@@ -14,7 +14,6 @@ from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion
 from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame
-from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import allow, begin, late
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import coarseness, number_of
@@ -34,13 +33,23 @@ from sinuous.kernels.maths.vectors import (
     sub,
 )
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.limits import free_root
 from sinuous.kernels.step.newton import FINEST_PROOF, PROOF_SLACK, SAMPLED_PROOF_SLACK, add_targets
 from sinuous.kernels.step.states import State
 from sinuous.kernels.step.targets import X, Y, Z, end_pose, put_row
 from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING, constrained_step
+from sinuous.kernels.velocity.body import (
+    TIGHTENED,
+    RestingBody,
+    add_resting_contacts,
+    add_tensions,
+    measure_travel,
+    move_body,
+    move_freely,
+    see_rows,
+    tighten,
+)
 from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
 from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_self_contacts
 from sinuous.kernels.velocity.layout import Control, StepRequest, carve_tick, read_asked
@@ -84,7 +93,7 @@ DAMPING, FASTER, SLOWER = 0.01, 0.3, 10.0
 """Damping towards a target as a share of its residual, squared; how it changes after a step that was better or not."""
 
 
-def _set_free(problem: Problem, control: Control) -> None:
+def set_free(problem: Problem, control: Control) -> None:
     """Let every segment move in all its coordinates, and wish for no motion."""
     for k in range(control.q.shape[0]):
         put_mat(control.root, k, 0, free_root(problem.limits, k))
@@ -92,9 +101,13 @@ def _set_free(problem: Problem, control: Control) -> None:
 
 
 def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[float, float, float]:
-    """Fill frames, columns and rows at `control.q`; returns the merit, and the largest errors of the targets."""
+    """Fill frames, columns and rows at `control.q`; returns the merit, and the largest errors of the targets.
+
+    They are infinite where the body is nowhere at rest.
+    """
     n, rows, at = control.q.shape[0], control.rows, 0
-    forward_with_columns(control.q, control.frames, control.columns)
+    if not move_body(control, control.body):
+        return math.inf, math.inf, math.inf
     off = turn = merit = 0.0
     state = State(control.q, control.frames, control.columns, rows, control.none[0])
     for k in range(n):
@@ -116,14 +129,14 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
     rows.start[n] = at
     for i in range(at):
         merit += rows.value[i] * rows.value[i]
+    see_rows(problem, control, control.body)
     return merit, off, turn
 
 
 def _farthest(problem: Problem, asked: StepRequest, control: Control, mu: float) -> float:
     """How far anything may move in this tick, about: what a free step does, but no more than rates allow."""
     free = control.working.free
-    sweeps.forward(control.columns, control.root, control.none, control.rows, mu, False)
-    sweeps.backward(control.columns, control.root, control.none, control.rows, free, False)
+    move_freely(control, control.body, mu)
     for k in range(control.q.shape[0]):
         bend, stretch = math.hypot(free[k, 0], free[k, 1]), asked.rates[k, v.LENGTH_CHANGE]
         fraction = min(1.0, asked.rates[k, v.BEND_CHANGE] / bend) if bend > 0.0 else 1.0
@@ -132,7 +145,7 @@ def _farthest(problem: Problem, asked: StepRequest, control: Control, mu: float)
             control.q[k, 1] + fraction * free[k, 1],
         )
         control.trial[k, 2] = control.q[k, 2] + min(max(free[k, 2], -stretch), stretch)
-    return min(CONTACT_LOOKAHEAD * measure_rates(control.q, control.trial, control.sweep.rates), problem.unit)
+    return min(CONTACT_LOOKAHEAD * measure_travel(control, control.body), problem.unit)
 
 
 def _put_bounds(problem: Problem, asked: StepRequest, control: Control, start: Array, mu: float) -> tuple[int, float]:
@@ -140,23 +153,69 @@ def _put_bounds(problem: Problem, asked: StepRequest, control: Control, start: A
     keep = problem.margin
     wish = max(asked.wish, keep)
     ahead = _farthest(problem, asked, control, mu)
-    count, least = add_self_contacts(problem, control, ContactGaps(keep, keep, keep + ahead), 0)
-    count = add_actuators(asked, control, start, count)
-    lack = keep - least
-    if number_of(problem.scene) > 0:
-        gaps, most = ContactGaps(keep, wish, wish + ahead), control.bounds.shape[0]
-        count, seen = add_contacts(problem, control, gaps, count, most)
-        lack = max(lack, wish - seen)
+    own, gaps = ContactGaps(keep, keep, keep + ahead), ContactGaps(keep, wish, wish + ahead)
+    count, lack = _list_bounds(problem, asked, control, control.body, start, own, gaps)
     return count, max(0.0, lack)
 
 
-def _advance(problem: Problem, asked: StepRequest, control: Control, start: Array) -> tuple[int, int]:
+def _list_bounds(
+    problem: Problem,
+    asked: StepRequest,
+    control: Control,
+    resting: RestingBody | None,
+    start: Array,
+    own: ContactGaps,
+    gaps: ContactGaps,
+) -> tuple[int, float]:
+    """Write these bounds, and find that lack, for a body of either kind."""
+    if resting is not None:
+        first = add_actuators(asked, control, start, 0)
+        first = add_tensions(problem, control, resting, first, asked.actuators.shape[0])
+        return add_resting_contacts(problem, control, resting, own, gaps, first)
+    count, least = add_self_contacts(problem, control, own, 0)
+    count = add_actuators(asked, control, start, count)
+    lack = gaps.keep - least
+    if number_of(problem.scene) > 0:
+        most = control.bounds.shape[0]
+        count, seen = add_contacts(problem, control, gaps, count, most)
+        lack = max(lack, gaps.wish - seen)
+    return count, lack
+
+
+def _keep_tensions(
+    problem: Problem,
+    asked: StepRequest,
+    control: Control,
+    resting: RestingBody | None,
+    start: Array,
+    bounds: int,
+    mu: float,
+    most: float,
+    count: int,
+) -> int:
+    """Make a step again while tensions at its end leave their bounds; returns the size of the working set."""
+    if resting is None:
+        return count
+    for _ in range(TIGHTENED):
+        if not tighten(resting, control.trial):
+            break
+        first = add_actuators(asked, control, start, 0)
+        add_tensions(problem, control, resting, first, asked.actuators.shape[0])
+        count = constrained_step(problem, asked, control, start, bounds, mu, most)
+        take(problem, asked, control, start)
+    return count
+
+
+def advance(problem: Problem, asked: StepRequest, control: Control, start: Array) -> tuple[int, int]:
     """Go on from `control.q`, step by step; `control.trial` is where it ends.
 
     Returns how many steps there were, and how many constraints are in the working set.
     """
     merit, off, turn = _linearise(problem, asked, control)
     easing, count, rounds = 1.0, 0, 0
+    if merit == math.inf:
+        copy(control.q, control.trial)
+        return 0, 0
     while rounds < asked.rounds and not late(control.sweep.clock):
         mu = LEAST_DAMPING
         if asked.kind == v.MEET_TARGETS:
@@ -167,6 +226,7 @@ def _advance(problem: Problem, asked: StepRequest, control: Control, start: Arra
         )
         count = constrained_step(problem, asked, control, start, bounds, mu, most)
         take(problem, asked, control, start)
+        count = _keep_tensions(problem, asked, control, control.body, start, bounds, mu, most, count)
         rounds += 1
         if asked.rounds == 1:
             break
@@ -177,7 +237,7 @@ def _advance(problem: Problem, asked: StepRequest, control: Control, start: Arra
         copy(control.q, control.working.pull)
         copy(control.trial, control.q)
         found, off, turn = _linearise(problem, asked, control)
-        if found < merit or lack > 0.0:
+        if found < merit or (lack > 0.0 and found < math.inf):
             gained = merit - found
             merit, easing = found, max(1e-6, FASTER * easing)
             met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
@@ -224,7 +284,7 @@ def _least_gap(problem: Problem, control: Control, q: Array, ahead: float) -> fl
     return least
 
 
-def _look_at(problem: Problem, control: Control, q: Array) -> tuple[int, float, float]:
+def look_at(problem: Problem, control: Control, q: Array) -> tuple[int, float, float]:
     """Verdict about a configuration, and its clearance and self-clearance."""
     copy(q, control.q)
     forward(control.q, control.frames)
@@ -271,7 +331,7 @@ def _prove(problem: Problem, control: Control, start: Array, answer: Array) -> N
         _shorten(control, start, SHY * until)
         answer[STEP_FRACTION] = SHY * until
         return
-    answer[START], _, _ = _look_at(problem, control, start)
+    answer[START], _, _ = look_at(problem, control, start)
     if answer[START] == CLEAR:  # it stays where it is
         copy(start, control.trial)
         answer[STEP_FRACTION] = 0.0
@@ -279,7 +339,7 @@ def _prove(problem: Problem, control: Control, start: Array, answer: Array) -> N
         answer[PROVED], answer[STEP_FRACTION] = 0.0, _leave_contact(problem, control, start)
 
 
-def _report(control: Control, count: int, answer: Array) -> None:
+def report(control: Control, count: int, answer: Array) -> None:
     """Write the active constraints."""
     at, working, active = CONFIGURATION + 3 * control.q.shape[0], control.working, 0
     for a in range(count):
@@ -292,6 +352,13 @@ def _report(control: Control, count: int, answer: Array) -> None:
             at += ACTIVE_WIDTH
             active += 1
     answer[ACTIVE] = active
+
+
+def write_end(control: Control, answer: Array) -> None:
+    """Write where a step ends."""
+    for k in range(control.trial.shape[0]):
+        for i in range(3):
+            answer[CONFIGURATION + 3 * k + i] = control.trial[k, i]
 
 
 @entry
@@ -318,9 +385,9 @@ def control_step(
     begin(work.sweep.clock)
     allow(work.sweep.clock, wanted.seconds)
     copy(start, work.q)
-    _set_free(problem, work)
-    answer[ROUNDS], count = _advance(problem, wanted, work, start)
-    _report(work, count, answer)
+    set_free(problem, work)
+    answer[ROUNDS], count = advance(problem, wanted, work, start)
+    report(work, count, answer)
     _prove(problem, work, start, answer)
     copy(start, work.q)
     if wanted.kind != v.MEET_TARGETS:
@@ -330,9 +397,7 @@ def control_step(
             answer[REACHED + i], answer[REACHED + 3 + i] = turn[i], move[i]
     copy(work.trial, work.q)
     answer[MERIT], answer[POSITION_ERROR], answer[ANGLE_ERROR] = _linearise(problem, wanted, work)
-    verdict, clearance, own = _look_at(problem, work, work.trial)
+    verdict, clearance, own = look_at(problem, work, work.trial)
     answer[CLEARANCE] = clearance if verdict == CLEAR else -math.inf
     answer[SELF_CLEARANCE] = own if verdict == CLEAR else -math.inf
-    for k in range(n):
-        for i in range(3):
-            answer[CONFIGURATION + 3 * k + i] = work.trial[k, i]
+    write_end(work, answer)

@@ -39,6 +39,7 @@ from sinuous.kernels.certificate.sweep import (
     WHEN,
     sweep_size,
 )
+from sinuous.kernels.packing import robot_parts
 from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Primitive
@@ -489,8 +490,7 @@ class Prover:
 
     def _prove_piece(self, piece: StepPiece, slack: float, seconds: float, times: Floats | None) -> Floats:
         """Prove the way linear in the coordinates of arcs (2, N, 3) for a body that is thicker by `piece.aside`."""
-        count = piece.arcs.shape[1]
-        rows = self._group[k.ROBOT_HEADER : k.ROBOT_HEADER + count * k.SEGMENT_WIDTH].reshape(count, -1)
+        rows = robot_parts(self._group).segments
         rows[:, k.MAX_LENGTH] = np.maximum(rows[:, k.MAX_LENGTH], piece.arcs[..., 2].max(axis=0))
         for column in (k.RADIUS, k.SELF_RADIUS):
             rows[:, column] += piece.aside

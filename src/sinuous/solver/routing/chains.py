@@ -30,7 +30,8 @@ from sinuous.base.checks import Floats
 from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
-from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, POSE_WIDTH, UNIT
+from sinuous.kernels.packing import robot_parts
+from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, UNIT
 from sinuous.model.poses import least_rotation
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along
@@ -259,7 +260,7 @@ def find_terminal_poses(groups: Groups, route: Floats) -> Floats:
     """
     robot, scene, _, targets = groups
     tips = targets[np.isin(targets[:, t.TARGET_SEGMENT], (-1.0, robot[0] - 1.0))]
-    tool = robot[-t.POSE_WIDTH :]
+    tool = robot_parts(robot).tool
     tangent = None if len(tips) != 1 or tips[0, t.HAS_POSITION] == 0.0 else _arrival(tips[0], tool, route)
     if tangent is None:
         return np.empty((0, t.POSE_WIDTH))
@@ -465,8 +466,8 @@ class JoinedChains:
 
     def _ahead(self, width: int, open_from: float = math.inf) -> GrownChains:
         """Chains from the base."""
-        base = self._groups[0][None, -2 * POSE_WIDTH : -POSE_WIDTH]
-        return GrownChains(self._groups, self._legs, base.copy(), width, self._deadline(), open_from)
+        base = robot_parts(self._groups[0]).base[None].copy()
+        return GrownChains(self._groups, self._legs, base, width, self._deadline(), open_from)
 
     def _behind(self, other: Groups, width: int, open_from: float = math.inf) -> GrownChains:
         """Chains from the target."""

@@ -33,6 +33,7 @@ from sinuous.kernels.growing.beam import (
 from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.growing.turning import turn_round
+from sinuous.kernels.packing import robot_parts
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
@@ -50,8 +51,6 @@ from sinuous.kernels.tables import (
     QUERY_STRAIGHT_MAX,
     QUERY_STRAIGHT_MIN,
     QUERY_WIDTH,
-    ROBOT_HEADER,
-    SEGMENT_WIDTH,
     TARGET_POSITION,
     TARGET_SEGMENT,
     Outcome,
@@ -87,14 +86,13 @@ def reverse_problem(groups: Groups, terminal_pose: Floats) -> Groups:
     has to keep them.
     """
     robot, scene, settings, targets = groups
-    n = int(robot[0])
+    n, parts = int(robot[0]), robot_parts(robot)
     at_tip = np.isin(targets[:, t.TARGET_SEGMENT], (-1.0, n - 1.0))
     tip, intermediate = targets[at_tip][0], targets[~at_tip]
-    rows = robot[t.ROBOT_HEADER : t.ROBOT_HEADER + t.SEGMENT_WIDTH * n].reshape(n, t.SEGMENT_WIDTH)
-    base = robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH]
+    base, segments = parts.base, parts.segments[::-1]
     against = base[: t.POSE_POSITION].reshape(3, 3) @ FLIP
-    header = [robot[0], 0.0, robot[2]]
-    other = np.concatenate([header, _to_all_sides(rows[::-1]).ravel(), terminal_pose, np.eye(3).ravel(), np.zeros(3)])
+    segments = _to_all_sides(segments)
+    other = parts._replace(segments=segments, actuators=NO_ACTUATORS, base=terminal_pose, tool=NO_TOOL).group()
     row = np.zeros((1, t.TARGET_WIDTH))
     row[0, t.TARGET_SEGMENT], row[0, t.HAS_POSITION] = -1.0, 1.0
     row[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] = base[t.POSE_POSITION :]
@@ -116,7 +114,7 @@ def reverse_problem(groups: Groups, terminal_pose: Floats) -> Groups:
 def problem_from_pose(groups: Groups, terminal_pose: Floats) -> Groups:
     """Return the same problem for a robot that begins with the pose `terminal_pose` (12,)."""
     robot = groups[0].copy()
-    robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH] = terminal_pose
+    robot_parts(robot).base[:] = terminal_pose
     return (robot, *groups[1:])
 
 
@@ -130,12 +128,11 @@ def reverse_chain(groups: Groups, other: Groups, chain: Floats) -> Floats:
 def join_chains(groups: Groups, head: Floats, other: Groups, tail: Floats) -> Floats:
     """Return the chain (n, 3) of one part (k, 3), and a part (n - k, 3) of the other problem, which it meets."""
     frames = np.empty((1, len(head) + 1, t.POSE_WIDTH))
-    base = groups[0][-2 * t.POSE_WIDTH : -t.POSE_WIDTH]
-    frames_of(head[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
+    frames_of(head[None].copy(), robot_parts(groups[0]).base.reshape(1, t.POSE_WIDTH).copy(), frames)
     return np.concatenate([head, reverse_chain(problem_from_pose(groups, frames[0, -1]), other, tail)])
 
 
-NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
+NO_TOOL, NO_ACTUATORS = np.append(np.eye(3).ravel(), np.zeros(3)), np.empty((0, t.ACTUATOR_WIDTH))
 """Pose (12,) of the tip without a tool."""
 
 FEWEST = 8
@@ -199,7 +196,7 @@ def problem_beyond(groups: Groups, chain: Floats) -> Groups:
     """Return the problem of what is left of a robot, from where the chain (m, 3) of its first segments ends."""
     robot, scene, settings, targets = groups
     count = len(chain)
-    segments, _, tool = _split(robot)
+    segments, tool = segments_in(robot), robot_parts(robot).tool
     own = targets[_segments(groups) >= count]
     own[:, t.TARGET_SEGMENT] = np.where(own[:, t.TARGET_SEGMENT] < 0.0, -1.0, own[:, t.TARGET_SEGMENT] - count)
     told = _scaled(settings, segments[count:])
@@ -209,7 +206,7 @@ def problem_beyond(groups: Groups, chain: Floats) -> Groups:
 
 def end_pose(groups: Groups, chain: Floats) -> Floats:
     """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
-    base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, t.POSE_WIDTH))
+    base, frames = robot_parts(groups[0]).base, np.empty((1, len(chain) + 1, t.POSE_WIDTH))
     frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     return frames[0, -1]
 
@@ -229,8 +226,7 @@ def solve_part(groups: Groups, chains: Floats, starts: int, deadline: Deadline) 
 
 def first_segments(robot: Floats, count: int) -> Floats:
     """Return the group of a robot of the first `count` segments, without a tool."""
-    _, base, _ = _split(robot)
-    return _robot(robot, 0, count, base, NO_TOOL)
+    return _robot(robot, 0, count, robot_parts(robot).base, NO_TOOL)
 
 
 def fit_first_segments(groups: Groups, count: int, line: Floats, seconds: float) -> Floats:
@@ -256,7 +252,7 @@ def fit_chain(groups: Groups, route: Floats, seconds: float) -> Floats:
 
 def backbone_of(groups: Groups, chain: Floats) -> Floats:
     """Return points (K, 3) along the backbone of a chain (n, 3), `SAMPLES` for each segment."""
-    n, base = len(chain), _split(groups[0])[1]
+    n, base = len(chain), robot_parts(groups[0]).base
     frames, points = np.empty((1, n + 1, t.POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
     frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     points_of(chain[None].copy(), frames, SAMPLES, points)
@@ -264,20 +260,13 @@ def backbone_of(groups: Groups, chain: Floats) -> Floats:
 
 
 def segments_in(robot: Floats) -> Floats:
-    """Return the rows (n, 7) of the segments of a robot, of which the group is given, see `sinuous.kernels.tables`."""
-    return _split(robot)[0]
+    """Return the rows (n, 18) of the segments of a robot, of which the group is given, see `sinuous.kernels.tables`."""
+    return robot_parts(robot).segments
 
 
 def base_position(groups: Groups) -> Floats:
     """Where the backbone begins (3,)."""
-    return _split(groups[0])[1][t.POSE_POSITION :]
-
-
-def _split(robot: Floats) -> tuple[Floats, Floats, Floats]:
-    """Rows (n, 7) of the segments of a robot, and the poses (12,) of its base and its tool."""
-    n = int(robot[0])
-    rows = robot[t.ROBOT_HEADER : t.ROBOT_HEADER + t.SEGMENT_WIDTH * n].reshape(n, t.SEGMENT_WIDTH)
-    return rows, robot[-2 * t.POSE_WIDTH : -t.POSE_WIDTH], robot[-t.POSE_WIDTH :]
+    return robot_parts(groups[0]).base[t.POSE_POSITION :]
 
 
 def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> Floats:
@@ -285,13 +274,12 @@ def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> 
 
     Limits of actuators that see others, too, are left out: the whole robot has to keep them.
     """
-    segments, _, _ = _split(robot)
-    rows = robot[t.ROBOT_HEADER + segments.size : -2 * t.POSE_WIDTH].reshape(-1, t.ACTUATOR_WIDTH)
+    parts = robot_parts(robot)
+    rows = parts.actuators
     inside = (rows[:, t.FIRST_SEGMENT] >= first) & (rows[:, t.LAST_SEGMENT] < last)
     own = rows[inside & (rows[:, t.FIRST_SEGMENT] == rows[:, t.LAST_SEGMENT])]
     own[:, [t.FIRST_SEGMENT, t.LAST_SEGMENT]] -= first
-    header = [float(last - first), float(len(own)), robot[2]]
-    return np.concatenate([header, segments[first:last].ravel(), own.ravel(), base, tool])
+    return parts._replace(segments=parts.segments[first:last], actuators=own, base=base, tool=tool).group()
 
 
 def _scaled(settings: Floats, segments: Floats) -> Floats:
@@ -439,7 +427,7 @@ class GrownChains:
         self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
         self.costs, self.scores = levels[..., COST], levels[..., SCORE]
         self._rest = np.zeros((n, 3))
-        self._rest[:, 2] = groups[0][ROBOT_HEADER:][: SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)[:, MIN_LENGTH]
+        self._rest[:, 2] = segments_in(groups[0])[:, MIN_LENGTH]
 
     @property
     def complete_count(self) -> int:

@@ -15,7 +15,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import POSE_WIDTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
+from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes import MOUTH
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
@@ -336,8 +336,8 @@ class Searches:
             self.distances(problem, line)
             self.widths_across(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
-            base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
-            GrownChains(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
+            base = packing.robot_parts(groups[0]).base[None].copy()
+            GrownChains(groups, line[None], base, FIRST_WIDTH, 1.0)
             lengthen_route(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
             next(settle_chains(groups, still[None], lambda: 1.0))
             reverse_chain(groups, groups, still)

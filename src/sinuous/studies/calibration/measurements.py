@@ -150,8 +150,8 @@ def _dropouts(given: Floats) -> NDArray[np.bool_]:
     seen = points[~lost & np.isfinite(points).all(axis=-1)]
     if not lost.any() or len(seen) < FEWEST_SEEN:
         return np.zeros_like(lost)
-    gaps, _ = cKDTree(seen).query(seen, 2)
-    away = float(np.linalg.norm(seen, axis=1).min()) > FAR_GAPS * float(np.quantile(gaps[:, 1], 0.9))
+    gaps = np.asarray(cKDTree(seen).query(seen, 2)[0])[:, 1]
+    away = float(np.linalg.norm(seen, axis=1).min()) > FAR_GAPS * float(np.quantile(gaps, 0.9))
     return lost if away else np.zeros_like(lost)
 
 

@@ -60,7 +60,8 @@ def derivatives(own: RobotModel, actuators: Floats, of_gravity: bool = False) ->
         sensitivity = bodies.sensitivity(*_beside(own, of_gravity))
     elif not own.robot.drive.coordinates.free:  # planes turn with tendons
         robots, steps = _beside(own, False)
-        moved = [(at_rest(each, actuators).q - bodies.q) / h for each, h in zip(robots, steps, strict=True)]
+        others = [each for each in (at_rest(robot, actuators) for robot in robots) if not isinstance(each, Loaded)]
+        moved = [(each.q - bodies.q) / h for each, h in zip(others, steps, strict=True)]
         sensitivity = np.stack([each.reshape(len(each), -1) for each in moved], axis=-1)
     else:
         sensitivity = _sensitivity(own, actuators, bodies.q)

@@ -33,7 +33,7 @@ from sinuous.base.checks import Floats
 from sinuous.cli.options import check_writable
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.motion.plan import Goal
-from sinuous.solver.attempts import ATTEMPTS
+from sinuous.solver.options import ATTEMPTS
 from sinuous.solver.solver import Solver
 from sinuous.solver.strategy import OPENING
 from sinuous.studies.exploring.explore import explore

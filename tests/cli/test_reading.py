@@ -40,7 +40,7 @@ def test_a_wrong_mesh_is_refused_in_one_line(run: Run) -> None:
             "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
             "sheet.obj: vertices[1]: expected 3 finite numbers, got [nan, 0.0, 0.0]",
         ),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "shell.yaml: scene[0].mesh.file: expected a mesh with at least one triangle"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "shell.yaml: scene[0].mesh.file: holds no triangles; expected a mesh with"),
         ("no mesh\n", "shell.yaml: scene[0].mesh.file: "),
     ):
         Path("sheet.obj").write_text(text)

@@ -205,9 +205,21 @@ def test_the_kind_of_a_file_may_be_demanded(job_file: Path) -> None:
         sn.load(arm, sn.Scene)
 
 
+def test_a_robot_in_a_scene_is_loaded_and_asks_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "place.yaml"
+    job = sn.Job(ROBOT, scene=[sn.Sphere((9, 9, 9), 1)], tolerance=sn.Tolerance(1e-3))
+    job.save(file)
+    again = sn.load(file, sn.Job)
+    assert again.equals(job)
+    assert "0 targets" in repr(again)
+    assert again.solver().solve(TARGET).solved
+    for verb in (again.solve, again.track, again.plan):
+        with pytest.raises(sn.InputError, match=r"place\.yaml: target: missing; expected one of target, targets, path"):
+            verb()
+
+
 def test_arguments_are_checked() -> None:
     refused("robot", lambda: sn.Job(3, TARGET))  # type: ignore[arg-type]
-    refused("target", lambda: sn.Job(ROBOT), "missing")
     refused("target", lambda: sn.Job(ROBOT, TARGET, path=[TARGET]), "cannot be combined with path")
     refused("target[1]", lambda: sn.Job(ROBOT, [TARGET, 3]))  # type: ignore[arg-type]
     refused("path[1]", lambda: sn.Job(ROBOT, path=[TARGET, 3]))  # type: ignore[list-item]

@@ -60,7 +60,7 @@ def test_a_smaller_deviation_of_the_tip_takes_more_knots(entered: sn.Motion) -> 
 
 def test_a_curve_that_is_met_half_way_is_looked_at_elsewhere() -> None:
     """Ripples as long as the steps at first: the curve crosses the way of the tip at knots, and between them."""
-    spacing = 1.0 / leader.LAID
+    spacing = 1.0 / leader.FITTED
     height = np.arange(0.0, 2.0, spacing / 16.0)
     points = np.stack([0.004 * np.sin(2.0 * np.pi * height / spacing), 0.0 * height, height], axis=1)
     curve = sn.Curve(points, start=STAGED.base[:3, 3])

@@ -110,6 +110,48 @@ def test_an_update_replaces_the_cloud() -> None:
     refused("radius", lambda: scene.update(cloud(4)), "missing")
 
 
+def test_an_update_without_points_leaves_nothing_there() -> None:
+    ball, points = Sphere((0, 0, 5), 0.5), np.random.default_rng(7).normal(size=(50, 3)) * 3.0
+    robot, target = sn.Robot.uniform(2, 1.0, 2.0, radius=0.05), sn.Target((0.4, 0.3, 1.7))
+    scene = Scene([PointCloud(cloud(1), 0.1, name="camera"), ball])
+    solver, free = sn.Solver(robot, scene), sn.solve(robot, target, [ball])
+    for nothing in (np.empty((0, 3)), np.empty(0)):
+        scene.update(cloud(2))
+        scene.update(nothing)
+        np.testing.assert_array_equal(scene.distance(points), Scene([ball]).distance(points))
+        found = solver.solve(target)
+        assert found.solved
+        np.testing.assert_array_equal(found.q, free.q)
+        assert found.clearance == free.clearance
+        assert found.verify().ok
+    scene.update(np.full((4, 3), np.nan), invalid="drop")
+    assert scene.obstacles[0].points.shape == (0, 3)  # type: ignore[attr-defined]
+    scene.update(cloud(2))
+    assert scene.obstacles[0].radii[0] == 0.1  # type: ignore[attr-defined]
+
+
+def test_an_update_leaves_out_what_is_not_finite_and_what_is_the_robot() -> None:
+    scene = Scene([PointCloud(cloud(1), 0.01, name="camera")])
+    places = cloud(2)
+    places[5] = np.nan
+    refused("points[5]", lambda: scene.update(places), "1 of 300 points are not finite")
+    scene.update(places, invalid="drop")
+    np.testing.assert_array_equal(scene.obstacles[0].points, np.delete(places, 5, axis=0))  # type: ignore[attr-defined]
+    robot = sn.Robot.uniform(2, 1.0, 2.0, radius=0.05)
+    solution = sn.solve(robot, sn.Target((0.6, 0.3, 1.5)))
+    around = robot.backbone(solution.q, 40)[:, None] + 0.05 * np.array([(1, 0, 0), (0, 1, 0), (0, 0, -1)])
+    wall = np.array([(1.5, y, 1.0) for y in np.linspace(-1, 1, 30)])
+    seen = np.concatenate([around.reshape(-1, 3), wall])
+    for shape in (solution, (robot, solution.q)):
+        scene.update(seen, ignore_robot=shape, margin=0.01)
+        np.testing.assert_array_equal(scene.obstacles[0].points, wall)  # type: ignore[attr-defined]
+        assert sn.solve(robot, sn.Target((0.6, 0.3, 1.5)), scene, initial=solution.q).solved
+    scene.update(seen)
+    assert len(scene.obstacles[0].points) == len(seen)  # type: ignore[attr-defined]
+    refused("ignore_robot", lambda: scene.update(seen, ignore_robot=solution.q), "a solution")  # type: ignore[arg-type]
+    refused("margin", lambda: scene.update(seen, margin=-1.0))
+
+
 def test_an_update_leaves_no_moment_between() -> None:
     """Readers see the old scene or the new one, never a mixture."""
     scene = Scene([PointCloud(cloud(1), 0.1), Sphere((0, 0, 0), 0.1)])

@@ -16,7 +16,6 @@ from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.progress import ProgressBar
 from sinuous.cli.options import INTERRUPTED, as_typed, check_writable
 from sinuous.files.documents import json_line
-from sinuous.files.problem_file import Setting, read_setting
 from sinuous.model.robot import Robot
 from sinuous.motion.job import Job, read_problem
 from sinuous.solver.memory import Memory
@@ -68,9 +67,9 @@ def say_notes(notes: dict[str, tuple[str, ...]]) -> None:
 
 
 @contextmanager
-def setting_of(file: str) -> Iterator[Setting]:
+def setting_of(file: str) -> Iterator[Job]:
     """Read a problem file but for its targets, and say its notes, which are not repeated as warnings within."""
-    setting = read_setting(file)
+    setting = read_problem(file, question=False)
     say_notes({file: setting.notes})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)

@@ -370,6 +370,8 @@ def _answer_all(
                         prepared, seconds = ready(one.problem)
                     found = find(prepared, one.problem, journal, bar.advance)
                     with bar.hidden():
+                        if isinstance(found, Motion) and found.notes:
+                            say_notes({one.problem.file: found.notes})
                         answers.write(one.problem.file, found, one.seconds + seconds + ahead, why)
                     ahead = 0.0
                     if isinstance(found, Motion) and found.remaining and found.status is not Status.START_BLOCKED:

@@ -1,14 +1,14 @@
-"""What a problem file says: one question about one robot; or all but its targets."""
+"""What a problem file says: a robot, what stands around it, and perhaps one question about it."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.files.documents import read_text, read_values
+from sinuous.files.documents import read_text
 from sinuous.files.nouns import (
     each,
     known_entries,
@@ -22,9 +22,8 @@ from sinuous.files.nouns import (
     targets_together,
 )
 from sinuous.model.rates import Rates
-from sinuous.model.robot import Robot, demanding
-from sinuous.problem.problem import Preferences, check_sizes
-from sinuous.problem.suspicions import suspicions
+from sinuous.model.robot import Robot
+from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target, Tolerance, target_list
 from sinuous.scene.scene import Scene
 
@@ -33,26 +32,14 @@ DEMANDS = ("clearance", "self_clearance")
 KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times", *DEMANDS)
 
 
-def problem_arguments(value: Any, file: str) -> dict[str, Any]:
-    """Return what a problem file says, as arguments of `Job`."""
+def problem_arguments(value: Any, file: str, question: bool = True) -> dict[str, Any]:
+    """Return what a problem file says, as arguments of `Job`; without its `question`, it may be a robot alone."""
     if not isinstance(value, dict):
         raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
-    entries = known_entries(value, KEYS, ["robot"])
+    alone = not question and "segments" in value and "robot" not in value
+    entries = {} if alone else known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
-    place = read_place(entries, folder)
-    return {
-        **_in_place(place, entries, folder),
-        "rates": _rates(entries),
-        "clearance": entries.get("clearance"),
-        "self_clearance": entries.get("self_clearance"),
-        "file": file,
-        **read_question(entries, place[0], folder),
-    }
-
-
-def _in_place(place: tuple[Robot, Scene], entries: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """What a file says of a robot and a scene, whatever it asks: arguments of `Job`, and of `Setting`."""
-    robot, scene = place
+    robot, scene = (read_robot(value), Scene()) if alone else read_place(entries, folder)
     start = entries.get("start")
     return {
         "robot": robot,
@@ -60,57 +47,12 @@ def _in_place(place: tuple[Robot, Scene], entries: dict[str, Any], folder: Path)
         "tolerance": made(entries, "tolerance", Tolerance),
         "start": None if start is None else read_configuration("start", start, robot, folder),
         "prefer": made(entries, "prefer", Preferences),
+        "rates": _rates(entries),
+        "clearance": entries.get("clearance"),
+        "self_clearance": entries.get("self_clearance"),
+        "file": file,
+        **(read_question(entries, robot, folder) if question else {}),
     }
-
-
-class Setting(NamedTuple):
-    """A robot in a scene, for targets that stand elsewhere.
-
-    Attributes
-    ----------
-    robot : Robot
-    scene : Scene
-    tolerance : Tolerance
-    start : ndarray (n, 3) or None
-    prefer : Preferences
-    notes : tuple of str
-        What is suspicious.
-    """
-
-    robot: Robot
-    scene: Scene
-    tolerance: Tolerance
-    start: Floats | None
-    prefer: Preferences
-    notes: tuple[str, ...]
-
-
-def read_setting(file: str | Path) -> Setting:
-    """Read a file with a robot alone, or a problem file; targets in it are not read and may be missing.
-
-    Raises
-    ------
-    InputError
-        As `read_problem`.
-    """
-    with checks.in_file(file):
-        return setting_of_values(read_values(file), Path(file).parent)
-
-
-def setting_of_values(value: Any, folder: Path) -> Setting:
-    """Make a setting of what its file says; names of files in it are relative to `folder`."""
-    if not isinstance(value, dict):
-        raise InputError("file", "", value, "a robot, or a mapping with " + ", ".join(KEYS))
-    entries: dict[str, Any] = {}
-    if "segments" in value and "robot" not in value:
-        robot, scene = read_robot(value), Scene()
-    else:
-        entries = known_entries(value, KEYS, ["robot"])
-        robot, scene = read_place(entries, folder)
-    robot = demanding(robot, *(entries.get(key) for key in DEMANDS))
-    check_sizes(robot, scene)
-    notes = (*suspicions(robot, scene.snapshot()), *robot.coordinate_notes)
-    return Setting(**_in_place((robot, scene), entries, folder), notes=notes)
 
 
 def _rates(entries: dict[str, Any]) -> Rates:

@@ -617,6 +617,22 @@ class Robot(NotebookMixin, Frozen):
         elastic = self.drive.elastic
         return elastic.rows if elastic is not None and elastic.bounded else None
 
+    def clamp(self, q: Batch) -> Floats:
+        """Return the configurations (..., n, 3) within all limits that are nearest to these.
+
+        Bends count in rad, lengths in mean lengths of a segment. Limits of tensions under load are not looked at; where
+        lengths change how much tension a bend takes, what is found is near, and within, but perhaps not the nearest.
+
+        Raises
+        ------
+        InputError
+            When none is found.
+        """
+        given = self.configuration("q", q)
+        nearest = door("answer.clamp").clamp
+        shapes = [nearest(self, one) for one in given.reshape(-1, len(self), 3)]
+        return np.array(shapes).reshape(given.shape)
+
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 

@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import cast
 
 import numpy as np
 
 from sinuous.answer.worst import Worst, find_overlap
 from sinuous.base import checks
+from sinuous.base.arguments import LimitKind
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.body.proof import CLEAR
@@ -27,6 +29,10 @@ BENT = 2.0 * np.pi
 
 SLACK = 1e-9
 """By how much a configuration may exceed limits, in mean lengths of the robot or rad: rounding."""
+
+
+NEAR = 1e-3
+"""By how much a start or a knot may exceed limits, in mean lengths of the robot or rad, and be brought within them."""
 
 
 def distances(robot: Robot, q: Floats) -> Floats:
@@ -82,16 +88,33 @@ def violated_by(robot: Robot, q: Floats) -> Worst | None:
     return Worst(limit, segment, None, amount)
 
 
-def check_limits(robot: Robot, key: str, q: Floats) -> None:
-    """Refuse a configuration (n, 3) that violates a limit.
+def settle(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, ...]]:
+    """Bring a configuration (n, 3) within limits that it violates by no more than `NEAR`, and say so.
+
+    One that is farther beyond them stays as it is; then a note says how to bring it there.
+    """
+    violated = violated_by(robot, q)
+    if violated is None:
+        return q, ()
+    if violated.amount <= NEAR * unit_of(cast(LimitKind, violated.constraint), robot.mean_length):
+        nearest = robot.clamp(q)
+        if violated_by(robot, nearest) is None:
+            return nearest, (f"{key}: {violated}; the nearest configuration within all limits stands for it",)
+    return q, (f"{key}: {violated}; robot.clamp({key}) is within all limits of shapes",)
+
+
+def check_limits(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, ...]]:
+    """The same, of a configuration that is refused where it is farther beyond.
 
     Raises
     ------
     InputError
     """
-    violated = violated_by(robot, q)
-    if violated is not None:
-        raise InputError(key, str(violated), q.tolist(), "a configuration within all limits")
+    settled, notes = settle(robot, key, q)
+    if notes and settled is q:
+        violated = str(violated_by(robot, q))
+        raise InputError(key, violated, q.tolist(), "a configuration within all limits, as robot.clamp finds them")
+    return settled, notes
 
 
 def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:

@@ -14,7 +14,7 @@ from sinuous.base.frozen import Frozen, text
 from sinuous.base.work_time import gc_paused
 from sinuous.files.documents import read_results, read_values
 from sinuous.files.nouns import known_entries, read_place, read_robot, read_scene
-from sinuous.files.problem_file import problem_arguments, read_waypoints
+from sinuous.files.problem_file import QUESTIONS, problem_arguments, read_waypoints
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot, demanding
 from sinuous.motion import report
@@ -103,9 +103,8 @@ class Job(Frozen):
     ) -> None:
         checks.instance("robot", robot, Robot, "a Robot")
         asked = [key for key, value in (("target", target), ("path", path), ("goal", goal)) if value is not None]
-        if len(asked) != 1:
-            what = f"cannot be combined with {asked[1]}" if asked else "missing"
-            raise InputError("target", what, target, "one of target, path, goal")
+        if len(asked) > 1:
+            raise InputError("target", f"cannot be combined with {asked[1]}", target, "one of target, path, goal")
         checks.instance("prefer", prefer, Preferences | None, "Preferences")
         checks.instance("rates", rates, Rates | None, "Rates")
         if rates is not None:
@@ -113,9 +112,10 @@ class Job(Frozen):
                 rates.check(robot)
         place = as_scene(scene)
         check_sizes(robot, place)
-        waypoints = () if goal is not None else read_waypoints(asked[0], [target] if path is None else path, robot)
+        targets: Any = path if path is not None else [target] if target is not None else None
+        waypoints = () if targets is None else read_waypoints(asked[0], targets, robot)
         if times is not None and path is None:
-            raise InputError("times", f"cannot be combined with {asked[0]}", times, "those of a path")
+            raise InputError("times", "there is no path", times, "those of a path")
         self._set(
             robot=demanding(robot, clearance, self_clearance),
             scene=place,
@@ -149,7 +149,7 @@ class Job(Frozen):
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
         yield f"{len(self.robot)} segments"
-        targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
+        targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{sum(map(len, self.waypoints))} targets"
         yield "a goal" if self.goal is not None else targets
         yield f"{len(self.scene)} obstacles"
 
@@ -169,8 +169,10 @@ class Job(Frozen):
         return Problem(self.robot, self.waypoints[waypoint], self.scene, self.tolerance)
 
     def _refuse(self, *kinds: str) -> None:
-        """Refuse what this asks, where it is one of these kinds of questions: those of `track` or `plan`."""
+        """Refuse what this asks, where it is nothing or one of these kinds of questions: those of `track` or `plan`."""
         file = self.file or None
+        if not self.waypoints and self.goal is None:
+            raise InputError("target", "missing", ["robot", "scene"], "one of target, targets, path, goal", file)
         if "path" in kinds and self.is_path:
             raise InputError("path", "is for track", len(self.waypoints), "target or targets", file)
         if "goal" in kinds and self.goal is not None:
@@ -204,6 +206,8 @@ class Job(Frozen):
         if self.is_path:
             path = [targets[0] if len(targets) == 1 else targets for targets in listed]
             return {"path": path} | ({} if self.times is None else {"times": plain(self.times)})
+        if not listed:
+            return {}
         return {"target": listed[0][0]} if len(listed[0]) == 1 else {"targets": listed[0]}
 
     def save(self, file: str | Path) -> None:
@@ -297,8 +301,10 @@ class Job(Frozen):
         return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
 
 
-def read_problem(file: str | Path) -> Job:
+def read_problem(file: str | Path, question: bool = True) -> Job:
     """Read a problem file, JSON when it is called so, YAML otherwise; `docs/format.md` has its keys.
+
+    Without its `question`: its target, path or goal is not read, and it may be a robot alone.
 
     Raises
     ------
@@ -307,12 +313,12 @@ def read_problem(file: str | Path) -> Job:
         expected.
     """
     with checks.in_file(file), gc_paused():  # a long path is some hundred thousand values
-        return job_of(read_values(file), str(file))
+        return job_of(read_values(file), str(file), question)
 
 
-def job_of(value: Any, file: str) -> Job:
-    """Make a job of the plain values of a problem file of this name."""
-    return Job(**problem_arguments(value, file))
+def job_of(value: Any, file: str, question: bool = True) -> Job:
+    """Make a job of the plain values of a problem file of this name; see `read_problem`."""
+    return Job(**problem_arguments(value, file, question))
 
 
 def motion_of(problem: Job, values: dict[str, Any]) -> Motion:
@@ -371,7 +377,8 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     Returns
     -------
     Job, Robot, Scene or Motion
-        A Scene when it is a list, a Robot when there are `segments`, a Motion when there is a `motion`, else a Job.
+        A Scene when it is a list, a Robot when there are `segments`, a Motion when there is a `motion`, else a Job;
+        without a target, path or goal, it asks nothing.
 
     Raises
     ------
@@ -394,4 +401,4 @@ def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
     checks.instance("file", values, dict, "a problem, a robot, a list of obstacles, or a motion")
     if "motion" in values:
         return _saved_motion(values, file)
-    return job_of(values, file)
+    return job_of(values, file, question=any(key in values for key in QUESTIONS))

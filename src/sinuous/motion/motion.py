@@ -95,11 +95,14 @@ class Motion(NotebookMixin, Frozen):
         Time of all the work, without compiling.
     method : str
     seed : int
+    notes : tuple of str
+        What was done to a start, a goal or a knot: one that is beyond a limit by no more than 1e-3 (rad, or mean
+        lengths of the robot) is brought within, see `Robot.clamp`.
 
     Raises
     ------
     InputError
-        When an argument is not what it should be, or a knot violates a limit.
+        When an argument is not what it should be, or a knot violates a limit by more.
     """
 
     robot: Robot
@@ -114,6 +117,7 @@ class Motion(NotebookMixin, Frozen):
     seconds: float
     method: str
     seed: int
+    notes: tuple[str, ...]
     _ended: Status | None
     _blocking: Worst | None
 
@@ -128,12 +132,16 @@ class Motion(NotebookMixin, Frozen):
         knots = checks.rows("q", q, len(robot), 3)
         if len(knots) < 2:
             raise InputError("q", "", q, "at least two configurations")
-        for i, knot in enumerate(knots):
-            check_limits(robot, f"q[{i}]", knot)
+        settled = [check_limits(robot, f"q[{i}]", knot) for i, knot in enumerate(knots)]
+        knots, said = (
+            read_only(np.array([knot for knot, _ in settled])),
+            [note for _, notes in settled for note in notes],
+        )
+        notes = (*said[:1], *([f"q: {len(said) - 1} more knots are brought within limits"] if len(said) > 1 else []))
         place = as_snapshot(scene)
         when = np.arange(float(len(knots))) if times is None else checks.increasing("times", times, len(knots))
         steps = prove_steps(robot, place, knots, times=when)
-        self._put_together(robot, place, knots, when, steps, Report())
+        self._put_together(robot, place, knots, when, steps, Report(notes=notes))
 
     @classmethod
     def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, found: Report) -> Self:
@@ -298,6 +306,12 @@ class Motion(NotebookMixin, Frozen):
         """Return the same motion with the waypoints of another one, at these knots."""
         found = other._report(waypoint_knots=waypoint_knots)
         return self.made(self.robot, self.scene, self.q, self.times, self.steps, found)
+
+    def with_notes(self, notes: tuple[str, ...]) -> Self:
+        """Return the same motion with other notes; itself where there are none."""
+        if not notes:
+            return self
+        return self.made(self.robot, self.scene, self.q, self.times, self.steps, self._report(notes=notes))
 
     def with_times(self, times: Floats, ended: Status | None = None) -> Self:
         """Return the same motion at other times (T,), among obstacles that stand still; perhaps ended otherwise."""

@@ -19,7 +19,7 @@ from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.methods.method import name_of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
-from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
+from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, settle, violated_by
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import Pace
 from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
@@ -89,7 +89,8 @@ def plan(
     Returns
     -------
     Motion
-        Always; look at its status. It is `start_blocked` where the start overlaps or violates a limit,
+        Always; look at its status. It is `start_blocked` where the start overlaps or violates a limit by more than
+        1e-3 (rad, or mean lengths of the robot; by less it is brought within, and `notes` say so),
         `target_blocked` where a configuration as goal overlaps (where obstacles move: when the motion ends, or what
         stands still); with a target what `solve` says of it, where it is not solved; `rate_bound` where rates allow no
         way of this duration to a configuration, or not so short a duration of the way that was found, whose times are
@@ -194,15 +195,16 @@ class Planner:
 
     def plan(self, start: Initial, goal: Goal) -> Motion:
         """Plan a motion from a start to a goal; see the function `plan`."""
-        begin, end = self._configuration("start", start), self._end(goal)
+        begin, notes = settle(self._robot, "start", self._configuration("start", start))
+        end, more = self._end(goal)
         scene = self._scene.snapshot()
         if scene.moves:
-            return self._plan_in_time(scene, begin, end)
+            return self._plan_in_time(scene, begin, end).with_notes(notes + more)
         if not isinstance(end, np.ndarray):
             _ = self._solver  # loaded now, because compiling is no planning
         deadline = Deadline(self._options.time)
         with self._workspaces.lent(scene) as work:
-            return self._plan_still(work, deadline, begin, end)
+            return self._plan_still(work, deadline, begin, end).with_notes(notes + more)
 
     def _plan_still(self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that stand still: along motions that a memory holds, or by trees."""
@@ -303,14 +305,12 @@ class Planner:
         motion = Motion.made(robot, scene, found.q, times, Steps(found.answers, robot._least_clearances), told)
         return motion if scene.moves else self._pace.kept(motion)
 
-    def _end(self, goal: Goal) -> Floats | list[Target]:
-        """The configuration (n, 3) or the targets that are meant."""
+    def _end(self, goal: Goal) -> tuple[Floats | list[Target], tuple[str, ...]]:
+        """The configuration (n, 3) or the targets that are meant, and what is to be said of them."""
         listed = isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal)
         if listed or isinstance(goal, Target) or is_place(goal):
-            return list(target_list("goal", goal, self._robot))
-        end = self._configuration("goal", cast(Initial, goal))
-        check_limits(self._robot, "goal", end)
-        return end
+            return list(target_list("goal", goal, self._robot)), ()
+        return check_limits(self._robot, "goal", self._configuration("goal", cast(Initial, goal)))
 
 
 def _of_waypoint(solution: Solution) -> Report:

@@ -35,6 +35,8 @@ class Report:
         How it ended, where solutions and steps do not say it.
     blocking : Worst or None
         The constraint that is farthest from being met then.
+    notes : tuple of str
+        As for `Motion`.
     """
 
     solutions: tuple[Solution, ...] = ()
@@ -46,6 +48,7 @@ class Report:
     seed: int = 0
     ended: Status | None = None
     blocking: Worst | None = None
+    notes: tuple[str, ...] = ()
 
 
 class MotionParts(NamedTuple):

@@ -13,7 +13,7 @@ from sinuous.base.arguments import Shortest
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
-from sinuous.motion.configurations import blocked_by
+from sinuous.motion.configurations import blocked_by, settle
 from sinuous.motion.knots import Knot, TipLine, TrackedWaypoint
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
@@ -86,12 +86,14 @@ class Tracker:
         self._walks: MemorySearch | None = None
         self._approaches = start is not None
         self.blocked: Worst | None = None
+        self._notes: tuple[str, ...] = ()
         if start is not None:
             self._begin_at(solver.configuration("start", start))
         self._done = [self._now()]
 
     def _begin_at(self, q: Floats) -> None:
         begin = 0.0 if self._timetable is None else self._timetable.begin
+        q, self._notes = settle(self._solver.robot, "start", q)
         self._knots.append(Knot(q, None, fixed=True, time=begin))
         self.blocked = blocked_by(self._solver.robot, q, self._prover, begin)
 
@@ -354,6 +356,7 @@ class Tracker:
             seed=self._solver.options.seed,
             ended=None if self.blocked is None else Status.START_BLOCKED,
             blocking=self.blocked,
+            notes=self._notes,
         )
         when = self._times(q, times) if self._timetable is None else np.array([knot.time for knot in self._knots])
         return Motion.made(robot, self._prover.scene, q, when, steps, found)

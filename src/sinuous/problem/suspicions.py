@@ -23,11 +23,13 @@ a few robot lengths in mm, beside a robot in m, are some hundred to some thousan
 ODD_FILE = 100.0
 """The same of meshes and clouds, whose files do not say their unit."""
 
-THIN = 10000.0
-"""How many times longer than its radius, or than the arm of its tendons, a robot is when these are in another unit."""
+THIN, LINE = 1e4, 5e5
+"""How many times longer than its radius, or than the arm of its tendons, a robot is when these are in another unit; one
+that is thinner still is meant as a line."""
 
-SHORT_TOOL, LONG_TOOL = 1000.0, 10.0
-"""How many times longer than its tool a robot is, or the other way round, when the tool is in another unit."""
+SHORT_TOOL, LONG_TOOL, NO_TOOL = 1000.0, 10.0, 1e5
+"""How many times longer than its tool a robot is, or the other way round, when the tool is in another unit. A tool that
+is shorter still is a small change of one, as of a difference quotient."""
 
 TIGHT, SLACK = 50.0, 300.0
 """How many times smaller, or larger, than what the largest bends need the limits of tendons are in another unit."""
@@ -76,11 +78,11 @@ def _of_lengths(robot: Robot) -> Iterator[str]:
         ("radius", [segment.radius for segment in robot.segments], 1.0),
         ("radius of the tendons", [s.tendons.radius for s in robot.segments if s.tendons is not None], 1.0),
     ):
-        odd = [radius for radius in radii if radius > most * length or 0.0 < radius * THIN < length]
+        odd = [radius for radius in radii if radius > most * length or length / LINE < radius < length / THIN]
         if odd:
             yield f"the {key} is {odd[0]:.4g}, the robot {length:.4g} long; {ask}"
     tool = float(np.linalg.norm(robot.tool[:3, 3]))
-    if tool > LONG_TOOL * length or 0.0 < tool * SHORT_TOOL < length:
+    if tool > LONG_TOOL * length or length / NO_TOOL < tool < length / SHORT_TOOL:
         yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
     for k, segment in enumerate(robot.segments, 1):
         if segment.tendons is None or segment.max_bend == 0.0:

@@ -13,6 +13,7 @@ from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.text_tables import TableFormat, decode_table, read_table
+from sinuous.scene.body_points import Belongs
 from sinuous.scene.mesh_files import load_geometry
 from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
 
@@ -69,16 +70,46 @@ class PointCloud(Obstacle):
         return "points"
 
     @property
-    def _box(self) -> Floats:
-        return box_around(self.points, self.radii[:, None])
+    def _box(self) -> Floats | None:
+        return box_around(self.points, self.radii[:, None]) if len(self.radii) else None
 
     def _content(self) -> dict[str, Any]:
         return {**super()._content(), "points": self.points}
 
     @property
     def radius(self) -> float | Floats:
-        """One radius where all balls have the same, or all of them (m,)."""
-        return self.radii if (self.radii != self.radii[0]).any() else float(self.radii[0])
+        """One radius where all balls have the same, or all of them (m,); of an empty cloud that of the one before."""
+        same = bool((self.radii == self.radii[:1]).all())
+        return float((*self.radii[:1], vars(self).get("_radius_before", 0.0))[0]) if same else self.radii
+
+    def seen_now(
+        self, points: Rows, radius: Number | Vector | None, invalid: Invalid, ignored: Belongs
+    ) -> "PointCloud":
+        """The cloud that is seen in the place of this one; it may be empty.
+
+        Parameters
+        ----------
+        points, radius, invalid
+            As of `PointCloud`; by default the radius of this cloud.
+        ignored : callable
+            From points (m, 3) and radii (m,) to whether each is left out (m,).
+        """
+        given: Any = np.asarray(points, np.float64) if isinstance(points, list | tuple) and not len(points) else points
+        own = self.radius if radius is None else radius
+        if radius is None and not isinstance(own, float):
+            raise InputError("radius", "missing", None, "one for every point: those before differ")
+        empty = isinstance(given, np.ndarray) and given.size == 0
+        if empty or (invalid == "drop" and isinstance(given, np.ndarray) and not np.isfinite(given).all(axis=-1).any()):
+            checks.choice("invalid", invalid, get_args(Invalid))
+            places, radii = np.empty((0, 3)), np.empty(0)
+        else:
+            places, radii = _valid(given, own, invalid)
+            kept = ~ignored(places, radii)
+            places, radii = places[kept], radii[kept]
+        cloud = object.__new__(PointCloud)
+        before = float(own) if isinstance(own, int | float) else 0.0
+        cloud._keep(self.name, _points=checks.closed(places), radii=checks.closed(radii), _radius_before=before)
+        return cloud
 
     @classmethod
     def load(

@@ -3,18 +3,23 @@
 import threading
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import NotebookMixin
 from sinuous.model.poses import pose
+from sinuous.scene.body_points import body_filter, nothing_of_it
 from sinuous.scene.moving import Moving, moved
 from sinuous.scene.obstacles import Obstacle, Origin
 from sinuous.scene.parts import unsampled
-from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.point_cloud import Invalid, PointCloud
 from sinuous.scene.snapshot import Snapshot, Surroundings
+
+if TYPE_CHECKING:
+    import sinuous as sn
 
 
 def entries_of(obstacles: Sequence[Obstacle], folder: Path) -> list[dict[str, Any]]:
@@ -186,11 +191,20 @@ class Scene(NotebookMixin, Surroundings):
         """
         write_document(file, self.entries(Path(file).parent))
 
-    def update(self, points: Rows, radius: Number | Vector | None = None, name: str | None = None) -> None:
+    def update(
+        self,
+        points: Rows,
+        radius: Number | Vector | None = None,
+        name: str | None = None,
+        *,
+        invalid: Invalid = "refuse",
+        ignore_robot: "sn.Solution | sn.Equilibrium | tuple[sn.Robot, Rows] | None" = None,
+        margin: Number = 0.0,
+    ) -> None:
         """Replace a point cloud by what is seen now; a `Solver` made before goes on with the new one.
 
         A solve that is under way ends with the old one, and a solution keeps the one that it was solved in. The new
-        cloud is not sampled: only its tree is built.
+        cloud is not sampled: only its tree is built. With no points nothing is there.
 
         Parameters
         ----------
@@ -199,18 +213,24 @@ class Scene(NotebookMixin, Surroundings):
             By default that of the cloud before, which must then be the same for all points.
         name : str, optional
             Of the cloud, when there are several.
+        invalid : str
+            `refuse` or `drop` points that are not finite.
+        ignore_robot : Solution, Equilibrium or (Robot, array_like (n, 3)), optional
+            The shape that the robot has: points of its body, which a camera sees, too, are left out.
+        margin : float
+            How far from that body, and its radius, points still belong to it.
 
         Raises
         ------
         InputError
             When there is no such cloud, or more than one, or the points are not what they should be.
         """
+        width = checks.number("margin", margin, low=0.0)
+        own = nothing_of_it if ignore_robot is None else body_filter(ignore_robot, width)
         with self._lock:
             before = self._snapshot
             index, old = _find_cloud(before, name)
-            if radius is None and (old.radii != old.radii[0]).any():
-                raise InputError("radius", "missing", None, "one for every point: those before differ")
-            cloud = PointCloud(points, old.radii[0] if radius is None else radius, name=old.name)
+            cloud = old.seen_now(points, radius, invalid, own)
             self._snapshot = before.replaced(index, cloud, unsampled(cloud, old))
             self._described.pop(before.name(index), None)
 

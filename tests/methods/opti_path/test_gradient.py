@@ -5,13 +5,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import RegularGridInterpolator
 
 from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Aim, Path
-from sinuous.methods.opti_path.potential import Potential
+from sinuous.methods.opti_path.potential import Potential, interpolated, sample
 from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
@@ -134,3 +135,28 @@ def test_both_gradients_are_the_attenuated_sums(chosen: OptiPath) -> None:
             wanted = body + point_forces(points, path.arcs[:, 14])
             np.testing.assert_allclose(avoid, wanted, atol=1e-4 * (1.0 + np.abs(wanted).max()))
         assert np.abs(body).max() > 1e-3
+
+
+def test_a_grid_is_linear_within_its_cells_and_its_gradient_is_the_slope() -> None:
+    rng, nodes = np.random.default_rng(0), 0.5 * np.arange(5)
+    values = rng.random((5, 5, 5))
+    field = Potential(kernel_scene(SCENE), values, (0.0, 0.0, 0.0), 0.5, 1.2, REACH, 0.05)
+    linear = RegularGridInterpolator((nodes, nodes, nodes), values)
+    for cell in rng.integers(0, 4, (60, 3)):
+        p = 0.5 * (cell + rng.uniform(0.1, 0.9, 3))
+        value, gradient = interpolated(field, vec(p))
+        slope = [(linear(p + step)[0] - linear(p - step)[0]) / 2e-3 for step in 1e-3 * np.eye(3)]
+        assert value == pytest.approx(linear(p)[0])
+        np.testing.assert_allclose(gradient, slope, atol=1e-9)
+
+
+def test_all_nodes_have_the_potential_there() -> None:
+    """Blocks of nodes that are passed over must be zero."""
+    count, spacing = 37, 0.2
+    sampled = np.concatenate([[count] * 3, [-3.6, -3.6, 0.0, spacing, 0.05], np.full(count**3, np.nan)])
+    sample(SCENE.group.copy(), sampled, (1.2, REACH), np.zeros((1, 3)), 20.0)
+    nodes = np.moveaxis(np.indices((count,) * 3), 0, -1) * spacing + [-3.6, -3.6, 0.0]
+    d = SCENE.distance(nodes.reshape(-1, 3)) - 0.05
+    wanted = np.where(d < 0.0, 1.2 * (0.5 * REACH - d), 0.6 / REACH * np.minimum(d - REACH, 0.0) ** 2)
+    np.testing.assert_allclose(sampled[8:], wanted, atol=1e-12)
+    assert np.mean(wanted > 0.0) > 0.01

@@ -8,8 +8,9 @@ from sinuous.base import checks
 from sinuous.base.errors import InputError
 from sinuous.files.documents import read_values
 from sinuous.files.nouns import known_entries
-from sinuous.files.problem_file import Setting, read_question, setting_of_values
+from sinuous.files.problem_file import read_question
 from sinuous.model.robot import Robot
+from sinuous.motion.job import Job, job_of
 from sinuous.studies.tasks.tasks import Cover, Follow, Meet, Move
 
 KEYS = ("tasks", "vary", "minimise")
@@ -23,14 +24,14 @@ class DesignFile(NamedTuple):
 
     Attributes
     ----------
-    setting : Setting
+    setting : Job
         The template, and the obstacles.
     tasks : dict of str to Task
     vary : dict
     minimise : list of str or str
     """
 
-    setting: Setting
+    setting: Job
     tasks: dict[str, Any]
     vary: dict[str, Any]
     minimise: Any
@@ -49,7 +50,8 @@ def read_design(file: str | Path) -> DesignFile:
         if not isinstance(values, dict) or "tasks" not in values:
             raise InputError("tasks", "missing", values if not isinstance(values, dict) else list(values), "tasks")
         folder = Path(file).parent
-        setting = setting_of_values({key: value for key, value in values.items() if key not in KEYS}, folder)
+        place = {key: value for key, value in values.items() if key not in KEYS}
+        setting = job_of(place, str(file), question=False)
         with checks.inside("tasks"):
             tasks = _read_tasks(values["tasks"], setting.robot, folder)
         vary = values.get("vary") or {}

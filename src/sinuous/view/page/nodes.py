@@ -291,7 +291,7 @@ class Obstacles:
         colour = CHOSEN if chosen else GREY
         if isinstance(obstacle, Dotted):
             is_cloud = isinstance(obstacle, PointCloud)
-            size = 2.0 * float(obstacle.radii.min()) if isinstance(obstacle, PointCloud) else obstacle.spacing
+            size = 2.0 * float(np.min(obstacle.radius)) if isinstance(obstacle, PointCloud) else obstacle.spacing
             yield self._scene.add_point_cloud(
                 name,
                 points_of(obstacle),

@@ -12,6 +12,7 @@ Where the low and the high limit are the same, a value is held: what it leaves o
 import math
 
 from sinuous.kernels.body.rows import HARD, IDLE, Rows
+from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, mat_vec, put_vec, scale, sub, vec_mat
 from sinuous.kernels.step.limits import free_root, project_segment
 from sinuous.kernels.tables import HOME, LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
@@ -83,8 +84,12 @@ def settle(limits: Array, actuation: Array, q: Array) -> None:
 
     Alternating projections (von Neumann); nothing where no limit has one value.
     """
-    if not has_equalities(actuation):
-        return
+    if has_equalities(actuation):
+        _settle(limits, actuation, q)
+
+
+@apart
+def _settle(limits: Array, actuation: Array, q: Array) -> None:
     for _ in range(SETTLINGS):
         there = level(limits, actuation, q)
         for k in range(q.shape[0]):
@@ -168,8 +173,12 @@ def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple
 
 def bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
     """Turn the row of every limit that leaves one value into one that moves to it."""
-    if not has_equalities(actuation):
-        return
+    if has_equalities(actuation):
+        _bind_equalities(actuation, q, rows)
+
+
+@apart
+def _bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
     j, total = 0, ZERO
     for k in range(q.shape[0]):
         own = get_vec(q, k, 0)

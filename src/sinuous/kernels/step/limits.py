@@ -7,6 +7,7 @@ of a bend (rad) and of a length in which motion is measured (0: that coordinate 
 
 import math
 
+from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, get_vec, put_mat, put_vec
 from sinuous.kernels.tables import (
     BEND_SCALE,
@@ -84,15 +85,21 @@ def project_segment(limits: Array, k: int, ux: float, uy: float, length: float) 
     """Bring one segment within its limits; what is within them already stays as it is."""
     length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
     if bends_in_plane(limits, k):
-        low, high = plane_range(limits, k, length)
-        x, y = plane_bend(limits, k, min(max(in_plane(limits, k, ux, uy), low), high))
-        return x, y, length
+        return _project_in_plane(limits, k, ux, uy, length)
     cap = bend_cap(limits, k, length)
     bend = bend_of(ux, uy)
     if bend > cap:
         shrink = cap / bend
         return ux * shrink, uy * shrink, length
     return ux, uy, length
+
+
+@apart
+def _project_in_plane(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
+    """The same for a bend in one plane, at a length within its limits."""
+    low, high = plane_range(limits, k, length)
+    x, y = plane_bend(limits, k, min(max(in_plane(limits, k, ux, uy), low), high))
+    return x, y, length
 
 
 def move(limits: Array, q: Array, step: Array, out: Array) -> None:
@@ -104,17 +111,27 @@ def move(limits: Array, q: Array, step: Array, out: Array) -> None:
 def release(limits: Array, root: Array, mean: Array, bound: Array) -> None:
     """Let every segment move in all its coordinates, and wish for no motion across a plane."""
     for k in range(limits.shape[0]):
-        put_mat(root, k, 0, free_root(limits, k))
+        bend, stretch = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
+        put_mat(root, k, 0, ((bend, 0.0, 0.0), (0.0, bend, 0.0), (0.0, 0.0, stretch)))
         bound[k] = 0
         if bends_in_plane(limits, k):
-            x, y = possible_bend(limits, k, mean[k, 0], mean[k, 1])
-            put_vec(mean, k, 0, (x, y, mean[k, 2]))
+            _release_in_plane(limits, root, mean, k)
+
+
+@apart
+def _release_in_plane(limits: Array, root: Array, mean: Array, k: int) -> None:
+    put_mat(root, k, 0, free_root(limits, k))
+    x, y = _along_plane(limits, k, mean[k, 0], mean[k, 1])
+    put_vec(mean, k, 0, (x, y, mean[k, 2]))
 
 
 def possible_bend(limits: Array, k: int, ux: float, uy: float) -> tuple[float, float]:
     """What of the motion of a bend segment `k` can do, or of a gradient by its bend, what can change it."""
-    if not bends_in_plane(limits, k):
-        return ux, uy
+    return _along_plane(limits, k, ux, uy) if bends_in_plane(limits, k) else (ux, uy)
+
+
+@apart
+def _along_plane(limits: Array, k: int, ux: float, uy: float) -> tuple[float, float]:
     z = in_plane(limits, k, ux, uy) if limits[k, BEND_SCALE] > 0.0 else 0.0
     return z * limits[k, PLANE], z * limits[k, PLANE + 1]
 
@@ -128,29 +145,42 @@ def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: 
     """
     count = 0
     for k in range(q.shape[0]):
+        if bends_in_plane(limits, k):
+            count += _bind_in_plane(limits, q, k, step, root, mean, bound)
+            continue
         aim = (q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2])
         length = min(max(aim[2], limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
         now = bound[k]
         if abs(aim[2] - length) > 1e-12 * (1.0 + length):
             now |= 1
-        if bends_in_plane(limits, k):
-            z, (low, high) = in_plane(limits, k, aim[0], aim[1]), plane_range(limits, k, length)
-            if limits[k, BEND_SCALE] > 0.0 and (z < low - 1e-12 or z > high + 1e-12):
-                now |= 2
-        elif bend_of(aim[0], aim[1]) > bend_cap(limits, k, length) + 1e-12:
+        if bend_of(aim[0], aim[1]) > bend_cap(limits, k, length) + 1e-12:
             now |= 2
         if now != bound[k]:
             bound[k] = now
-            if bends_in_plane(limits, k):
-                _bind_in_plane(limits, q, k, aim, root, mean, now)
-            else:
-                _bind_one(limits, q, k, aim, root, mean, now)
+            _bind_one(limits, q, k, aim, root, mean, now)
             count += 1
     return count
 
 
-def _bind_in_plane(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Array, bound: int) -> None:
+@apart
+def _bind_in_plane(limits: Array, q: Array, k: int, step: Array, root: Array, mean: Array, bound: Array) -> int:
     """The same for a segment that bends in one plane: the limits are a polygon in the bend along it and the length."""
+    aim = (q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2])
+    length = min(max(aim[2], limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
+    now = bound[k]
+    if abs(aim[2] - length) > 1e-12 * (1.0 + length):
+        now |= 1
+    z, (low, high) = in_plane(limits, k, aim[0], aim[1]), plane_range(limits, k, length)
+    if limits[k, BEND_SCALE] > 0.0 and (z < low - 1e-12 or z > high + 1e-12):
+        now |= 2
+    if now == bound[k]:
+        return 0
+    bound[k] = now
+    _slide_in_plane(limits, q, k, aim, root, mean, now)
+    return 1
+
+
+def _slide_in_plane(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Array, bound: int) -> None:
     scale, stretch, length = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE], aim[2]
     px, py = limits[k, PLANE], limits[k, PLANE + 1]
     rise = mean[k, 2]

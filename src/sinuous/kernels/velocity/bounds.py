@@ -10,6 +10,7 @@ the place where a step leaves one, found when it does (`worst_cut`); what curvat
 import math
 from collections import namedtuple
 
+from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import ZERO, Array, dot, get_mat, get_vec, mat_vec, scale, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import (
@@ -196,6 +197,7 @@ def _side(within: Limits, k: int, side: float, excess: float, slope: float, left
     return Cut(excess / size, weights, int(kind == v.ACCELERATION_LIMIT), kind)
 
 
+@apart
 def _plane_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
     """The bound of the bend of segment `k`, which bends in one plane, that the step from `q` leaves the most."""
     limits, rates, start, worst = within.limits, within.rates[k], within.start, NO_CUT
@@ -284,6 +286,7 @@ def _put_within(problem: Problem, asked: StepRequest, control: Control, start: A
         q[k, 0], q[k, 1], q[k, 2] = x0 + t * (q[k, 0] - x0), y0 + t * (q[k, 1] - y0), l0 + t * (q[k, 2] - l0)
 
 
+@apart
 def _put_in_plane(limits: Array, rates: Array, q: Array, start: Array, k: int) -> None:
     """The same for the bend of a segment in its plane; across it, it stays as it began."""
     if limits[k, BEND_SCALE] == 0.0:
@@ -337,22 +340,26 @@ def _level(limits: Array, asked: StepRequest, control: Control) -> None:
     """
     own = 3 * control.q.shape[0]
     for j in range(asked.actuators.shape[0]):
-        if not _held_value(asked, j, own):
+        if _held_value(asked, j, own):
+            _level_one(limits, asked, control, j, own)
+
+
+@apart
+def _level_one(limits: Array, asked: StepRequest, control: Control, j: int, own: int) -> None:
+    gap, spread = asked.actuators[j, own + v.LOWEST] - _value_of(asked.actuators[j], control.trial), 0.0
+    for k in range(control.q.shape[0]):
+        if _has_room(limits, control.trial, k):
+            seen = vec_mat(get_vec(asked.actuators, j, 3 * k), get_mat(control.root, k, 0))
+            spread += dot(seen, seen)
+    if spread == 0.0 or abs(gap) > LEVEL * math.sqrt(spread):
+        return
+    for k in range(control.q.shape[0]):
+        if not _has_room(limits, control.trial, k):
             continue
-        gap, spread = asked.actuators[j, own + v.LOWEST] - _value_of(asked.actuators[j], control.trial), 0.0
-        for k in range(control.q.shape[0]):
-            if _has_room(limits, control.trial, k):
-                seen = vec_mat(get_vec(asked.actuators, j, 3 * k), get_mat(control.root, k, 0))
-                spread += dot(seen, seen)
-        if spread == 0.0 or abs(gap) > LEVEL * math.sqrt(spread):
-            continue
-        for k in range(control.q.shape[0]):
-            if not _has_room(limits, control.trial, k):
-                continue
-            root = get_mat(control.root, k, 0)
-            move = mat_vec(root, vec_mat(get_vec(asked.actuators, j, 3 * k), root))
-            for i in range(3):
-                control.trial[k, i] += gap / spread * move[i]
+        root = get_mat(control.root, k, 0)
+        move = mat_vec(root, vec_mat(get_vec(asked.actuators, j, 3 * k), root))
+        for i in range(3):
+            control.trial[k, i] += gap / spread * move[i]
 
 
 def _share_of_actuators(asked: StepRequest, control: Control, start: Array) -> float:

@@ -5,7 +5,7 @@ import math
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose
 from sinuous.kernels.growing.guide import Guide
-from sinuous.kernels.maths.vectors import Mat, Vec, get_vec, mat_mat, mat_vec, norm, sub, transpose, vec_mat
+from sinuous.kernels.maths.vectors import Array, Mat, Vec, get_vec, mat_mat, mat_vec, norm, sub, transpose, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap, bends_in_plane, plane_bend, plane_range, project_segment
 from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, RADIUS
@@ -94,6 +94,13 @@ def count_of(problem: Problem, k: int) -> int:
     return STRAIGHT_LENGTHS if lengths > 1 else 1
 
 
+def _straightest(limits: Array, k: int, length: float) -> Vec:
+    """The arc of segment `k` with this length that bends the least."""
+    if bends_in_plane(limits, k):
+        return project_segment(limits, k, 0.0, 0.0, length)
+    return 0.0, 0.0, length
+
+
 def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, fraction: float) -> Vec:
     """Arc number `which[1]` of segment `which[0]` beyond `start`: its bends (rad) and its length.
 
@@ -103,7 +110,7 @@ def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], 
     limits, (k, number) = problem.limits, which
     low, high = limits[k, MIN_LENGTH], limits[k, MAX_LENGTH]
     if limits[k, BEND_SCALE] == 0.0:
-        return project_segment(limits, k, 0.0, 0.0, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0))
+        return _straightest(limits, k, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0))
     lengths = _lengths_of(problem, k)
     if number < lengths * (AIMS + 1):
         aim, variant = number // lengths, number % lengths
@@ -111,7 +118,7 @@ def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], 
             fraction = LENGTH_INSET if variant == 1 else 1.0 - LENGTH_INSET
         length = low + fraction * (high - low)
         if aim == AIMS:
-            return project_segment(limits, k, 0.0, 0.0, length)
+            return _straightest(limits, k, length)
         x, y = aimed(start, _aim(guide, start, aim, seen, length), length)
         return project_segment(limits, k, x, y, length)
     number -= lengths * (AIMS + 1)

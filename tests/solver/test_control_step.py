@@ -224,6 +224,32 @@ def test_a_start_in_contact_is_left_and_said_plainly() -> None:
     assert step.clearance is not None
 
 
+def test_no_place_moves_much_farther_than_is_asked_beside_what_is_touched() -> None:
+    robot, random = ROBOT.changed(self_collision="allow"), np.random.default_rng(3)
+    asked, begun = 0.2, 0
+    for _ in range(200):
+        q = random.normal(0.0, 0.6, (N, 3))
+        q[:, 2] = random.uniform(46.0, 69.0, N)
+        points = robot.backbone(q)
+        away = random.normal(0.0, 1.0, 3)
+        place = points[random.integers(2 * len(points) // 3, len(points))]
+        ball = sn.Sphere(place + 14.0 * away / np.linalg.norm(away), 10.0)
+        deep = -sn.check(robot, q, [ball]).clearance
+        if robot.violations(q) or deep > 0.1:
+            continue
+        begun += 1
+        solver, velocity = sn.Solver(robot, [ball]), random.normal(0.0, 1.0, 3)
+        velocity *= asked / np.linalg.norm(velocity)
+        for step in (solver.step(q, velocity, 1.0), solver.step(q, target=robot.tip(q)[:3, 3] + velocity, dt=1.0)):
+            moved = np.linalg.norm(robot.backbone(step.q) - points, axis=1).max()
+            assert moved <= 100.0 * (asked + max(0.0, deep) + 0.01)
+            assert not step.touching or moved <= 10.0 * (asked + max(0.0, deep) + 0.01)
+        rates = sn.Rates(bend=10.0, length=1000.0)
+        fast = solver.step(q, velocity, 1.0, rates=rates)
+        assert np.abs(fast.q - q).max() <= 1000.0
+    assert begun > 10
+
+
 def test_the_body_does_not_run_into_itself() -> None:
     robot = sn.Robot.uniform(4, 60.0, max_bend=2.6, radius=6)
     ik, q = sn.Solver(robot), np.array([[1.2, 0.0, 60.0], [1.3, 0.0, 60.0], [1.2, 0.05, 60.0], [1.1, 0.0, 60.0]])

@@ -229,3 +229,16 @@ def test_a_step_from_a_tension_beyond_its_limit_is_not_proved_and_leads_back() -
     step = sn.Solver(robot).step(q, target=sn.Target((0.0, 0.0, 0.3)), dt=DT, rates=sn.Rates(bend=1.0))
     assert not step.proved
     assert float(np.nanmax(Rest(robot, step.q).pulls)) <= before
+
+
+def test_what_is_reached_within_changes_keeps_tensions() -> None:
+    lax, q = pulled(1e3), np.array([[0.3, 0.1, 0.1], [-0.2, 0.3, 0.1], [0.1, 0.2, 0.1]])
+    most = 1.02 * float(np.nanmax(Rest(lax, q).pulls))
+    robot, target = pulled(most), sn.Target(lax.shape(q * [2.5, 2.5, 1.0]).tip[:3, 3])
+    found = sn.Solver(robot).solve(target, initial=q, within=Changes(bend=0.4))
+    free = sn.Solver(lax).solve(target, initial=q, within=Changes(bend=0.4))
+    assert float(np.nanmax(Rest(lax, free.q).pulls)) > most, "no limit is in the way"
+    way = Way(Rest(robot, q), Rest(robot, found.q))
+    assert max(float(np.nanmax(way.rest(share).pulls)) for share in (0.25, 0.5, 0.75, 1.0)) <= most * (1.0 + 1e-6)
+    assert np.abs(found.q - q).max() > 0.01
+    assert sn.Motion(robot, [q, found.q]).solved

@@ -488,9 +488,11 @@ class Solver:
 
         The damped least-squares step within limits, rates, obstacles and the body itself, for the scene as it is now.
         It is the exact one of the Jacobian, by the least motion, but near singular shapes, where nothing moves by more
-        than 100 times the motion that is asked for (rad, and mean lengths of the robot). Limits and rates are kept to
-        the last digit. The motion from `q`, linear in q, is proved clear, or is as long as that is proved; only a start
-        that is in contact already goes on without a proof, and then no gap becomes smaller.
+        than 100 times the motion that is asked for (rad, and mean lengths of the robot). Without rates no place of the
+        body moves farther than 100 times what is asked for, the motion of the tip and what is missing of a clearance;
+        from contact, no farther than 10 times. Limits, those of tensions too, and rates are kept to the last digit. The
+        motion from `q`, linear in q, is proved clear, or is as long as that is proved; only a start that is in contact
+        already goes on without a proof, and then no gap becomes smaller.
 
         Parameters
         ----------

@@ -89,6 +89,10 @@ SHY = 0.9
 CONTACT_HALVINGS = 4
 """How often a step is halved that does not lead out of a contact."""
 
+CONTACT_GAIN = 10.0
+"""How far a place of the body may move in a step that begins in contact, as a multiple of what is asked for, without
+rates; other steps: `GAIN`."""
+
 DAMPING, FASTER, SLOWER = 0.01, 0.3, 10.0
 """Damping towards a target as a share of its residual, squared; how it changes after a step that was better or not."""
 
@@ -206,6 +210,31 @@ def _keep_tensions(
     return count
 
 
+def _is_rated(problem: Problem, asked: StepRequest) -> bool:
+    """Whether rates limit all that can move."""
+    for k in range(problem.limits.shape[0]):
+        rates = asked.rates[k]
+        bend = min(rates[v.BEND_CHANGE], rates[v.BEND_SECOND])
+        stretch = min(rates[v.LENGTH_CHANGE], rates[v.LENGTH_SECOND])
+        if problem.limits[k, BEND_SCALE] > 0.0 and bend == math.inf:
+            return False
+        if problem.limits[k, LENGTH_SCALE] > 0.0 and stretch == math.inf:
+            return False
+    return True
+
+
+def _limit_travel(problem: Problem, asked: StepRequest, control: Control, wanted: float, lack: float) -> None:
+    """Shorten a step that moves a place of the body farther than is asked for, or lacking of a gap, times a factor."""
+    if _is_rated(problem, asked):
+        return
+    touches = lack >= max(asked.wish, problem.margin) - FINEST_PROOF * problem.unit
+    most, travel = (CONTACT_GAIN if touches else GAIN) * wanted, measure_travel(control, control.body)
+    if travel > most:
+        for k in range(control.q.shape[0]):
+            for i in range(3):
+                control.trial[k, i] = control.q[k, i] + most / travel * (control.trial[k, i] - control.q[k, i])
+
+
 def advance(problem: Problem, asked: StepRequest, control: Control, start: Array) -> tuple[int, int]:
     """Go on from `control.q`, step by step; `control.trial` is where it ends.
 
@@ -229,6 +258,7 @@ def advance(problem: Problem, asked: StepRequest, control: Control, start: Array
         count = _keep_tensions(problem, asked, control, control.body, start, bounds, mu, most, count)
         rounds += 1
         if asked.rounds == 1:
+            _limit_travel(problem, asked, control, problem.unit * math.sqrt(merit) + lack, lack)
             break
         # The step is kept where it lowers the residual; else it is tried again with more damping.
         for k in range(control.q.shape[0]):

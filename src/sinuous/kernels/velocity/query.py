@@ -37,6 +37,7 @@ from sinuous.kernels.step.limits import free_root
 from sinuous.kernels.step.newton import FINEST_PROOF, PROOF_SLACK, SAMPLED_PROOF_SLACK, add_targets
 from sinuous.kernels.step.states import State
 from sinuous.kernels.step.targets import X, Y, Z, end_pose, put_row
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING, constrained_step
 from sinuous.kernels.velocity.body import (

@@ -58,6 +58,9 @@ KNOWN = {
         "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
         "real",
     ),
+    "inputs": Known(
+        "files of points and meshes in every dialect, whole and broken: right, refused, or noted", "inputs"
+    ),
     "view": Known("pages: from an event of the mouse to a new shape, and pages in files", "view"),
     "worlds": Known(
         "100,000 small worlds with doors, each known to be possible: false claims that are rare", "clutter", "worlds"

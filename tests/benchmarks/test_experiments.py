@@ -37,6 +37,7 @@ SMALL = {
     "real": ("rod-tpu",),
     "derivatives": ("agreement free",),
     "view": ("files",),
+    "inputs": ("obj", "npy"),
     "table1": ("A", "C"),
     "tracking": ("10 spheres",),
     "segments": (),

@@ -166,6 +166,11 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
     twist = (0.1, 0.0, 0.05, 0.0, 0.1, 0.0)
     yield "a tick", lambda: solver.step(solution.q, twist, 0.01)
     yield "a tick towards a target", lambda: solver.step(solution.q, target=sn.Target((1, 0.05, 2)), dt=0.01)
+    pulled = sn.Tendons(3, 0.05, stiffness=500.0, tension=(0.0, 60.0))
+    hanging = sn.Robot.uniform(
+        2, 1.0, radius=0.05, tendons=pulled, stiffness=20.0, mass=0.2, arcs=2, gravity=(0, 0, -9.8)
+    )
+    yield "a tick under load", lambda: sn.Solver(hanging, ball).step([[0.3, 0.2, 1.0]] * 2, twist, 0.01)
     ends = solution, sn.Target((0.6, 0.4, 2.2))
     yield "a motion", lambda: sn.track(robot, sn.Target.each(np.array([[1, 0, 2], [1, 0.1, 2]])), ball)
     yield "a plan", lambda: sn.plan(robot, *ends, ball)

@@ -255,6 +255,7 @@ def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         "truncated: its header says 9",
     )
     refused("file", load("cut.ply", b"ply\nformat binary_little_endian 1.0\n" + bytes(range(200))))
+    refused("file", load("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1"), "cannot be read")
     refused("file", load("points.obj", b"v 0 0 0\nv 1 0 0\n"), "at least one triangle")
     refused_each("scale", [*NOT_NUMBERS, 0.0, -1.0], lambda value: load("a.obj", b"", value)())
     with pytest.raises(TypeError, match="scale"):

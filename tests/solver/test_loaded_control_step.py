@@ -192,6 +192,19 @@ def test_a_step_does_not_depend_on_the_steps_before() -> None:
         q = warm.q
 
 
+def test_a_scene_that_changes_is_seen_as_it_is() -> None:
+    robot = arm()
+    far, tip = np.array([0.0, 0.5, 0.0]), robot.shape(Q).tip[:3, 3]
+    scene = sn.Scene([sn.Sphere(far, 0.01, name="ball")])
+    solver, twist = sn.Solver(robot, scene), np.array([0.3, 0.0, 0.0])
+    first = solver.step(Q, twist, DT)
+    scene.move("ball", position=tip + np.array([0.016, 0.0, 0.0]) - far)
+    step, alone = solver.step(Q, twist, DT), sn.Solver(robot, scene).step(Q, twist, DT)
+    assert first.status == "reached"
+    assert [each.constraint for each in step.active] == ["clearance"]
+    assert step.q.tolist() == alone.q.tolist()
+
+
 def pulled(most: float, arcs: int = 3) -> sn.Robot:
     tendons = sn.Tendons(3, 0.004, stiffness=300.0, tension=(0.0, most))
     segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons, stiffness=sn.Stiffness(0.01), mass=0.05)
@@ -229,3 +242,16 @@ def test_a_step_from_a_tension_beyond_its_limit_is_not_proved_and_leads_back() -
     step = sn.Solver(robot).step(q, target=sn.Target((0.0, 0.0, 0.3)), dt=DT, rates=sn.Rates(bend=1.0))
     assert not step.proved
     assert float(np.nanmax(Rest(robot, step.q).pulls)) <= before
+
+
+def test_what_is_reached_within_changes_keeps_tensions() -> None:
+    lax, q = pulled(1e3), np.array([[0.3, 0.1, 0.1], [-0.2, 0.3, 0.1], [0.1, 0.2, 0.1]])
+    most = 1.02 * float(np.nanmax(Rest(lax, q).pulls))
+    robot, target = pulled(most), sn.Target(lax.shape(q * [2.5, 2.5, 1.0]).tip[:3, 3])
+    found = sn.Solver(robot).solve(target, initial=q, within=Changes(bend=0.4))
+    free = sn.Solver(lax).solve(target, initial=q, within=Changes(bend=0.4))
+    assert float(np.nanmax(Rest(lax, free.q).pulls)) > most, "no limit is in the way"
+    way = Way(Rest(robot, q), Rest(robot, found.q))
+    assert max(float(np.nanmax(way.rest(share).pulls)) for share in (0.25, 0.5, 0.75, 1.0)) <= most * (1.0 + 1e-6)
+    assert np.abs(found.q - q).max() > 0.01
+    assert sn.Motion(robot, [q, found.q]).solved

@@ -39,8 +39,8 @@ class Active(ShortRepr):
     Attributes
     ----------
     constraint : str
-        `length`, `bend`, `curvature`, `actuator` (limits), `clearance`, `self_clearance`, `length_rate`, `bend_rate`,
-        `actuator_rate` or `acceleration`.
+        `length`, `bend`, `curvature`, `actuator` (limits, those of tensions too), `clearance`, `self_clearance`,
+        `length_rate`, `bend_rate`, `actuator_rate` or `acceleration`.
     segment : int or None
         1 = first.
     obstacle : str or None
@@ -192,7 +192,10 @@ class Step:
 
     @property
     def proved(self) -> bool:
-        """Whether the motion from `initial` to `q`, linear in q, is proved clear of obstacles and of the body."""
+        """Whether the motion from `initial` to `q`, linear in q, is proved clear of obstacles and of the body.
+
+        Under load it is the loaded body that is clear, and every tension is within its limits all the way.
+        """
         return bool(self._answer[t.PROVED])
 
     @property

@@ -35,12 +35,17 @@ NUMBERS = {
 }
 """A finite decimal number, by its decimal sign: `1e-3` is one; `0x10`, `1_000` and `1:30` are not."""
 
+WHOLE, FRACTION = re.compile(r"[-+]?[0-9]+"), re.compile(r"[0-9]+([eE][-+]?[0-9]+)?")
+"""What stands before and behind a decimal comma."""
+
 WHITE, SPACED_COMMA = r"\s+", r",\s+"
 WAYS = ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."), (SPACED_COMMA, ","), (WHITE, "."), (WHITE, ","))
 """Ways to read a row: a separator and a decimal sign."""
 
 UNITS = {"m", "mm", "cm", "um", "µm", "km", "in", "inch", "ft", "rad", "deg", "degrees", "°", "s", "ms", "n", "nm"}
 """What may stand for the unit of a column in a line of its own below the names."""
+
+AXES = {"x", "y", "z"}
 
 AXIS = re.compile(
     r"(?:pos(?:ition)?[._ ]?|points?[:_.]|coord(?:inate)?s?[._ ]?|field\.)?([xyz012])"
@@ -191,7 +196,19 @@ def read_table(text: str) -> tuple[TableFormat, list[tuple[int, str]]]:
     """
     lines = text.splitlines()
     filled = list(filled_lines(lines))
-    return tell_format(list(_uncounted(filled)), _comments_before(lines, filled))
+    table, rows = tell_format(list(_uncounted(filled)), _comments_before(lines, filled))
+    if not text.endswith(("\n", "\r")) and _is_cut(table, rows):
+        number, line = rows[-1]
+        warn_of(
+            [f"line {number} is the last, ends without a new line and in fewer digits, {line!r}: the table may be cut"]
+        )
+    return table, rows
+
+
+def _is_cut(table: TableFormat, rows: list[tuple[int, str]]) -> bool:
+    """Whether the last cell has fewer digits than all before it in its column."""
+    cells = [table.cells(line)[-1] for _, line in rows[-SAMPLED:]]
+    return len(cells) > FEWEST and len(cells[-1].lstrip("+-")) < min(len(cell.lstrip("+-")) for cell in cells[:-1])
 
 
 def tell_format(rows: list[tuple[int, str]], comments: Sequence[str] = ()) -> tuple[TableFormat, list[tuple[int, str]]]:
@@ -228,20 +245,23 @@ def tell_format(rows: list[tuple[int, str]], comments: Sequence[str] = ()) -> tu
         return way._replace(names=names, units=units or own), body
     for comment in comments:
         said = _names_of(comment, way.width)
-        if said is not None and {"x", "y", "z"} <= set(map(axis_of, said[0])):
+        if said is not None and set(map(axis_of, said[0])) >= AXES:
             return way._replace(names=said[0], units=said[1]), body
+        half = _names_of(comment, way.width // 2) if way.separator == "," else None
+        if half is not None and set(map(axis_of, half[0])) >= AXES:
+            problem = f"has {way.width} cells; commas may be separators or decimal signs"
+            raise InputError(f"line {body[0][0]}", problem, sample[0], f"as many as names before it: {comment}")
     _refuse_decimal_commas(way, sample, body[0][0])
     return way, body
 
 
 def _refuse_decimal_commas(way: TableFormat, sample: list[str], number: int) -> None:
-    """Refuse whole numbers between commas, twice as many as can be meant: `0,63,149,34,153,20`."""
-    cells = [cell for line in sample for cell in way.cells(line)]
-    if (
-        way.separator == ","
-        and way.width % 2 == 0
-        and way.width >= 2 * 3
-        and all(c.lstrip("+-").isdigit() for c in cells)
+    """Refuse cells between commas each two of which may be one number with a decimal comma: `0,63,149,34,1,2e3`."""
+    if way.separator != "," or way.width % 2 or way.width < 2 * len("xyz"):
+        return
+    rows = [cells for line in sample if len(cells := way.cells(line)) == way.width]
+    if all(WHOLE.fullmatch(cell) for row in rows for cell in row[::2]) and all(
+        FRACTION.fullmatch(cell) for row in rows for cell in row[1::2]
     ):
         problem = "commas may be separators or decimal signs"
         raise InputError(f"line {number}", problem, sample[0], "names of the columns in the first line, or columns=")

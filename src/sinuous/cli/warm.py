@@ -97,10 +97,11 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
         WarmStep("classes of routes", RouteCurves(ROBOT, FAR.snapshot()).load),
         WarmStep("motions", _motions),
         WarmStep("plans", _plans),
-        WarmStep("control loops", _loops),
+        WarmStep("control loops", partial(_loops, ROBOT)),
         WarmStep("derivatives", partial(_derivatives, None)),
         WarmStep("derivatives among obstacles", partial(_derivatives, FAR)),
         WarmStep("shapes under load", _shapes_under_load),
+        WarmStep("control loops under load", partial(_loops, HEAVY)),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
@@ -122,8 +123,8 @@ def _plans() -> None:
     load_memory_search(ROBOT, FAR.snapshot())
 
 
-def _loops() -> None:
-    Solver._of_checked(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
+def _loops(robot: Robot) -> None:
+    Solver._of_checked(robot, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(robot), (0.0,) * 6, 1.0)
 
 
 def _derivatives(scene: Scene | None) -> None:

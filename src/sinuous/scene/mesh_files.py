@@ -44,7 +44,7 @@ def read_mesh(file: Path) -> tuple[Floats, Integers, list[str]]:
     content = None
     if file.suffix.lower() == ".stl":
         content, notes = _check_stl(file)
-    triangles = [body for body in load_geometry(file, content).dump() if len(getattr(body, "faces", ())) > 0]
+    triangles = [body for body in load_geometry(file, content) if len(getattr(body, "faces", ())) > 0]
     if not triangles:
         raise InputError("file", "holds no triangles", str(file), "a mesh with at least one triangle")
     counts = np.cumsum([0, *(len(body.vertices) for body in triangles)])
@@ -53,8 +53,8 @@ def read_mesh(file: Path) -> tuple[Floats, Integers, list[str]]:
     return vertices, np.concatenate(faces), notes
 
 
-def load_geometry(file: Path, content: bytes | None = None) -> Any:
-    """Return what trimesh reads from a file (or from this content of it), a scene of geometries, untouched.
+def load_geometry(file: Path, content: bytes | None = None) -> list[Any]:
+    """Return the geometries that trimesh reads from a file (or from this content of it), placed as in its scene.
 
     Raises
     ------
@@ -65,7 +65,8 @@ def load_geometry(file: Path, content: bytes | None = None) -> Any:
     given: Any = file if content is None else io.BytesIO(content)
     kind = {} if content is None else {"file_type": file.suffix.lower()[1:]}
     try:
-        return trimesh.load_scene(given, process=False, maintain_order=True, skip_materials=True, **kind)
+        scene = trimesh.load_scene(given, process=False, maintain_order=True, skip_materials=True, **kind)
+        return list(scene.dump())
     except Exception as error:  # whatever a reader trips over, from a KeyError to a struct.error
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         if getattr(error, "name", None) == "charset_normalizer":  # trimesh would guess which text a broken file is

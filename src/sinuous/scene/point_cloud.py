@@ -364,7 +364,7 @@ def read_points(file: Path, columns: Columns | None = None) -> NDArray[Any]:
 
 
 def _ply(file: Path) -> NDArray[Any]:
-    bodies = load_geometry(file).dump()
+    bodies = load_geometry(file)
     return np.concatenate([np.zeros((0, 3)), *(np.asarray(body.vertices, np.float64) for body in bodies)])
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
+from sinuous.base.work_time import work_time
 from sinuous.kernels import packing
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF
@@ -37,8 +38,12 @@ SAMPLES = 8
 SHY = 0.9
 """How much of what is proved is gone, where the rest is not."""
 
-SHORTENINGS, HALVINGS = 6, 4
+SHORTENINGS, HALVINGS = 8, 4
 """How often a way is shortened until all of it is proved; and how often, until it does not lead into a contact."""
+
+
+CREEPS = 0.1, 0.01
+"""Shares of a way that are tried where a first sixty-fourth of it cannot be proved: shorter ones bend less."""
 
 
 class KnownShape(NamedTuple):
@@ -72,9 +77,13 @@ class LoadedControlStep:
         group = packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
         self._groups = group, robot_group(longest_body(robot)), scene._kernel_group, settings_group(robot, tolerance)
         self._stretches = stretches_allowed(robot)
+        self._limited = bool(np.isfinite(self._stretches).any())
         self._tables = own.sections, self._stretches, own.carried, own.line_table.copy(), own.slopes
         self._follow = lines_that_follow(robot, np.zeros((len(robot), 3))) if robot.drive.elastic is None else None
         self._bounded, self._last = bounded(robot), KnownShape(*[np.empty(0)] * 4)
+        self._space, self._sizes = np.empty(0), (0,) * 5
+        self._end = 0.0
+        self._asked: tuple[RateLimits | None, float, Floats] = None, 0.0, np.empty(0)
         self.lines = tuple(robot.actuators[i] for i in own.lines.actuators)
 
     def __call__(
@@ -82,6 +91,7 @@ class LoadedControlStep:
     ) -> Floats:
         """Return the answer of a step (see `kernels.velocity.query`), with room for so many constraints."""
         answer = np.zeros(t.CONFIGURATION + start.size + t.ACTIVE_WIDTH * room)
+        self._end = work_time() + asked.seconds
         begin = self._known(start)
         if begin is None:
             return self._stay(answer, start)
@@ -91,9 +101,15 @@ class LoadedControlStep:
         answer[t.CONFIGURATION : t.CONFIGURATION + q.size] = q.ravel()
         return answer
 
+    def move_into(self, scene: Snapshot) -> None:
+        """Go on among the obstacles of another scene."""
+        if scene is not self.scene:
+            robot, arcs, _, settings = self._groups
+            self.scene, self._groups = scene, (robot, arcs, scene._kernel_group, settings)
+
     def _known(self, q: Floats) -> KnownShape | None:
         """The body at rest at a drive (n, 3): where the last step ended, or found anew; `None` where there is none."""
-        if np.array_equal(self._last.q, q):
+        if self._last.q.tobytes() == q.tobytes():
             return self._last
         rest = Rest(self._robot, q)
         return None if rest.states is None else KnownShape(q, rest.tables.lines[:, s.LINE_VALUE].copy(), *rest.found)
@@ -107,8 +123,12 @@ class LoadedControlStep:
         return answer
 
     def _workspace(self, asked: StepQuery, actuators: int) -> Floats:
+        """Scratch that is kept: memory that is new takes longer than the arithmetic."""
         sizes = len(self._robot), len(self._own.owners), len(self.scene), len(asked.targets), actuators
-        return np.empty(kernel.loaded_size(*sizes, len(self._own.line_table), self._own.slopes))
+        if sizes != self._sizes:
+            self._sizes = sizes
+            self._space = np.empty(kernel.loaded_size(*sizes, len(self._own.line_table), self._own.slopes))
+        return self._space
 
     def _advance(
         self,
@@ -121,10 +141,11 @@ class LoadedControlStep:
     ) -> tuple[Floats, Floats]:
         """Where it goes (n, 3), and how the tool turns and moves with the drive (6, 3 n)."""
         robot, arcs, scene, settings = self._groups
-        group = np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
-        count = len(limits.actuators)
+        if self._asked[:2] != (limits, dt):
+            self._asked = limits, dt, np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
+            limits.write(self._asked[2][a.HEADER :], dt)
+        group, count = self._asked[2], len(limits.actuators)
         group[: a.HEADER] = asked.kind, *asked.motion, asked.rounds, asked.wish, asked.seconds, count, 0, 0
-        limits.write(group[a.HEADER :], dt)
         if velocity is not None:
             limits.write_before(group[a.HEADER :], dt, velocity)
         follow = lines_that_follow(self._robot, begin.q) if self._follow is None else self._follow
@@ -142,24 +163,27 @@ class LoadedControlStep:
             lines = lengths_of_lines(self._own, drive.displacements(q) + drive.stretch(q))
         both, held, states, tensions = (np.array([known, np.zeros_like(known)]) for known in begin)
         both[1] = q
-        groups, space = (robot, arcs.copy(), scene, settings, asked.targets), self._workspace(asked, 0)
-        way = both, held, states, tensions
-        kernel.certify_step(*groups, *self._tables, lines, *way, asked.seconds, space, answer)
-        self._last = KnownShape(both[1], held[1], states[1], tensions[1])
+        groups, way = (robot, arcs, scene, settings, asked.targets), (both, held, states, tensions)
+        left = max(0.0, self._end - work_time())
+        kernel.certify_step(*groups, *self._tables, lines, *way, left, self._space, answer)
+        if answer[t.START] != kernel.NO_BODY:
+            self._last = KnownShape(both[1], held[1], states[1], tensions[1])
 
     def _prove(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats) -> Floats:
         """Prove the way to `q`, which is shortened until all of it is proved; returns where it ends."""
         start, end, share = begin.q, q, 1.0
-        for _ in range(SHORTENINGS):
+        for tried in range(SHORTENINGS):
             self._certify(answer, asked, begin, end)
-            verdict, until = answer[[t.START, t.STEP_FRACTION]].tolist()
+            verdict, until = float(answer[t.START]), float(answer[t.STEP_FRACTION])
             if not self._bounded and verdict != kernel.NO_BODY:
                 verdict, until = self._sample(answer, start, end)
             if verdict in (CLEAR, SAMPLED):
                 proved = verdict == CLEAR and self._excess(begin.tensions) == 0.0
-                answer[[t.PROVED, t.STEP_FRACTION, t.START]] = proved, share, CLEAR
+                answer[t.PROVED], answer[t.STEP_FRACTION], answer[t.START] = proved, share, CLEAR
                 return end
             shorter = SHY * until if until > 0.0 else 0.5 * (verdict == kernel.NO_BODY)
+            if verdict == kernel.TENSE and self._follow is None and tried < HALVINGS:
+                shorter = max(shorter, 0.5)  # lines stretch as the end says, so a shorter way is another one
             if shorter == 0.0:
                 break
             end, share = start + shorter * (end - start), shorter * share
@@ -171,8 +195,7 @@ class LoadedControlStep:
         self._certify(answer, asked, begin, start)
         found = answer[t.START]
         if found == CLEAR and excess == 0.0:
-            answer[[t.PROVED, t.STEP_FRACTION]] = 1.0, 0.0
-            return start.copy()
+            return self._creep(answer, asked, begin, q)
         gap, share = self._gap(start), 1.0
         for _ in range(HALVINGS):
             end = start + share * (q - start)
@@ -187,6 +210,16 @@ class LoadedControlStep:
         answer[[t.PROVED, t.STEP_FRACTION, t.START]] = 0.0, share, CLEAR if found == kernel.TENSE else found
         return end
 
+    def _creep(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats) -> Floats:
+        """Go a little of a way whose first piece was too long for a proof, or stay where it is clear."""
+        for share in (*(CREEPS if self._bounded else ()), 0.0):
+            end = begin.q + share * (q - begin.q)
+            self._certify(answer, asked, begin, end)
+            if answer[t.START] == CLEAR:
+                break
+        answer[t.PROVED], answer[t.STEP_FRACTION], answer[t.START] = 1.0, share, CLEAR
+        return end
+
     def _sample(self, answer: Floats, start: Floats, q: Floats) -> tuple[float, float]:
         """Verdict about a way that nothing bounds, and until when it is proved."""
         proof = Prover(self._robot, self.scene).prove(np.stack([start, q]), 1.0)[0]
@@ -196,6 +229,8 @@ class LoadedControlStep:
 
     def _excess(self, tensions: Floats) -> float:
         """By how much lines (t,) are stretched beyond their limits, at worst."""
+        if not self._limited:
+            return 0.0
         stretches, rounding = tensions * self._own.lines.compliance, kernel.TENSION_ROUNDING * self._robot.mean_length
         outside = np.maximum(self._stretches[:, 0] - stretches, stretches - self._stretches[:, 1])
         worst = float(outside.max(initial=-math.inf))

@@ -40,15 +40,16 @@ PARTS = 4
 """Parts of the way between whose ends the gradient of the energy is evaluated."""
 
 POWER_STEPS = 8
-"""Steps of the power method that foretells the least eigenvalue."""
+"""Steps of the power method that foretells the least eigenvalue, where that is wanted closely; else a quarter."""
 
-FIRST_CUT = 0.001
-"""By how much less than foretold the bound of the least eigenvalue is tried first, as a share; then by twice as much,
-and so on."""
+COARSE, CLOSE = 0.4, 0.005
+"""How closely the least eigenvalue is found, as a share of what is foretold: for a first bound, and for a tight one."""
 
-CUT_ACCURACY, PIVOT_ROUNDING = 0.005, 1e-6
-"""How closely that is found, as a share of what is foretold; and what is taken off, as pivots count as positive from a
-little below 0 on."""
+FIRST_CUT = 0.2
+"""By how much less than foretold it is tried first, as a share of that; then by twice as much, and so on."""
+
+PIVOT_ROUNDING = 1e-6
+"""What is taken off, as pivots count as positive from a little below 0 on."""
 
 BALLS = 4
 """Radii of the ball that are tried."""
@@ -144,7 +145,7 @@ def measure_departure(
     for j in range(12):
         space.frames[0, j] = base[0, j]
     own, _ = carve_departure(rest, sections, carried, lines, bow, x.shape[1])
-    depart(own, Way(q, held, x, tensions), space, answer)
+    depart(own, Way(q, held, x, tensions), space, CLOSE, answer)
     for i in range(lines.shape[0]):
         stretches[i] = answer[OFF] * own.sizes[i]
 
@@ -170,8 +171,8 @@ def lay_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
 
 
 @shared
-def depart(own: Departure, way: Way, space: Workspace, answer: Array) -> None:
-    """Fill `answer` (3,) and `own.sizes`; see `measure_departure`."""
+def depart(own: Departure, way: Way, space: Workspace, accuracy: float, answer: Array) -> None:
+    """Fill `answer` (3,) and `own.sizes`; see `measure_departure`. `accuracy`: see `COARSE`."""
     N = own.x.shape[0]
     answer[ASIDE] = answer[TURN] = answer[OFF] = math.inf
     lay_between(own, way, 1.0, own.arcs[N : 2 * N])
@@ -188,7 +189,7 @@ def depart(own: Departure, way: Way, space: Workspace, answer: Array) -> None:
     evaluate_state(own.x, own.tensions, _body(own), 1.0, False, space)
     seen = max(seen, _residual(own, space))
     left = seen + (_elastic(own) + _pull(own)) / (8.0 * PARTS * PARTS) + _slackening(own, way) + _aside(own)
-    least = _least_eigenvalue(own, space)
+    least = _least_eigenvalue(own, space, accuracy)
     for i in range(BALLS if least > 0.0 else 0):
         growth = 1.25 if i == 0 else 1.6 if i == 1 else 2.5 if i == 2 else 4.0
         radius = growth * left / least
@@ -391,15 +392,17 @@ def _slackening(own: Departure, way: Way) -> float:
     return total
 
 
-def _least_eigenvalue(own: Departure, space: Workspace) -> float:
+def _least_eigenvalue(own: Departure, space: Workspace, accuracy: float) -> float:
     """A number that no eigenvalue of the second derivative half-way is below, relative to the stiffness of the arcs.
 
     At most 1, and 0 where none is known. The state was just evaluated.
     """
-    foretold = min(1.0, _power(own.arcs[2 * own.x.shape[0] :], space))
+    steps = POWER_STEPS if accuracy == CLOSE else POWER_STEPS // 4
+    foretold = min(1.0, _power(own.arcs[2 * own.x.shape[0] :], steps, space))
     assemble(own.x, _body(own).arcs, own.lines, own.tensions, 1.0, space.frames, space.stages, space.slopes)
-    bad, good, less, taken = 0.0, 1.0, FIRST_CUT, 0.0
-    while good - bad > CUT_ACCURACY and less < 1.0:
+    bad, good, taken = 0.0, 1.0, 0.0
+    less = FIRST_CUT * accuracy if accuracy == CLOSE else accuracy
+    while good - bad > accuracy and less < 1.0:
         sure = _is_stiffer(own, (1.0 - less) * foretold - taken, space)
         taken = (1.0 - less) * foretold
         bad, good = (bad, less) if sure else (less, good)
@@ -420,13 +423,13 @@ def _is_stiffer(own: Departure, more: float, space: Workspace) -> bool:
     return bool(negative == 0)
 
 
-def _power(arcs: Array, space: Workspace) -> float:
+def _power(arcs: Array, steps: int, space: Workspace) -> float:
     """The least eigenvalue, about: the power method with the inverse of what was just factorised."""
     u, size, found = space.step, 0.0, 1.0
     for k in range(u.shape[0]):
         for j in range(4):
             u[k, j] = 1.0 if j < 2 else 0.3
-    for step in range(POWER_STEPS + 1):
+    for step in range(steps + 1):
         total = 0.0
         for k in range(u.shape[0]):
             for j in range(4):
@@ -437,7 +440,7 @@ def _power(arcs: Array, space: Workspace) -> float:
         if not size > 0.0:
             return 1.0
         found = found if step == 0 else 1.0 / size
-        if step == POWER_STEPS:
+        if step == steps:
             break
         for k in range(u.shape[0]):
             for j in range(4):

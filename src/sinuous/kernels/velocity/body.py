@@ -302,7 +302,8 @@ def _add_tension(problem: Problem, control: Control, own: RestingBody, i: int, a
     value = compliance * own.tensions[i]
     least, most = min(own.stretches[i, 0] * (1.0 + TENSION_INSET), own.began[i]), _greatest(own, i) - own.tighter[i]
     row[width + v.LOW], row[width + v.HIGH] = (least - value) / size + ACTUATOR_INSET, (most - value) / size
-    row[width + v.WISHED_LOW], row[width + v.WISHED_HIGH] = -math.inf, math.inf
+    wished = own.stretches[i, 1] * (1.0 - TENSION_INSET)  # no proof begins nearer to a limit
+    row[width + v.WISHED_LOW], row[width + v.WISHED_HIGH] = -math.inf, (wished - value) / size
     row[width + v.KIND_LOW] = row[width + v.KIND_HIGH] = v.ACTUATOR_LIMIT
     row[width + v.GAP], row[width + v.BOUND_SEGMENT], row[width + v.BOUND_OTHER] = math.inf, -1.0, actuators + i
     return 1

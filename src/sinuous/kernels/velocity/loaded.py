@@ -29,6 +29,8 @@ from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.departure import (
     ASIDE,
+    CLOSE,
+    COARSE,
     DEPARTURE_WIDTH,
     OFF,
     Departure,
@@ -353,13 +355,6 @@ def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: 
     answer[k.SELF_CLEARANCE] = itself if verdict == CLEAR else -math.inf
 
 
-def _exceeds(problem: Problem, own: RestingBody, stretch: float, more: float, i: int) -> bool:
-    """Whether the stretch of line i, and `more` or less, may be outside its limits: no more than at the beginning."""
-    rounding = TENSION_ROUNDING * problem.unit
-    least, most = min(own.stretches[i, 0], own.began[i]), max(own.stretches[i, 1], own.began[i])
-    return bool(stretch - more < least - rounding or stretch + more > most + rounding)
-
-
 @shared
 def _certify_way(problem: Problem, own: RestingBody, way: Way, seen: Array, buffer: Array) -> tuple[float, float]:
     """Verdict about a way between two shapes, and until when everything is proved; fills `seen` (2, 6)."""
@@ -433,21 +428,45 @@ def _find_middle(own: RestingBody, piece: Way, departure: Departure) -> bool:
 def _certify_piece(
     problem: Problem, own: RestingBody, piece: Way, scratch: Proof, shares: tuple[float, float], seen: Array
 ) -> tuple[float, float]:
-    """Verdict about a piece of a way, and until when of it everything is proved; adds to what was `seen`."""
-    found, arcs, departure = own.record[:DEPARTURE_WIDTH], own.arcs, scratch.departure
-    depart(departure, piece, own.space, found)
-    aside, off = found[ASIDE], found[OFF]
-    if aside == math.inf:
-        return float(UNDECIDED), 0.0
+    """Verdict about a piece of a way, and until when of it everything is proved; adds to what was `seen`.
+
+    By a bound that is quickly found, and by a tight one where that does not suffice.
+    """
+    verdict, until = float(UNDECIDED), 0.0
+    for accuracy in (COARSE, CLOSE):
+        depart(scratch.departure, piece, own.space, accuracy, own.record[:DEPARTURE_WIDTH])
+        aside, off = own.record[ASIDE], own.record[OFF]
+        if aside < math.inf:
+            verdict, until = TENSE, 0.0
+            if _keeps_tensions(problem, own, piece, scratch.departure, off):
+                verdict, until = _certify_thicker(problem, own, piece, scratch, aside)
+                if verdict == CLEAR or accuracy == CLOSE:
+                    _join(own, scratch.seen, shares, seen)
+        if verdict == CLEAR:
+            break
+    return verdict, until
+
+
+def _keeps_tensions(problem: Problem, own: RestingBody, piece: Way, departure: Departure, off: float) -> bool:
+    """Whether all tensions are within their limits on a piece of the way, no more beyond them than at the beginning."""
+    rounding = TENSION_ROUNDING * problem.unit
     for i in range(own.tensions.shape[0]):
-        more = off * departure.sizes[i]
+        more = off * departure.sizes[i] - rounding
+        least, most = min(own.stretches[i, 0], own.began[i]), max(own.stretches[i, 1], own.began[i])
         for end in range(2):
             stretch = stretch_of(own.body.lines, i, piece.held[end, i], piece.tensions[end, i], piece.x[end])
-            if _exceeds(problem, own, stretch, more, i):
-                return TENSE, 0.0
+            if stretch - more < least or stretch + more > most:
+                return False
+    return True
+
+
+def _certify_thicker(
+    problem: Problem, own: RestingBody, piece: Way, scratch: Proof, aside: float
+) -> tuple[float, float]:
+    """Verdict about the way linear in arcs, for a body that is thicker by so much, and until when it is clear."""
+    limits, arcs = scratch.limits, own.arcs
     unroll(piece.x[0], arcs.q)
     unroll(piece.x[1], arcs.trial)
-    limits = scratch.limits
     copy(own.problem.limits, limits)
     for j in range(limits.shape[0]):
         limits[j, MAX_LENGTH] = max(limits[j, MAX_LENGTH], arcs.q[j, 2], arcs.trial[j, 2])
@@ -455,7 +474,6 @@ def _certify_piece(
     aim = Accuracy(1.0, FINEST_PROOF * problem.unit, 0.0, problem.mount, True)
     motion = Motion(limits, arcs.q, arcs.trial, problem.scene, own.problem.avoids_itself, arcs.sweep.still)
     verdict, until = certify(motion, arcs.sweep, aim, scratch.seen)
-    _join(own, scratch.seen, shares, seen)
     return float(verdict), until
 
 

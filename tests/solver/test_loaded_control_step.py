@@ -192,6 +192,19 @@ def test_a_step_does_not_depend_on_the_steps_before() -> None:
         q = warm.q
 
 
+def test_a_scene_that_changes_is_seen_as_it_is() -> None:
+    robot = arm()
+    far, tip = np.array([0.0, 0.5, 0.0]), robot.shape(Q).tip[:3, 3]
+    scene = sn.Scene([sn.Sphere(far, 0.01, name="ball")])
+    solver, twist = sn.Solver(robot, scene), np.array([0.3, 0.0, 0.0])
+    first = solver.step(Q, twist, DT)
+    scene.move("ball", position=tip + np.array([0.016, 0.0, 0.0]) - far)
+    step, alone = solver.step(Q, twist, DT), sn.Solver(robot, scene).step(Q, twist, DT)
+    assert first.status == "reached"
+    assert [each.constraint for each in step.active] == ["clearance"]
+    assert step.q.tolist() == alone.q.tolist()
+
+
 def pulled(most: float, arcs: int = 3) -> sn.Robot:
     tendons = sn.Tendons(3, 0.004, stiffness=300.0, tension=(0.0, most))
     segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons, stiffness=sn.Stiffness(0.01), mass=0.05)

@@ -35,7 +35,10 @@ FROM_NOTHING = 0.1
 COUPLED = "actuators.limits"
 """What the problem file calls limits of the robot's `Actuators`; all others are limits of segments."""
 
-OF_ANY_SIGN = ("tendons.displacement", "tendons.limits", "chambers.limits", COUPLED)
+HELD = ("plane", "locked")
+"""What holds a bend whatever its limits are."""
+
+OF_ANY_SIGN = ("max_bend", "tendons.displacement", "tendons.limits", "chambers.limits", COUPLED)
 """Limits that may be negative."""
 
 Limits = float | tuple[float, float]
@@ -117,14 +120,17 @@ def widenings(robot: Robot, binding: tuple[Binding, ...]) -> list[Widening]:
 def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
     """Return the limits that a problem file calls `key`, of a segment (1 = first) or a row of `Actuators` (0 = first).
 
-    `None` where there are none; also of `radius`, which limits the curvature: it is no limit that could be wider.
+    `None` where there are none; also of `radius`, which limits the curvature, of a plane, and of segments that are
+    locked: there is no limit that could be wider.
     """
     if key == COUPLED:
         return _linear(robot).limits[place]
     group, _, name = key.rpartition(".")
     segment = robot.segments[place - 1]
     owner = getattr(segment, group) if group else segment
-    return None if owner is None or key in OF_THICKNESS else getattr(owner, name)
+    if owner is None or key in OF_THICKNESS or key in HELD or segment.locked is not None:
+        return None
+    return getattr(owner, name if group else Segment._arguments.get(name, name))
 
 
 def plain(limits: Limits) -> float | list[float]:

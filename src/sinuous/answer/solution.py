@@ -491,11 +491,13 @@ class Solution(NotebookMixin):
         """Return the result as plain values, in the order of the file format."""
         shape = self.shape
         load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
+        locked = {"locked": list(notes)} if (notes := self.problem.robot.held_notes) else {}
         return {
             **result_of(self, f"status q base position_error angle_error {CLEARANCES}"),
             "uncertainty": plain(self.problem.robot.uncertainty),
             **result_of(self, "actuators tensions"),
             **load,
+            **locked,
             **result_of(self, "worst reason binding iterations starts start route_class seconds method seed"),
         }
 

@@ -45,6 +45,8 @@ WAYS = ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."), (SPACED_CO
 UNITS = {"m", "mm", "cm", "um", "µm", "km", "in", "inch", "ft", "rad", "deg", "degrees", "°", "s", "ms", "n", "nm"}
 """What may stand for the unit of a column in a line of its own below the names."""
 
+AXES = {"x", "y", "z"}
+
 AXIS = re.compile(
     r"(?:pos(?:ition)?[._ ]?|points?[:_.]|coord(?:inate)?s?[._ ]?|field\.)?([xyz012])"
     r"(?:[_ ](?:m|mm|cm|um|in|ft))?(?: coordinate)?"
@@ -243,8 +245,12 @@ def tell_format(rows: list[tuple[int, str]], comments: Sequence[str] = ()) -> tu
         return way._replace(names=names, units=units or own), body
     for comment in comments:
         said = _names_of(comment, way.width)
-        if said is not None and {"x", "y", "z"} <= set(map(axis_of, said[0])):
+        if said is not None and set(map(axis_of, said[0])) >= AXES:
             return way._replace(names=said[0], units=said[1]), body
+        half = _names_of(comment, way.width // 2) if way.separator == "," else None
+        if half is not None and set(map(axis_of, half[0])) >= AXES:
+            problem = f"has {way.width} cells; commas may be separators or decimal signs"
+            raise InputError(f"line {body[0][0]}", problem, sample[0], f"as many as names before it: {comment}")
     _refuse_decimal_commas(way, sample, body[0][0])
     return way, body
 

@@ -12,6 +12,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
+from sinuous.kernels.packing import BendLine
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
@@ -58,23 +59,21 @@ def _levers_of(segments: tuple[Segment, ...]) -> Floats:
 
 def within_limits(robot: Robot, q: Floats) -> Floats:
     """Configurations brought within the limits of segments."""
-    low, high = np.array([segment.length for segment in robot.segments]).T
-    result = q.copy()
-    result[..., 2] = np.clip(q[..., 2], low, high)
-    most = np.array([segment.max_bend if segment.length[1] > 0.0 else 0.0 for segment in robot.segments])
-    curvatures = np.array(robot.curvatures)
-    with np.errstate(invalid="ignore"):  # no limit of curvature, and no length
-        allowed = np.fmin(most, curvatures * result[..., 2])
-    bends = np.hypot(q[..., 0], q[..., 1])
-    result[..., :2] *= np.where(bends > allowed, allowed / np.where(bends > 0.0, bends, 1.0), 1.0)[..., None]
-    return result
+    return robot.drive.coordinates.project(q)
 
 
 def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
-    """Draw a configuration (n, 3) within the limits of segments, evenly over the disc of bends and over lengths."""
+    """Draw a configuration (n, 3) within the limits of segments, evenly over the disc of bends and over lengths.
+
+    In a plane bends are drawn evenly between their limits.
+    """
     low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
     angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
     drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
+    for k, line in enumerate(robot.drive.coordinates.bends):
+        if isinstance(line, BendLine):
+            share = (bend[k] / most[k]) ** 2 if most[k] > 0.0 else 0.0
+            drawn[0][k], drawn[1][k] = line.at(line.low + share * (line.high - line.low))
     return within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
 
 

@@ -141,10 +141,11 @@ class ControlLoop:
         return Step(wanted, own, answer, observed)
 
     def _loaded(self, scene: Snapshot) -> LoadedControlStep:
-        """What makes the ticks of this thread for a robot under load; that of the last scene is kept."""
+        """What makes the ticks of this thread for a robot under load."""
         kept: LoadedControlStep | None = getattr(self._local, "loaded", None)
-        if kept is None or kept.scene is not scene:
+        if kept is None:
             kept = self._local.loaded = LoadedControlStep(self._robot, scene, self._tolerance)
+        kept.move_into(scene)
         return kept
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:

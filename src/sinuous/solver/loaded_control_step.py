@@ -101,6 +101,12 @@ class LoadedControlStep:
         answer[t.CONFIGURATION : t.CONFIGURATION + q.size] = q.ravel()
         return answer
 
+    def move_into(self, scene: Snapshot) -> None:
+        """Go on among the obstacles of another scene."""
+        if scene is not self.scene:
+            robot, arcs, _, settings = self._groups
+            self.scene, self._groups = scene, (robot, arcs, scene._kernel_group, settings)
+
     def _known(self, q: Floats) -> KnownShape | None:
         """The body at rest at a drive (n, 3): where the last step ended, or found anew; `None` where there is none."""
         if self._last.q.tobytes() == q.tobytes():

@@ -29,8 +29,6 @@ class Rest:
         Whose state the search begins in.
     displacements : ndarray (m,), optional
         Of the actuators; by default those that belong to `q`.
-    known : (ndarray (N, 4), ndarray (t,)), optional
-        States and tensions, where they are known already.
 
     Attributes
     ----------
@@ -49,7 +47,6 @@ class Rest:
         q: Floats,
         before: "Rest | None" = None,
         displacements: Floats | None = None,
-        known: tuple[Floats, Floats] | None = None,
     ) -> None:
         from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
 
@@ -57,9 +54,6 @@ class Rest:
         if displacements is None and robot.drive.elastic is not None:
             self.displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
         self.tables: Tables = tables_of(robot, q, (), self.displacements)
-        if known is not None:
-            self.states, self.tensions = known
-            return
         begin = self.tables
         if before is not None and before.states is not None:
             change = self.tables.states - before.tables.states

@@ -6,7 +6,7 @@ import pytest
 from sinuous.answer.worst import compiled_clearance
 from sinuous.measures import body
 from sinuous.measures.body import body_places, segment_ends
-from sinuous.measures.place import Place
+from sinuous.measures.body_place import BodyPlace
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
@@ -32,7 +32,7 @@ def bent(rng: np.random.Generator) -> Floats:
     return np.concatenate([rng.normal(size=(3, 2)), rng.choice([0.0, 0.2, 0.4], (3, 1))], axis=1)
 
 
-def standing(q: Floats, place: Place) -> Floats:
+def standing(q: Floats, place: BodyPlace) -> Floats:
     """Where (3,) a place is said to be: at the end of a body that is cut off there."""
     assert place.segment is not None
     assert place.share is not None

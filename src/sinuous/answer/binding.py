@@ -23,7 +23,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import listed, number, segments
-from sinuous.measures.place import Place
+from sinuous.measures.body_place import BodyPlace
 from sinuous.model.actuation import Actuator
 from sinuous.model.rates import Changes
 from sinuous.problem.problem import Problem
@@ -84,7 +84,7 @@ class Binding(ShortRepr):
         Whether the body has to stay inside the obstacle.
     motor : Actuator or None
         The actuator, where value and limit are those of its motor, in its unit, and not displacements.
-    place : Place or None
+    place : BodyPlace or None
         For clearances: the place of the backbone that is nearest, or deepest.
     """
 
@@ -99,7 +99,7 @@ class Binding(ShortRepr):
     fixed: bool = False
     inside: bool = False
     motor: Actuator | None = None
-    place: Place | None = None
+    place: BodyPlace | None = None
 
     @classmethod
     def of(cls, met: Limit | Contact) -> "Binding":

@@ -18,7 +18,7 @@ from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.kernels import tables as t
-from sinuous.measures.place import Place
+from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import backbone_end, bounds
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
@@ -135,7 +135,7 @@ class Reason(ShortRepr):
         Whether the body has to stay inside the obstacle.
     clearance : float
         What is demanded of it, which is part of what is needed.
-    place : Place or None
+    place : BodyPlace or None
         For `target` and `base`: where the body needs more room.
     in_solid : bool
         For `base`: whether it lies within an obstacle that the body could have to stay inside instead.
@@ -149,7 +149,7 @@ class Reason(ShortRepr):
     longest: float | None = None
     inside: bool = False
     clearance: float = 0.0
-    place: Place | None = None
+    place: BodyPlace | None = None
     in_solid: bool = False
 
     def to_dict(self) -> dict[str, Any]:
@@ -210,7 +210,7 @@ def target_in(problem: Problem) -> Reason | None:
             inside = _is_inside(problem, room.obstacle)
             own = robot.needed_radii[last - 1], available, room.obstacle
             clearance = robot.needed_radii[last - 1] - robot.radii[last - 1]
-            there = Place.of(place, last, 1.0)
+            there = BodyPlace.of(place, last, 1.0)
             found.append(Reason("target", *own, inside=inside, clearance=clearance, place=there))
     return max(found, key=lambda reason: reason.needed - reason.available, default=None)
 
@@ -222,7 +222,7 @@ def base_in(problem: Problem) -> Reason:
     room = room_at(mouth, problem.scene)
     inside = _is_inside(problem, room.obstacle)
     needed, clearance = _thinnest(problem)
-    there = Place.of(mouth, 1, 0.0) if robot.mount == 0.0 else Place.of(mouth)
+    there = BodyPlace.of(mouth, 1, 0.0) if robot.mount == 0.0 else BodyPlace.of(mouth)
     own: dict[str, Any] = {"inside": inside, "clearance": clearance, "place": there}
     return Reason("base", needed, room.distance, room.obstacle, **own, in_solid=begun_in(problem) is not None)
 

@@ -18,7 +18,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
-from sinuous.measures.place import Place
+from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
@@ -56,7 +56,7 @@ class Contact(NamedTuple):
         Whether the body has to stay inside the obstacle.
     demanded : float
         The distance that is demanded.
-    place : Place or None
+    place : BodyPlace or None
         Of the backbone, on `segment`.
     """
 
@@ -67,7 +67,7 @@ class Contact(NamedTuple):
     other_segment: int | None = None
     inside: bool = False
     demanded: float = 0.0
-    place: Place | None = None
+    place: BodyPlace | None = None
 
 
 class _Places(NamedTuple):
@@ -100,7 +100,7 @@ def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> lis
             gradient = _gradient(robot, q, place, slopes[m])
             own = place[0] + 1, scene.name(i), float(clearances[m]), gradient
             demanded = robot.needed_radii[place[0]] - robot.radii[place[0]]
-            where = Place.of(place[2], place[0] + 1, place[1])
+            where = BodyPlace.of(place[2], place[0] + 1, place[1])
             found.append(Contact(*own, inside=scene.obstacles[i].inside, demanded=demanded, place=where))
     return sorted(found, key=lambda contact: contact.clearance)
 
@@ -190,7 +190,7 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
         ends = ((int(segments[k]), float(along[k]), points[k]) for k in (j, i))
         far, near = (_gradient(robot, q, end, away) for end in ends)
         demanded = sum(robot.self_radii[k] - robot.radii[k] for k in (int(a), int(b)))
-        where = Place.of(points[j], int(b) + 1, along[j])
+        where = BodyPlace.of(points[j], int(b) + 1, along[j])
         meeting = float(own[i, j]), far - near, int(a) + 1
         found.append(Contact(int(b) + 1, None, *meeting, demanded=demanded, place=where))
     return sorted(found, key=lambda contact: contact.clearance)
@@ -218,7 +218,7 @@ class Worst(ShortRepr):
         the limit for the others (length; rad for `bend` and `curvature`).
     other_segment : int or None
         The segment that it touches, for `self_clearance`; not beyond `segment`.
-    place : Place or None
+    place : BodyPlace or None
         Where: of clearances the place of the backbone that is deepest, of `position` and `angle` the end that misses
         its target. A limit has none.
     step : int or None
@@ -232,7 +232,7 @@ class Worst(ShortRepr):
     obstacle: str | None
     amount: float
     other_segment: int | None = None
-    place: Place | None = None
+    place: BodyPlace | None = None
     step: int | None = None
     time: float | None = None
 
@@ -252,7 +252,7 @@ class Worst(ShortRepr):
         """
         try:
             place = values.get("place")
-            return cls(**{**values, "place": None if place is None else Place.from_dict(place)})
+            return cls(**{**values, "place": None if place is None else BodyPlace.from_dict(place)})
         except (TypeError, AttributeError):
             raise InputError("worst", "", values, "a constraint that is not met") from None
 
@@ -307,7 +307,7 @@ def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:
         segment = len(robot) if target.segment is None else target.segment
         miss, twist = off - (tolerance.position or 0.0), turn - tolerance.angle
         end = ends[-1] @ robot.tool if segment == len(robot) else ends[segment]
-        place = Place.of(end[:3, 3], segment, 1.0)
+        place = BodyPlace.of(end[:3, 3], segment, 1.0)
         found.append((miss / unit, Worst("position", segment, None, miss, place=place)))
         found.append((twist, Worst("angle", segment, None, twist, place=place)))
     return max(found, key=lambda pair: pair[0])[1]
@@ -365,5 +365,5 @@ def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats, above: bool = F
     if nearest.place is None:
         return NearestObstacle(nearest.distance, None, nearest.obstacle)
     row, run = np.argwhere(free)[nearest.place]
-    place = Place.of(points[places[row, run]], int(row) + 1, run / SAMPLES)
+    place = BodyPlace.of(points[places[row, run]], int(row) + 1, run / SAMPLES)
     return NearestObstacle(nearest.distance, int(row) + 1, nearest.obstacle, place)

@@ -16,7 +16,7 @@ from sinuous.base.words import number
 
 
 @dataclass(frozen=True, repr=False)
-class Place(ShortRepr):
+class BodyPlace(ShortRepr):
     """A place of the backbone.
 
     Attributes
@@ -34,12 +34,12 @@ class Place(ShortRepr):
     share: float | None = None
 
     @classmethod
-    def of(cls, position: Floats, segment: int | None = None, share: float | None = None) -> "Place":
+    def of(cls, position: Floats, segment: int | None = None, share: float | None = None) -> "BodyPlace":
         """Make it of a position (3,), the number of a segment (1 = first), and a share of that."""
         x, y, z = np.asarray(position, np.float64).tolist()
         return cls((x, y, z), segment, None if share is None else float(share))
 
-    def on_robot(self, owners: Sequence[int], lengths: Floats) -> "Place":
+    def on_robot(self, owners: Sequence[int], lengths: Floats) -> "BodyPlace":
         """Return it by segments of the robot, where it is on a body of arcs with these owners (N) and lengths (N,)."""
         if self.segment is None or self.share is None:
             return self
@@ -54,7 +54,7 @@ class Place(ShortRepr):
         return result_of(self, "position segment share")
 
     @classmethod
-    def from_dict(cls, values: Any) -> "Place":
+    def from_dict(cls, values: Any) -> "BodyPlace":
         """Make it of plain values, as `to_dict` writes them.
 
         Raises

@@ -47,6 +47,9 @@ KNOWN = {
         "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
         "motion.experiment",
     ),
+    "limits": Known(
+        "limits of tension in control steps and motions of elastic arms, with and without load", "motion.limits"
+    ),
     "derivatives": Known(
         "derivatives of answers: what they cost, and whether differences agree with them", "derivatives.experiment"
     ),

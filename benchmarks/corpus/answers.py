@@ -43,6 +43,9 @@ CLOCKED = ("seconds", "prepare_seconds", "version")
 WORDS = ("sentence", "misses", "untried", "notes", "note", "words", "deciding")
 """Keys of what is said in words, and may be said in others."""
 
+ADDED = ("place", "step", "time", "in_solid")
+"""Keys that answers of earlier versions do not have: what these do not say is no difference."""
+
 CHANGING = re.compile(rf"/[^\s']*/tmp\w{{8}}|{re.escape(str(Path(__file__).parents[2]))}|0x[0-9a-f]+")
 """What texts hold of one run: a folder for the time being, where the repository is, an address."""
 
@@ -128,6 +131,8 @@ def differences(before: Any, after: Any, key: str = "") -> Iterator[Difference]:
     """Yield where plain values differ; NaN is equal to NaN, and 0.0 is not -0.0."""
     if isinstance(before, dict) and isinstance(after, dict):
         for name in {**before, **after}:
+            if name in ADDED and name not in before:
+                continue
             yield from differences(before.get(name), after.get(name), f"{key}.{name}" if key else name)
     elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
         for i, (one, other) in enumerate(zip(before, after, strict=True)):

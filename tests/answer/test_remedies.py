@@ -156,6 +156,50 @@ def test_a_base_in_the_floor_needs_a_mount_or_another_place() -> None:
     assert "obstacle floor" in remedies
 
 
+def prism(low: float, high: float, sides: int = 12) -> sn.Mesh:
+    """A closed tube of radius 0.4 about the z axis."""
+    angles = np.linspace(0.0, 2.0 * math.pi, sides, endpoint=False)
+    ring = 0.4 * np.column_stack([np.cos(angles), np.sin(angles)])
+    corners = [np.column_stack([ring, np.full(sides, z)]) for z in (low, high)]
+    bottom, top, faces = 2 * sides, 2 * sides + 1, []
+    for i, j in zip(range(sides), [*range(1, sides), 0], strict=True):
+        faces += [[i, j, sides + j], [i, sides + j, sides + i], [bottom, j, i], [top, sides + i, sides + j]]
+    return sn.Mesh(np.concatenate([*corners, [[0, 0, low], [0, 0, high]]]), faces, name="lumen")
+
+
+def test_a_body_that_begins_in_a_closed_lumen_is_told_to_stay_inside() -> None:
+    solution = sn.solve(BENDY, sn.Target((0.1, 0.1, 2.5)), [prism(-0.5, 4.0)])
+    assert solution.status is sn.Status.BASE_BLOCKED
+    assert "where the body belongs inside lumen, give that inside=True" in str(solution)
+    remedy = helped(solution)["inside of lumen"]
+    assert (remedy.before, remedy.after) == (False, True)
+    assert remedy.problem is not None
+    assert remedy.problem.scene.obstacles[0].inside
+    assert solution.reason is not None
+    assert solution.reason.place is not None
+    assert solution.reason.place.to_dict() == {"position": [0.0, 0.0, 0.0], "segment": 1, "share": 0.0}
+    outside = sn.solve(BENDY, sn.Target((0.1, 0.1, 2.5)), [prism(0.05, 4.0)])
+    assert outside.status is sn.Status.BASE_BLOCKED
+    assert "inside=True" not in str(outside)
+
+
+def test_an_obstacle_that_is_in_the_way_says_where_it_would_have_to_give_way() -> None:
+    solution = sn.solve(BENDY, sn.Target((0, 1.6, 1.6)), [WALL], max_starts=20)
+    remedy = helped(solution)["obstacle wall"]
+    assert "deep in it, at (" in remedy.note
+    (held,) = [each for each in solution.binding if each.obstacle == "wall"]
+    assert held.place is not None
+    assert held.place.segment == held.segment
+    assert str(held.place) in str(solution.explain(0.0))
+
+
+def test_what_was_too_short_says_how_to_give_more() -> None:
+    solution = sn.solve(BENDY, sn.Target((0, 1.6, 1.6)), [WALL], max_starts=20)
+    hurried = solution.explain(0.001)
+    assert not hurried.complete
+    assert "explain(time=1), or --why-time 1, gives it more" in str(hurried)
+
+
 def test_a_thinner_body_fits() -> None:
     """Two plates 0.3 apart: the target is between them, and a body of radius 0.2 does not fit."""
     robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.2)

@@ -69,7 +69,8 @@ def test_a_body_that_runs_through_itself_is_found_and_named() -> None:
     assert (worst.other_segment, worst.segment) == check.self_segments
     assert worst.constraint == "self_clearance"
     assert worst.amount == pytest.approx(-check.self_clearance, rel=1e-3)
-    assert str(worst) == f"segment {worst.segment} touches segment {worst.other_segment}, {worst.amount:.3g} too near"
+    whom = f"segment {worst.segment} touches segment {worst.other_segment}"
+    assert str(worst) == f"{whom}, {worst.amount:.3g} too near, {worst.place}"
 
 
 def test_it_may_run_through_itself_where_that_is_allowed() -> None:

@@ -1,5 +1,8 @@
 """The worst constraint is what is missed by most, in comparable units; contacts are found, with right gradients."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +11,7 @@ from sinuous import Box, Problem, Robot, Sphere, Target, pose
 from sinuous.answer.verification import verify
 from sinuous.answer.worst import Worst, contacts_of, find_overlap, find_worst
 from sinuous.measures.body import least_clearance, segment_ends
+from sinuous.measures.body_place import BodyPlace
 from tests.cases import with_each
 from tests.helpers import Floats, refused
 
@@ -36,6 +40,45 @@ def test_it_is_read_as_it_was_written() -> None:
     worst = Worst("clearance", 2, "ball", 0.125)
     assert Worst.from_dict(worst.to_dict()) == worst
     refused("worst", lambda: Worst.from_dict({"constraint": "clearance"}))
+    refused("worst", lambda: Worst.from_dict(None))
+    there = replace(worst, place=BodyPlace((0.1, 0.2, 0.3), 2, 0.5), step=3, time=2.5)
+    assert Worst.from_dict(json.loads(json.dumps(there.to_dict()))) == there
+    refused("place", lambda: Worst.from_dict({**worst.to_dict(), "place": {"segment": 1}}))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_places_are_where_they_say(seed: int) -> None:
+    """A body that is cut off at the share of its segment ends at the position; there the clearance is what it says."""
+    q = random_q(seed)
+    problem = asked(seed, q)
+    worst, contacts = find_overlap(CONTACTS_ROBOT, problem.scene, q), contacts_of(problem, q)
+    said = [(worst.place, -worst.amount), *((each.place, each.clearance) for each in contacts)]
+    for place, clearance in said:
+        assert place is not None
+        assert place.segment is not None
+        assert place.share is not None
+        part = q.copy()
+        part[place.segment - 1] *= place.share
+        assert place.position == pytest.approx(CONTACTS_ROBOT.forward(part)[place.segment - 1, :3, 3], abs=1e-9)
+        assert float(problem.scene.distance(place.position)) - 0.06 <= clearance + 1e-9
+    assert (worst.place.segment if worst.place else None) == worst.segment
+
+
+def test_a_place_is_said_as_people_read_it() -> None:
+    assert str(BodyPlace((1e-15, 0.25, -12.5), 2, 0.396)) == "at (0, 0.25, -12.5), 40 % along segment 2"
+    assert str(BodyPlace((0.0, 0.0, 0.0), 1, 0.0)) == "at (0, 0, 0), at the beginning of segment 1"
+    assert str(BodyPlace((1234567.0, 0.0, 3.0), 3, 1.0)) == "at (1.235e+06, 0, 0), at the end of segment 3"
+    assert str(BodyPlace((1.0, 2.0, 3.0))) == "at (1, 2, 3)"
+    mixed = Worst("clearance", 2, "ball", 0.125, place=BodyPlace((1.0, 2.0, 3.0), 2, 0.5), step=3, time=2.5)
+    said = "step 3, at time 2.5: segment 2 lacks 0.125 of clearance from ball, at (1, 2, 3), 50 % along segment 2"
+    assert str(mixed) == said
+
+
+def test_of_a_body_of_arcs_a_place_is_on_the_segment_that_they_are_of() -> None:
+    owners, lengths = [1, 1, 2, 2, 2], np.array([1.0, 1.0, 0.5, 0.5, 1.0])
+    assert BodyPlace((0, 0, 0), 2, 0.5).on_robot(owners, lengths) == BodyPlace((0, 0, 0), 1, 0.75)
+    assert BodyPlace((0, 0, 0), 5, 0.5).on_robot(owners, lengths) == BodyPlace((0, 0, 0), 2, 0.75)
+    assert BodyPlace((0, 0, 0)).on_robot(owners, lengths) == BodyPlace((0, 0, 0))
 
 
 CONTACTS_ROBOT = Robot.uniform(

@@ -63,6 +63,8 @@ SOLVE = {
     "easy.yaml --method opti_path --option cooling=2": "--option cooling: expected a number",
     "easy.yaml --all 2 --by door": "--by: expected route or shape, got 'door'\n",
     "easy.yaml --by route": "--by: is for --all; expected --all COUNT, too, got 'route'\n",
+    "easy.yaml --why-time 3": "--why-time: is for --why; expected --why, too, got 3.0\n",
+    "easy.yaml --why --why-time=-1": "--why-time: expected a number of at least 0, got -1.0\n",
     "easy.yaml --all 0": "--all: expected a whole number from 1 to 10000, got 0",
     "easy.yaml --all 10001": "--all: expected a whole number from 1 to 10000, got",
     "easy.yaml --all 3 --why": "--all: cannot be combined with --why; expected one of --all, --why, got 3\n",

@@ -34,7 +34,7 @@ def test_json_is_one_object_a_line_in_the_order_of_the_files(run: Run) -> None:
     assert near["clearance"] >= 0.0
     assert (near["worst"], near["angle_error"], near["seed"]) == (None, None, 7)
     assert far["clearance"] is None
-    assert set(far["worst"]) == {"constraint", "segment", "obstacle", "amount", "other_segment"}
+    assert set(far["worst"]) == {"constraint", "segment", "obstacle", "amount", "other_segment", "place"}
     assert free["clearance"] is None
     assert len(free["q"]) == 3
 
@@ -141,6 +141,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
 
 
 def test_why_says_what_would_help(run: Run) -> None:
+    assert "--why-time 1, gives it more" in run("solve far.yaml --why --why-time 0", 1).out
     lines = run("solve far.yaml --why", 1).out.splitlines()
     assert lines[:4] == [
         "far.yaml: out_of_reach: proved: no configuration within the limits gets there",

@@ -34,24 +34,29 @@ def test_it_is_the_least_of_all_pairs(several: bool, thick: tuple[float, float])
 def test_a_hairpin_touches_itself_where_it_says() -> None:
     robot = sn.Robot.uniform(3, (0.1, 2.0), 4.0, radius=0.2)
     q = np.array([[0.0, 0.0, 1.0], [math.pi, 0.0, 0.35 * math.pi], [0.0, 0.0, 1.0]])
-    gap, segments = measured(robot, q)
+    gap = measured(robot, q).gap
     # Places half a circle of the body apart along the bend are nearer to each other than the legs.
     assert gap == pytest.approx(0.7 * math.sin(0.2 * math.pi / 0.7) - 0.4, abs=0.005)
     tighter = q.copy()
     tighter[1, 2] = 0.21 * math.pi
     tighter[2, 0] = 0.6
-    gap, segments = measured(robot, tighter)
+    gap, segments, place = measured(robot, tighter)
     assert gap < 0.0
     assert segments is not None
     assert segments[1] == 3
+    assert place is not None
+    assert place.segment == 3
+    assert place.share is not None
+    cut = np.concatenate([tighter[:2], tighter[2:] * place.share])
+    assert place.position == pytest.approx(robot.forward(cut)[-1, :3, 3], abs=1e-9)
 
 
 def test_a_straight_body_is_as_far_from_itself_as_it_is_long_enough() -> None:
     robot = sn.Robot.uniform(2, (0.1, 2.0), 4.0, radius=0.2)
     assert measured(robot, np.array([[0.0, 0.0, 1.0]] * 2)).gap == pytest.approx(0.2 * (math.pi - 2.0), abs=0.01)
-    assert measured(robot, np.array([[0.0, 0.0, 0.3]] * 2)) == (math.inf, None)
+    assert measured(robot, np.array([[0.0, 0.0, 0.3]] * 2)) == Meeting(math.inf, None)
     thin = sn.Robot.uniform(2, (0.1, 2.0), 4.0)
-    assert measured(thin, np.array([[0.0, 0.0, 1.0]] * 2)) == (math.inf, None)
+    assert measured(thin, np.array([[0.0, 0.0, 1.0]] * 2)) == Meeting(math.inf, None)
 
 
 def test_the_end_of_a_thick_part_is_no_obstacle_to_what_leads_on_but_to_what_comes_back() -> None:

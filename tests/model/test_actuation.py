@@ -169,8 +169,11 @@ def test_a_row_says_the_same_within_the_limits_of_segments(name: str, gain: floa
 )
 def test_limits_that_no_row_says_are_refused(weights: list[float]) -> None:
     key = "actuators.limits[0]"
-    refused(key, lambda: Robot(PARTS, actuators=Actuators([weights], limits=(-9, 9))), "equal from the first up to one")
-    assert len(Robot(PARTS, actuators=Actuators([weights])).actuation) == 0
+    bends = [row(*part) for part in np.eye(12).reshape(12, 4, 3)]  # with these all bends are driven
+    limits = [(-9, 9), *[None] * len(bends)]
+    driven = Actuators([weights, *bends], limits=limits)
+    refused(key, lambda: Robot(PARTS, actuators=driven), "equal from the first up to one")
+    assert len(Robot(PARTS, actuators=Actuators([weights, *bends])).actuation) == 0
 
 
 def test_limits_that_straight_robots_violate_are_refused() -> None:

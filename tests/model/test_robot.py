@@ -11,7 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.robot import Robot
+from sinuous.model.robot import Robot, Uncertainty
 from sinuous.model.segment import Segment
 from tests.cases import with_each
 from tests.helpers import (
@@ -260,3 +260,8 @@ def test_limits_hold_to_the_same_share_in_every_unit(unit: float) -> None:
         assert (not robot.violations(bent)) is ok
         for q in (longer, bent):
             assert sn.check(robot, q).ok is ok
+
+
+def test_an_uncertainty_says_its_bound_and_its_level() -> None:
+    assert str(Uncertainty(2.5)) == "2.5 at 95 %"
+    assert str(Uncertainty([1.0, 2.0, 2.5], 0.9)) == "1, 2 and 2.5 at 90 %"

@@ -38,7 +38,7 @@ def drawn(robot: sn.Robot, count: int, spread: float) -> Floats:
 @pytest.mark.parametrize("kind", ROBOTS)
 def test_rows_say_what_the_least_tensions_say(kind: str) -> None:
     robot = robot_of(kind)
-    q, elastic = drawn(robot, 200, 0.5), robot.drive.elastic
+    q, elastic = robot.drive.coordinates.project(drawn(robot, 200, 0.5)), robot.drive.elastic
     assert elastic is not None
     excess = np.maximum(0.0, elastic.rows.excess(q).max(axis=1))
     np.testing.assert_allclose(excess, np.maximum(0.0, elastic.balance(q).short.max(axis=1)), atol=1e-12)

@@ -34,13 +34,58 @@ def test_one_made_of_knots_is_proved() -> None:
     assert (motion.solutions, motion.waypoint_knots) == ((), ())
 
 
-def test_a_step_through_an_obstacle_is_unproved() -> None:
+def test_a_step_through_an_obstacle_is_blocked_and_says_where() -> None:
     across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
     motion = sn.Motion(ROBOT, across, [sn.Sphere((0.0, 0.0, 2.0), 0.2)])
-    assert motion.status is sn.Status.UNPROVED
+    assert motion.status is sn.Status.BLOCKED
+    assert motion.worst is not None
+    assert (motion.worst.obstacle, motion.worst.step) == ("sphere[0]", 1)
+    assert "overlaps; step 1, at time" in str(motion)
     assert (motion.between, motion.unproved_steps, motion.clearance) == ("unproved", (1,), None)
     with pytest.raises(sn.NotSolvedError):
         motion.raise_for_status()
+
+
+@with_each("seed", range(8))
+def test_a_motion_is_blocked_where_independent_sampling_sees_an_overlap(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    knots = np.stack([ROBOT.clamp(BENT + rng.normal(0.0, 0.3, (3, 3))) for _ in range(4)])
+    balls = [sn.Sphere(rng.uniform((-1, -1, 0.8), (1, 1, 3)), 0.25, name=f"ball{i}") for i in range(4)]
+    motion, unit = sn.Motion(ROBOT, knots, balls, times=[0.0, 1.0, 3.0, 4.0]), ROBOT.mean_length
+    steps = motion.verify()
+    deepest = min(min(step.clearance, step.self_clearance) for step in steps)
+    if deepest < -1e-3 * unit:
+        assert motion.status is sn.Status.BLOCKED
+    if motion.status is sn.Status.BLOCKED:
+        worst = motion.worst
+        assert worst is not None
+        assert worst.step is not None
+        assert worst.time is not None
+        assert motion.times[worst.step - 1] <= worst.time <= motion.times[worst.step]
+        there = sn.check(ROBOT, motion.at(worst.time), balls)
+        assert worst.amount == pytest.approx(-min(there.clearance, there.self_clearance), abs=1e-3 * unit)
+        assert worst.amount >= -deepest - 0.05 * unit
+        if worst.constraint == "clearance":
+            assert (worst.segment, worst.obstacle) == (there.segment, there.obstacle)
+        back = motion.reversed()
+        assert back.worst is not None
+        assert (back.status, back.worst.step) == (motion.status, len(knots) - worst.step)
+        assert np.allclose(back.at(back.worst.time or 0.0), motion.at(worst.time))
+    else:
+        assert motion.status is (sn.Status.UNPROVED if motion.unproved_steps else sn.Status.SOLVED)
+
+
+def test_a_blocked_motion_is_read_as_it_was_written(tmp_path: Path) -> None:
+    across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
+    motion = sn.Motion(ROBOT, across, [sn.Sphere((0.0, 0.0, 2.0), 0.2)])
+    motion.save(tmp_path / "motion.yaml")
+    again = sn.load(tmp_path / "motion.yaml")
+    assert isinstance(again, sn.Motion)
+    assert (again.status, again.worst) == (motion.status, motion.worst)
+    finer = motion.resampled(20)
+    assert finer.status is sn.Status.BLOCKED
+    assert finer.worst is not None
+    assert finer.worst.time == pytest.approx(motion.worst.time if motion.worst else None, abs=0.06)
 
 
 def test_a_motion_that_was_falsified_between_its_waypoints_does_not_verify() -> None:

@@ -6,6 +6,7 @@ import pytest
 from sinuous.answer.worst import compiled_clearance
 from sinuous.measures import body
 from sinuous.measures.body import body_places, segment_ends
+from sinuous.measures.body_place import BodyPlace
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
@@ -31,6 +32,16 @@ def bent(rng: np.random.Generator) -> Floats:
     return np.concatenate([rng.normal(size=(3, 2)), rng.choice([0.0, 0.2, 0.4], (3, 1))], axis=1)
 
 
+def standing(q: Floats, place: BodyPlace) -> Floats:
+    """Where (3,) a place is said to be: at the end of a body that is cut off there."""
+    assert place.segment is not None
+    assert place.share is not None
+    part = q.copy()
+    part[place.segment - 1] *= place.share
+    end: Floats = ROBOT.forward(part)[place.segment - 1, :3, 3]
+    return end
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
     scene = Scene(SCENES[name]).snapshot()
@@ -39,9 +50,15 @@ def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
         q = bent(rng)
         ends = segment_ends(ROBOT, q)
         expected = body.least_clearance(ROBOT, scene, q, ends)
-        distance, segment, obstacle = compiled_clearance(ROBOT, scene, q)
+        distance, segment, obstacle, place = compiled_clearance(ROBOT, scene, q)
         assert distance == pytest.approx(expected.distance, abs=1e-9)
         assert obstacle == expected.obstacle
+        if obstacle is not None:
+            assert place is not None
+            assert place.segment == segment
+            assert np.linalg.norm(place.position - standing(q, place)) < 1e-9
+            assert expected.place is not None
+            assert np.linalg.norm(expected.place.position - standing(q, expected.place)) < 1e-9
         if segment != expected.segment:  # where two meet, either may be named
             places, segments = body_places(ROBOT, q, ends)
             own = places[segments + 1 == segment]

@@ -23,6 +23,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import listed, number, segments
+from sinuous.measures.body_place import BodyPlace
 from sinuous.model.actuation import Actuator
 from sinuous.model.rates import Changes
 from sinuous.problem.problem import Problem
@@ -83,6 +84,8 @@ class Binding(ShortRepr):
         Whether the body has to stay inside the obstacle.
     motor : Actuator or None
         The actuator, where value and limit are those of its motor, in its unit, and not displacements.
+    place : BodyPlace or None
+        For clearances: the place of the backbone that is nearest, or deepest.
     """
 
     constraint: Constraint
@@ -96,6 +99,7 @@ class Binding(ShortRepr):
     fixed: bool = False
     inside: bool = False
     motor: Actuator | None = None
+    place: BodyPlace | None = None
 
     @classmethod
     def of(cls, met: Limit | Contact) -> "Binding":
@@ -105,11 +109,11 @@ class Binding(ShortRepr):
             return cls(*own, fixed=met.fixed, motor=met.motor)
         kind: Constraint = "clearance" if met.other_segment is None else "self_clearance"
         there = kind, met.segment, met.obstacle, met.clearance + met.demanded, met.demanded
-        return cls(*there, other_segment=met.other_segment, inside=met.inside)
+        return cls(*there, other_segment=met.other_segment, inside=met.inside, place=met.place)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        return result_of(self, "constraint segment obstacle value limit actuator other_segment")
+        return result_of(self, "constraint segment obstacle value limit actuator other_segment place")
 
 
 class _Force(NamedTuple):
@@ -276,10 +280,11 @@ def _away(binding: Binding) -> str:
 def _measured(binding: Binding) -> str:
     """What there is, and what is allowed."""
     value, limit = binding.value, binding.limit
+    there = "" if binding.place is None else f", {binding.place}"
     if binding.other_segment is not None:
-        return f"{number(max(0.0, limit - value))} too near"
+        return f"{number(max(0.0, limit - value))} too near{there}"
     if binding.obstacle is not None:
-        return _away(binding)
+        return f"{_away(binding)}{there}"
     if binding.fixed:
         return number(limit)
     unit = f" {binding.motor.unit}" if binding.motor is not None and binding.motor.unit else ""

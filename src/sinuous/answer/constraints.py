@@ -11,6 +11,7 @@ import numpy as np
 
 from sinuous.base.arguments import LimitKind, RateKind
 from sinuous.base.checks import Floats
+from sinuous.kernels.packing import BendLine
 from sinuous.model.actuation import Actuator
 from sinuous.model.rates import Changes
 from sinuous.model.robot import Robot
@@ -66,6 +67,10 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
             end = number, None, f"length[{i}]", length, segment.length[i]
             fixed = segment.length[0] == segment.length[1]
             yield Limit("length", *end, slack, gradient_at(count, number, (0.0, 0.0, sign)), fixed)
+        line = robot.drive.coordinates.bends[number - 1]
+        if isinstance(line, BendLine):
+            yield from _in_plane(robot, number, line, q[number - 1])
+            continue
         bend = math.hypot(ux, uy)
         most = segment.max_bend if segment.length[1] > 0.0 else 0.0
         outward = [(ux / bend, uy / bend)] if bend > 0.0 else [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
@@ -79,6 +84,27 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
                 own = number, None, key, curvature, tightest
                 yield Limit("curvature", *own, tightest * length - bend, gradient_at(count, number, (x, y, -tightest)))
     yield from _actuators(robot, q)
+
+
+def _in_plane(robot: Robot, number: int, line: BendLine, own: Floats) -> Iterator[Limit]:
+    """Yield the limits of a bend in one plane, of segment `number`; none of them gives across it."""
+    count, (px, py), tightest = len(robot), line.plane, robot.curvatures[number - 1]
+    z, locked = float(own[:2] @ np.array(line.plane)), line.low == line.high
+    key = "locked" if locked else "plane"
+    for x, y in ((-py, px), (py, -px), *(((px, py), (-px, -py)) if locked else ())):
+        yield Limit("bend", number, None, key, 0.0, 0.0, 0.0, gradient_at(count, number, (x, y, 0.0)), True)
+    pair = isinstance(robot.segments[number - 1].own_max_bend, tuple)
+    for i, (side, cap) in enumerate(() if locked else ((-1.0, line.low), (1.0, line.high))):
+        end = number, None, f"max_bend[{i}]" if pair else "max_bend", z, cap
+        along = side * px, side * py
+        yield Limit("bend", *end, side * (cap - z), gradient_at(count, number, (*along, 0.0)))
+        if math.isfinite(tightest):
+            curved, off = tightest * float(own[2]), math.hypot(*line.rest)
+            most = math.sqrt(max(0.0, curved**2 - off**2))
+            growth = tightest * curved / most if most > 0.0 else 0.0
+            bent = math.hypot(z, off) / float(own[2]) if own[2] > 0.0 else 0.0
+            held = number, None, "max_curvature", bent, tightest
+            yield Limit("curvature", *held, most - side * z, gradient_at(count, number, (*along, -growth)))
 
 
 def _actuators(robot: Robot, q: Floats) -> Iterator[Limit]:

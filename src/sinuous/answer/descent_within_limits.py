@@ -97,15 +97,7 @@ def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Float
 
 def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:
     """Bring the end of a step within the limits: lengths and bends one by one, the rest by shortening the step."""
-    q = after.copy()
-    low, high = np.array([segment.length for segment in robot.segments]).T
-    q[:, 2] = np.clip(q[:, 2], low, high)
-    bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in robot.segments])
-    curvatures = np.array(robot.curvatures)
-    curved = np.isfinite(curvatures)
-    most = np.where(curved, np.minimum(bends, np.where(curved, curvatures, 0.0) * q[:, 2]), bends)
-    size = np.hypot(q[:, 0], q[:, 1])
-    q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
+    q = robot.drive.coordinates.project(after)
     share = 1.0
     lines = [limit for limit in limits if limit.constraint == "actuator"]
     now = limits_of(robot, q) if lines else ()

@@ -17,7 +17,8 @@ from sinuous.problem.problem import Problem, ask_body
 
 LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
 
-TOO_SHORT = "the time was too short to try everything"
+MORE = 5.0
+"""How many times more time is advised where it was too short, at least a second."""
 
 NOTHING = "nothing that was tried would help"
 
@@ -99,8 +100,11 @@ def _labelled(label: str, texts: list[str]) -> list[str]:
     return [f"  {label if i == 0 else '':<10} {text}" for i, text in enumerate(shown)]
 
 
-def explain(case: Case, sentence: str, end: float) -> Explanation:
-    """Explain a solve, until the time is `end` (by `work_time`); `sentence` is what its status means here."""
+def explain(case: Case, sentence: str, end: float, seconds: float) -> Explanation:
+    """Explain a solve, until the time is `end` (by `work_time`); `sentence` is what its status means here.
+
+    `seconds`: how much time that was, from the beginning.
+    """
     own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
     if case.status is Status.SOLVED:
         return Explanation(*own, nearest_limits(case.problem, case.q), (), "", True, count)
@@ -108,7 +112,15 @@ def explain(case: Case, sentence: str, end: float) -> Explanation:
         return Explanation(*own, (), (), LOADED, True, count)
     trials = Trials(case, end)
     remedies = find_remedies(trials, case)
-    return Explanation(*own, (), remedies, "" if trials.complete else TOO_SHORT, trials.obstacles_matter, count)
+    return Explanation(
+        *own, (), remedies, "" if trials.complete else _too_short(seconds), trials.obstacles_matter, count
+    )
+
+
+def _too_short(seconds: float) -> str:
+    """Say that the time was too short, and how to give more."""
+    more = f"{max(1.0, MORE * seconds):.2g}"
+    return f"the time was too short to try everything: explain(time={more}), or --why-time {more}, gives it more"
 
 
 def _misses(case: Case) -> str:

@@ -13,7 +13,8 @@ import numpy as np
 
 from sinuous.answer.binding import OF_THICKNESS, Binding
 from sinuous.answer.residual import residual_of, rotation_between
-from sinuous.answer.status import Status
+from sinuous.answer.solve_again import FoundSolution
+from sinuous.answer.status import Status, begun_in, mouth_of
 from sinuous.answer.trials import Case, Trials
 from sinuous.answer.worst import contacts_of
 from sinuous.base.checks import Floats
@@ -34,7 +35,10 @@ FROM_NOTHING = 0.1
 COUPLED = "actuators.limits"
 """What the problem file calls limits of the robot's `Actuators`; all others are limits of segments."""
 
-OF_ANY_SIGN = ("tendons.displacement", "tendons.limits", "chambers.limits", COUPLED)
+HELD = ("plane", "locked")
+"""What holds a bend whatever its limits are."""
+
+OF_ANY_SIGN = ("max_bend", "tendons.displacement", "tendons.limits", "chambers.limits", COUPLED)
 """Limits that may be negative."""
 
 Limits = float | tuple[float, float]
@@ -116,14 +120,17 @@ def widenings(robot: Robot, binding: tuple[Binding, ...]) -> list[Widening]:
 def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
     """Return the limits that a problem file calls `key`, of a segment (1 = first) or a row of `Actuators` (0 = first).
 
-    `None` where there are none; also of `radius`, which limits the curvature: it is no limit that could be wider.
+    `None` where there are none; also of `radius`, which limits the curvature, of a plane, and of segments that are
+    locked: there is no limit that could be wider.
     """
     if key == COUPLED:
         return _linear(robot).limits[place]
     group, _, name = key.rpartition(".")
     segment = robot.segments[place - 1]
     owner = getattr(segment, group) if group else segment
-    return None if owner is None or key in OF_THICKNESS else getattr(owner, name)
+    if owner is None or key in OF_THICKNESS or key in HELD or segment.locked is not None:
+        return None
+    return getattr(owner, name if group else Segment._arguments.get(name, name))
 
 
 def plain(limits: Limits) -> float | list[float]:
@@ -246,7 +253,7 @@ def _kinds(case: Case) -> list[tuple[Kind, float]]:
         return [(allow_larger_changes, 1.0)]
     demanded: list[tuple[Kind, float]] = [(demand_less, 3.0)] if case.problem.robot._demands_clearance else []
     if case.status is Status.BASE_BLOCKED:
-        return [*demanded, (free_the_base, 1.0), (clear_away, 3.0), (make_thinner, 1.0)]
+        return [*demanded, (stay_inside, 3.0), (free_the_base, 1.0), (clear_away, 3.0), (make_thinner, 1.0)]
     kinds: list[tuple[Kind, float]] = [
         *demanded,
         (widen, 3.0),
@@ -498,8 +505,8 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     def cleared(names: Sequence[str]) -> Problem:
         return case.problem.changed(scene=scene.without(names))
 
-    def helps(names: Sequence[str]) -> bool:
-        return trials.whole(cleared(names)) is not None
+    def helped(names: Sequence[str]) -> FoundSolution | None:
+        return trials.whole(cleared(names))
 
     if not every or case.status is Status.OUT_OF_REACH:  # which is proved without a look at them
         return
@@ -511,12 +518,31 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     met = [each.obstacle for each in contacts_of(case.problem, free.q, 0.0)]
     held = [None if case.reason is None else case.reason.obstacle, *(each.obstacle for each in case.binding)]
     names = [name for name in dict.fromkeys([*held, *met]) if name is not None][:MOST_OBSTACLES]
-    alone = [name for name in names if helps([name])]
-    for name in alone:
-        yield Remedy(f"obstacle {name}", "in the scene", None, problem=cleared([name]))
+    alone = {name: found for name in names if (found := helped([name])) is not None}
+    for name, found in alone.items():
+        note = _giving_way(case.problem, name, found.q)
+        yield Remedy(f"obstacle {name}", "in the scene", None, note, problem=cleared([name]))
     together = [name for name in every if name in met]
-    if not alone and 1 < len(together) <= MOST_OBSTACLES and helps(together):
+    if not alone and 1 < len(together) <= MOST_OBSTACLES and helped(together) is not None:
         yield Remedy(f"obstacles {listed(together)}", "in the scene", None, problem=cleared(together))
+
+
+def _giving_way(problem: Problem, name: str, q: Floats) -> str:
+    """Where the body of a solution without an obstacle (n, 3) is deepest in that: there it would have to give way."""
+    if problem.robot.has_external_load:
+        return ""
+    deepest = next((each for each in contacts_of(problem, q, 0.0) if each.obstacle == name), None)
+    return "" if deepest is None else f"a solution is {number(-deepest.clearance)} deep in it, {deepest.place}"
+
+
+def stay_inside(trials: Trials, case: Case) -> Iterator[Remedy]:
+    """Yield that the body stays inside the obstacle that it begins in, as in a lumen."""
+    scene, begun = case.problem.scene, begun_in(case.problem)
+    if begun is None:
+        return
+    turned = case.problem.changed(scene=scene.replaced(begun, scene.obstacles[begun]._changed({"inside": True})))
+    if trials.whole(turned) is not None:
+        yield Remedy(f"inside of {scene.name(begun)}", False, True, problem=turned)
 
 
 def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -533,7 +559,7 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
     amount = trials.smallest(mounted, longest[0])
     if amount is not None:
         yield Remedy("mount", robot.mount, rounded(robot.mount + amount), problem=mounted(amount))
-    slope = problem.scene.gradient(robot.base[:3, 3] + robot.mount * robot.base[:3, 2])
+    slope = problem.scene.gradient(mouth_of(robot))
     size = float(np.linalg.norm(slope))
     if size == 0.0:
         return

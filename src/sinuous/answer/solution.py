@@ -3,7 +3,6 @@
 import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
@@ -309,9 +308,7 @@ class Solution(NotebookMixin):
             return find_worst(problem, self.q, self.status in _OVERLAPS)
         asked = ask_body(problem.robot, self.q, problem.targets)
         body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
-        found = find_worst(body, asked.arcs, self.status in _OVERLAPS)
-        own = asked.segment(found.segment), asked.segment(found.other_segment)
-        return replace(found, segment=own[0], other_segment=own[1])
+        return find_worst(body, asked.arcs, self.status in _OVERLAPS).on_robot(asked)
 
     @property
     def shape(self) -> "Equilibrium | None":
@@ -361,11 +358,12 @@ class Solution(NotebookMixin):
         InputError
             When `time` is no number of at least 0.
         """
-        end = work_time() + checks.number("time", time, low=0.0)
+        seconds = checks.number("time", time, low=0.0)
+        end = work_time() + seconds
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
         case = Case(*own, self.binding, self.reason, self._resolver, self.starts, self._within)
-        return explain(case, self.sentence, end)
+        return explain(case, self.sentence, end, seconds)
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
@@ -379,7 +377,7 @@ class Solution(NotebookMixin):
             return found
         spare = reason.available - reason.needed
         own = reason.obstacle, spare + reason.clearance, reason.clearance
-        first = Binding("clearance", None, *own, inside=reason.inside)
+        first = Binding("clearance", None, *own, inside=reason.inside, place=reason.place)
         return (first, *(each for each in found if each.obstacle != reason.obstacle))
 
     def _find_reason(self) -> Reason | None:
@@ -493,11 +491,13 @@ class Solution(NotebookMixin):
         """Return the result as plain values, in the order of the file format."""
         shape = self.shape
         load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
+        locked = {"locked": list(notes)} if (notes := self.problem.robot.held_notes) else {}
         return {
             **result_of(self, f"status q base position_error angle_error {CLEARANCES}"),
             "uncertainty": plain(self.problem.robot.uncertainty),
             **result_of(self, "actuators tensions"),
             **load,
+            **locked,
             **result_of(self, "worst reason binding iterations starts start route_class seconds method seed"),
         }
 
@@ -525,7 +525,7 @@ class Solution(NotebookMixin):
         ):
             if value is not None:
                 unsure = self.problem.robot.uncertainty if label == "clearance" else None
-                parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
+                parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure.confidence}"))
         if self.route_class is not None:
             parts.append(f"  route          {self.route_class}")
         effort = f"{counted(self.iterations, 'iteration')} from {counted(self.starts, 'start')}"

@@ -2,7 +2,8 @@
 
 import operator
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 from sinuous.answer.solution import Solution
 from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.status import statuses_of
+from sinuous.base import checks
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats, closed
+from sinuous.base.documents import write_table
 from sinuous.base.errors import InputError, NotSolvedError
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.kernels import tables as t
@@ -186,6 +189,40 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         robot = self._problems.robot
         names = [actuator.name for actuator in robot.actuators]
         return dict(zip(names, robot.to_actuators(self.q).T, strict=True)) if names else None
+
+    def to_csv(self, file: str | Path, actuators: Sequence[str] | None = None) -> None:
+        """Write the values of the motors as CSV: one row a target, in the order of the targets.
+
+        Columns: `target` (1 = first), `status`, then every actuator by its name. Rows that are not `solved` have the
+        values of the best configuration that was found.
+
+        Parameters
+        ----------
+        file : path
+        actuators : sequence of str, optional
+            Names of actuators, in the order of the columns; by default all, in the order of the robot.
+
+        Raises
+        ------
+        InputError
+            When the robot has no actuators, or none of such a name, a name is given twice, or the file cannot be
+            written.
+        """
+        robot = self._problems.robot
+        own = [actuator.name for actuator in robot.actuators]
+        if not own:
+            raise InputError("robot", "has no actuators", robot, "one with tendons, chambers or actuators")
+        if isinstance(actuators, str) or not isinstance(own if actuators is None else actuators, Iterable):
+            raise InputError("actuators", "", actuators, "a list of names")
+        names = own if actuators is None else list(actuators)
+        for i, name in enumerate(names):
+            checks.choice(f"actuators[{i}]", name, own)
+            if name in names[:i]:
+                raise InputError(f"actuators[{i}]", "given twice", name, "each name once")
+        values = robot.to_actuators(self.q)[:, [own.index(name) for name in names]].tolist()
+        each = zip(self.status.tolist(), values, strict=True)
+        rows = ([number, str(status), *row] for number, (status, row) in enumerate(each, 1))
+        write_table(file, ["target", "status", *names], rows)
 
     @property
     def method(self) -> str:

@@ -4,7 +4,7 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 `sinuous.scene.snapshot`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from operator import itemgetter
 from typing import Any
@@ -18,7 +18,9 @@ from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import number
 from sinuous.kernels import tables as t
+from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import backbone_end, bounds
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.scene.snapshot import room_at
 
@@ -135,6 +137,10 @@ class Reason(ShortRepr):
         Whether the body has to stay inside the obstacle.
     clearance : float
         What is demanded of it, which is part of what is needed.
+    place : BodyPlace or None
+        For `target` and `base`: where the body needs more room.
+    in_solid : bool
+        For `base`: whether it lies within an obstacle that the body could have to stay inside instead.
     """
 
     bound: BoundName
@@ -145,10 +151,12 @@ class Reason(ShortRepr):
     longest: float | None = None
     inside: bool = False
     clearance: float = 0.0
+    place: BodyPlace | None = None
+    in_solid: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        return result_of(self, "bound needed available obstacle")
+        return result_of(self, "bound needed available obstacle place")
 
     def __str__(self) -> str:
         missing = number(self.needed - self.available)
@@ -158,7 +166,10 @@ class Reason(ShortRepr):
             f"the body, of radius {needed},",
             f"{missing} {'outside' if self.inside else 'deep in'} {obstacle}",
         )
-        thick = f"a body of radius {needed}"
+        thick, there = f"a body of radius {needed}", "" if self.place is None else f", {self.place}"
+        remedy = "the usual remedy is a longer mount"
+        if self.in_solid:
+            remedy = f"where the body belongs inside {obstacle}, give that inside=True; else {remedy}"
         if self.clearance > 0.0:
             with_it = f"of radius {number(self.needed - self.clearance)} and with {number(self.clearance)} of clearance"
             body, overlap, thick = f"the body, {with_it},", f"{missing} too near to {obstacle}", f"a body {with_it}"
@@ -171,8 +182,8 @@ class Reason(ShortRepr):
             "behind": f"the target lies {missing} behind everything that the tip can reach{this_way}",
             "turning": f"the direction asks for a turn of {needed} rad, and all bends together make {available} at "
             f"most: {missing} rad too little",
-            "target": f"at the target {body} would be {overlap}",
-            "base": f"where {body} leaves its mount it is {overlap}; the usual remedy is a longer mount",
+            "target": f"at the target {body} would be {overlap}{there}",
+            "base": f"where {body} leaves its mount it is {overlap}{there}; {remedy}",
             "route": f"no way from base to target is both wide enough for {thick} and at most "
             f"{number(self.longest)} long, the greatest length of the body up to the target (shown with cells of edge "
             f"{available}); the obstacle nearest to the target is {obstacle}",
@@ -201,17 +212,40 @@ def target_in(problem: Problem) -> Reason | None:
             inside = _is_inside(problem, room.obstacle)
             own = robot.needed_radii[last - 1], available, room.obstacle
             clearance = robot.needed_radii[last - 1] - robot.radii[last - 1]
-            found.append(Reason("target", *own, inside=inside, clearance=clearance))
+            there = BodyPlace.of(place, last, 1.0)
+            found.append(Reason("target", *own, inside=inside, clearance=clearance, place=there))
     return max(found, key=lambda reason: reason.needed - reason.available, default=None)
 
 
 def base_in(problem: Problem) -> Reason:
     """The obstacle that the body overlaps where it leaves its mount."""
     robot = problem.robot
-    room = room_at(robot.base[:3, 3] + robot.mount * robot.base[:3, 2], problem.scene)
+    mouth = mouth_of(robot)
+    room = room_at(mouth, problem.scene)
     inside = _is_inside(problem, room.obstacle)
     needed, clearance = _thinnest(problem)
-    return Reason("base", needed, room.distance, room.obstacle, inside=inside, clearance=clearance)
+    there = BodyPlace.of(mouth, 1, 0.0) if robot.mount == 0.0 else BodyPlace.of(mouth)
+    own: dict[str, Any] = {"inside": inside, "clearance": clearance, "place": there}
+    return Reason("base", needed, room.distance, room.obstacle, **own, in_solid=begun_in(problem) is not None)
+
+
+def mouth_of(robot: Robot) -> Floats:
+    """Where (3,) the body leaves its mount, if it is straight up to there."""
+    mouth: Floats = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
+    return mouth
+
+
+def begun_in(problem: Problem) -> int | None:
+    """Return the number (0 = first) of the obstacle that the body begins within, where it could have to stay inside.
+
+    `None` where it begins within none, or within one that says so already or that nothing can be inside.
+    """
+    scene, mouth = problem.scene, mouth_of(problem.robot)
+    nearest = int(scene.nearest(mouth))
+    obstacle = scene.obstacles[nearest]
+    closed = getattr(obstacle, "watertight", any(field.name == "inside" for field in fields(obstacle)))
+    within = closed and not obstacle.inside and float(scene.distance(mouth)) < 0.0
+    return nearest if within else None
 
 
 def closed_in(problem: Problem, cell: float) -> Reason:

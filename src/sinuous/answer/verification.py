@@ -141,7 +141,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     ends = segment_ends(body, arcs)
     errors = [target_errors(body, target, ends) for target in asked.targets]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
-    clearance, segment, obstacle = least_clearance(body, scene, arcs, ends)
+    clearance, segment, obstacle, _ = least_clearance(body, scene, arcs, ends)
     itself = nearest_meeting(body, arcs, ends)
     spare = clearance - robot._least_clearances[0]
     if isinstance(robot.clearance, tuple):

@@ -5,7 +5,7 @@ the body are compared with each other.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -16,11 +16,13 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr
+from sinuous.base.words import number
 from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
+from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import BodyQuestion, Problem
 from sinuous.scene.snapshot import Snapshot, least_gap
 
 FIRST_PIECES = 16
@@ -54,6 +56,8 @@ class Contact(NamedTuple):
         Whether the body has to stay inside the obstacle.
     demanded : float
         The distance that is demanded.
+    place : BodyPlace or None
+        Of the backbone, on `segment`.
     """
 
     segment: int
@@ -63,6 +67,7 @@ class Contact(NamedTuple):
     other_segment: int | None = None
     inside: bool = False
     demanded: float = 0.0
+    place: BodyPlace | None = None
 
 
 class _Places(NamedTuple):
@@ -95,7 +100,8 @@ def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> lis
             gradient = _gradient(robot, q, place, slopes[m])
             own = place[0] + 1, scene.name(i), float(clearances[m]), gradient
             demanded = robot.needed_radii[place[0]] - robot.radii[place[0]]
-            found.append(Contact(*own, inside=scene.obstacles[i].inside, demanded=demanded))
+            where = BodyPlace.of(place[2], place[0] + 1, place[1])
+            found.append(Contact(*own, inside=scene.obstacles[i].inside, demanded=demanded, place=where))
     return sorted(found, key=lambda contact: contact.clearance)
 
 
@@ -184,7 +190,9 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
         ends = ((int(segments[k]), float(along[k]), points[k]) for k in (j, i))
         far, near = (_gradient(robot, q, end, away) for end in ends)
         demanded = sum(robot.self_radii[k] - robot.radii[k] for k in (int(a), int(b)))
-        found.append(Contact(int(b) + 1, None, float(own[i, j]), far - near, int(a) + 1, demanded=demanded))
+        where = BodyPlace.of(points[j], int(b) + 1, along[j])
+        meeting = float(own[i, j]), far - near, int(a) + 1
+        found.append(Contact(int(b) + 1, None, *meeting, demanded=demanded, place=where))
     return sorted(found, key=lambda contact: contact.clearance)
 
 
@@ -210,6 +218,13 @@ class Worst(ShortRepr):
         the limit for the others (length; rad for `bend` and `curvature`).
     other_segment : int or None
         The segment that it touches, for `self_clearance`; not beyond `segment`.
+    place : BodyPlace or None
+        Where: of clearances the place of the backbone that is deepest, of `position` and `angle` the end that misses
+        its target. A limit has none.
+    step : int or None
+        Of a motion from elsewhere: the step (1 = first) on which it is.
+    time : float or None
+        Of a motion from elsewhere: when.
     """
 
     constraint: WorstKind
@@ -217,10 +232,14 @@ class Worst(ShortRepr):
     obstacle: str | None
     amount: float
     other_segment: int | None = None
+    place: BodyPlace | None = None
+    step: int | None = None
+    time: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        return result_of(self, "constraint segment obstacle amount other_segment")
+        when = {} if self.step is None else result_of(self, "step time")
+        return result_of(self, "constraint segment obstacle amount other_segment place") | when
 
     @classmethod
     def from_dict(cls, values: Any) -> "Worst":
@@ -232,17 +251,39 @@ class Worst(ShortRepr):
             When they are none.
         """
         try:
-            return cls(**values)
-        except TypeError:
+            place = values.get("place")
+            return cls(**{**values, "place": None if place is None else BodyPlace.from_dict(place)})
+        except (TypeError, AttributeError):
             raise InputError("worst", "", values, "a constraint that is not met") from None
 
+    def on_robot(self, asked: BodyQuestion) -> "Worst":
+        """Return it by segments of the robot, where it is of a body of arcs."""
+        place = None if self.place is None else self.place.on_robot(asked.owners, asked.arcs[:, 2])
+        own = asked.segment(self.segment), asked.segment(self.other_segment)
+        return replace(self, segment=own[0], other_segment=own[1], place=place)
+
+    def at_times(self, before: Floats, after: Floats) -> "Worst":
+        """Return the same of a motion whose knots are at other times (T,), or in the opposite order."""
+        if self.time is None:
+            return self
+        at = float(np.interp(self.time, *((before, after) if before[0] <= before[-1] else (before[::-1], after[::-1]))))
+        step = int(np.clip(np.searchsorted(after, at, side="left"), 1, len(after) - 1))
+        return replace(self, step=step, time=at)
+
     def __str__(self) -> str:
+        when = "" if self.step is None else f"step {self.step}, at time {number(self.time)}: "
+        return f"{when}{self._missed}"
+
+    @property
+    def _missed(self) -> str:
+        """What is not met, and where."""
+        there = "" if self.place is None else f", {self.place}"
         if self.other_segment is not None:
             whom = "itself" if self.other_segment == self.segment else f"segment {self.other_segment}"
-            return f"segment {self.segment} touches {whom}, {self.amount:.3g} too near"
+            return f"segment {self.segment} touches {whom}, {self.amount:.3g} too near{there}"
         if self.obstacle is not None:
             whose = "the body" if self.segment is None else f"segment {self.segment}"
-            return f"{whose} lacks {self.amount:.3g} of clearance from {self.obstacle}"
+            return f"{whose} lacks {self.amount:.3g} of clearance from {self.obstacle}{there}"
         where = "" if self.segment is None else f" of segment {self.segment}"
         beyond = "its tolerance" if self.constraint in ("position", "angle") else "its limit"
         return f"{self.constraint}{where} is {self.amount:.3g} beyond {beyond}"
@@ -265,8 +306,10 @@ def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:
         off, turn = target_errors(robot, target, ends)
         segment = len(robot) if target.segment is None else target.segment
         miss, twist = off - (tolerance.position or 0.0), turn - tolerance.angle
-        found.append((miss / unit, Worst("position", segment, None, miss)))
-        found.append((twist, Worst("angle", segment, None, twist)))
+        end = ends[-1] @ robot.tool if segment == len(robot) else ends[segment]
+        place = BodyPlace.of(end[:3, 3], segment, 1.0)
+        found.append((miss / unit, Worst("position", segment, None, miss, place=place)))
+        found.append((twist, Worst("angle", segment, None, twist, place=place)))
     return max(found, key=lambda pair: pair[0])[1]
 
 
@@ -294,8 +337,9 @@ def _overlaps(problem: Problem, q: Floats, ends: Floats | None) -> tuple[Worst, 
 
 def _as_worst(clearance: NearestObstacle, itself: Meeting) -> tuple[Worst, Worst]:
     near, far = itself.segments or (None, None)
-    distance, where, which = clearance
-    return Worst("clearance", where, which, -distance), Worst("self_clearance", far, None, -itself.gap, near)
+    distance, where, which, place = clearance
+    apart = Worst("clearance", where, which, -distance, place=place)
+    return apart, Worst("self_clearance", far, None, -itself.gap, near, itself.place)
 
 
 def _seen(problem: Problem, q: Floats) -> Meeting:
@@ -304,7 +348,7 @@ def _seen(problem: Problem, q: Floats) -> Meeting:
     if not contacts:
         return Meeting(math.inf, None)
     deepest = contacts[0]
-    return Meeting(deepest.clearance, (deepest.other_segment or deepest.segment, deepest.segment))
+    return Meeting(deepest.clearance, (deepest.other_segment or deepest.segment, deepest.segment), deepest.place)
 
 
 def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats, above: bool = False) -> NearestObstacle:
@@ -318,5 +362,8 @@ def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats, above: bool = F
     free = before[:, None] + np.linspace(0.0, lengths, SAMPLES + 1, axis=-1) >= robot.mount
     segments = np.broadcast_to(np.arange(len(robot))[:, None], free.shape)[free]
     nearest = least_gap(points[places[free]], np.array(robot.needed_radii)[segments], scene, above)
-    segment = None if nearest.place is None else int(segments[nearest.place]) + 1
-    return NearestObstacle(nearest.distance, segment, nearest.obstacle)
+    if nearest.place is None:
+        return NearestObstacle(nearest.distance, None, nearest.obstacle)
+    row, run = np.argwhere(free)[nearest.place]
+    place = BodyPlace.of(points[places[row, run]], int(row) + 1, run / SAMPLES)
+    return NearestObstacle(nearest.distance, int(row) + 1, nearest.obstacle, place)

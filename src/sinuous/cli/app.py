@@ -74,6 +74,7 @@ class Solve:
     solving: Remembering
     output: Output
     why: bool = flag("Say why it ended so, and what would help; all of that is tried.")
+    why_time: float | None = opt("Time for --why; default 2.", "SECONDS")
     all: int | None = opt("Find up to so many distinct solutions, best first.", "COUNT")
     by: str | None = opt(
         "Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."

@@ -149,10 +149,13 @@ class AnswerWriter:
         if self._out is not None:
             self._out.close()
 
-    def write(self, file: str, answer: Answer, prepare_seconds: float, why: bool) -> None:
-        """Write the answer to a problem file, and with `why` what explains it; an interrupt leaves the answer."""
+    def write(self, file: str, answer: Answer, prepare_seconds: float, why: float | None) -> None:
+        """Write the answer to a problem file, and what explains it; an interrupt leaves the answer.
+
+        `why`: seconds for explaining it; `None`: it is not explained.
+        """
         try:
-            explanation = answer.explain() if why and isinstance(answer, Solution) else None
+            explanation = answer.explain(why) if why is not None and isinstance(answer, Solution) else None
         except KeyboardInterrupt:
             self._write(file, answer, prepare_seconds, None)
             raise
@@ -225,6 +228,9 @@ def read_solution(solver: Solver, targets: Targets, start: Floats | None, values
     return solver._restore_solution(targets, outcome, values["seconds"], start, route_class)
 
 
+EXPLAINING = 2.0
+"""Seconds for `--why`."""
+
 MOST_ALTERNATIVES = 10_000
 """Most solutions that `--all` may ask for."""
 
@@ -248,6 +254,7 @@ def solve_files(asked: Solve) -> int:
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
         if asked.why:
             raise InputError("--all", "cannot be combined with --why", count, "one of --all, --why")
+    why = _explaining_time(asked)
     read = read_all(asked.files, asked.solving.demands)
     for one in read:
         one.problem._refuse("path", "goal")
@@ -258,7 +265,7 @@ def solve_files(asked: Solve) -> int:
         return made(problem.robot, problem.scene, **options)
 
     find = _solve if count is None else partial(_solve_all, count, kind)
-    return _answer_all(asked, read, prepare, find, {"all": count, "by": by}, asked.why)
+    return _answer_all(asked, read, prepare, find, {"all": count, "by": by}, why)
 
 
 def _check(asked: Asked) -> None:
@@ -359,12 +366,26 @@ def _refuse_moving(problem: Job) -> None:
         raise InputError("scene", f"{name} moves", name, "obstacles that stand still, or track or plan", problem.file)
 
 
+def _explaining_time(asked: Solve) -> float | None:
+    """Seconds that `--why` may take for each file; `None` without it."""
+    if asked.why_time is None:
+        return EXPLAINING if asked.why else None
+    if not asked.why:
+        raise InputError("--why-time", "is for --why", asked.why_time, "--why, too")
+    return checks.number("--why-time", asked.why_time, low=0.0)
+
+
 def _answer_all(
-    asked: Asked, read: list[ReadProblem], prepare: Prepare, find: Find, typed: Mapping[str, object], why: bool = False
+    asked: Asked,
+    read: list[ReadProblem],
+    prepare: Prepare,
+    find: Find,
+    typed: Mapping[str, object],
+    why: float | None = None,
 ) -> int:
     """Answer all files, on from where the same command was interrupted; return the exit code.
 
-    `typed` are options of one command alone on which its answers depend.
+    `typed` are options of one command alone on which its answers depend; `why` are seconds for explaining each.
     """
     solving, output, done, solved = asked.solving, asked.output, 0, 0
     problems = [one.problem for one in read]

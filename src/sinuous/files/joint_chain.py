@@ -17,6 +17,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.frozen import Frozen, call
+from sinuous.kernels.packing import BendLine
 
 if TYPE_CHECKING:
     from sinuous.model.robot import Robot
@@ -118,16 +119,17 @@ class _Build:
         self.joints: list[Joint] = []
         self.first = self.link = Link()
         self.height = 0.0
-        for k, segment in enumerate(robot.segments):
+        for k in range(len(robot)):
             self.radius = robot.radii[k]
-            name, (low, high) = robot.segment_names[k], segment.length
-            most = min(segment.max_bend, robot.curvatures[k] * high)
+            name, (low, high) = robot.segment_names[k], robot.drive.coordinates.lengths[k].tolist()
+            most = min(robot.largest_bends[k], robot.curvatures[k] * high)
             if high == 0.0:
                 continue
+            limits = _bends_of(robot.drive.coordinates.bends[k], most)
             for i, (share, turns) in enumerate(_pieces(count if most > 0.0 else 0), 1):
                 self.stretch(f"{name}_{i}_z", k, share, (low, high))
                 for axis in turns:
-                    self.turn(f"{name}_{i}_{axis}", k, axis, count, most)
+                    self.turn(f"{name}_{i}_{axis}", k, axis, count, limits[0 if axis == "y" else 1])
         self.link.balls.append((self.height, self.radius))
 
     def stretch(self, name: str, segment: int, share: float, length: tuple[float, float]) -> None:
@@ -142,15 +144,25 @@ class _Build:
         self.join(Joint(name, "z", self.height, segment, 2, share, (low, high)))
         self.link.cylinders.append((-0.5 * high, 0.0, self.radius))
 
-    def turn(self, name: str, segment: int, axis: Axis, count: int, most: float) -> None:
-        """Turn by a share of the bend of a segment."""
+    def turn(self, name: str, segment: int, axis: Axis, count: int, bend: tuple[float, float]) -> None:
+        """Turn by a share of the bend of a segment, which lies between two; there is no joint where it is always 0."""
+        if bend == (0.0, 0.0):
+            return
         coordinate, weight = (1, -1.0 / count) if axis == "x" else (0, 1.0 / count)
-        limit = most / count
-        self.join(Joint(name, axis, self.height, segment, coordinate, weight, (-limit, limit)))
+        low, high = sorted(weight * each for each in bend)
+        self.join(Joint(name, axis, self.height, segment, coordinate, weight, (low, high)))
 
     def join(self, joint: Joint) -> None:
         self.joints.append(joint)
         self.link, self.height = joint.link, 0.0
+
+
+def _bends_of(bends: float | BendLine, most: float) -> list[tuple[float, float]]:
+    """Least and largest bend_x and bend_y of a segment; those of a plane along an axis are 0 across it."""
+    if isinstance(bends, BendLine):
+        ends = bends.at(max(bends.low, -most)), bends.at(min(bends.high, most))
+        return [(min(a, b), max(a, b)) for a, b in zip(*ends, strict=True)]
+    return [(-most, most), (-most, most)]
 
 
 def _pieces(turns: int) -> Iterator[tuple[float, tuple[Axis, ...]]]:

@@ -28,6 +28,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
 from sinuous.files.joint_chain import Joint, JointChain, Link
 from sinuous.files.urdf import THIN, TURNING, text, texts
+from sinuous.kernels.packing import BendLine
 from sinuous.model.segment import coordinate_names
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ class DrivenChain(Frozen):
         squares = (chain.matrix**2).sum(axis=0)
         stiffness, of_stiffness, of_inertia = _servos(rows[np.ix_(moving, columns)], inertia[columns])
         still = np.delete(np.arange(3 * len(robot)), columns)
-        fixed = np.array([[0.0, 0.0, segment.length[1]] for segment in robot.segments]).ravel()[still]
+        fixed = robot.drive.coordinates.origin.ravel()[still]
         drives = []
         for i, own_stiffness in zip(moving.tolist(), stiffness.tolist(), strict=True):
             weights = chain.matrix[:, columns] @ (rows[i, columns] / squares[columns])
@@ -162,8 +163,8 @@ def _servos(rows: Floats, inertia: Floats) -> tuple[Floats, float, float]:
 def _limits(robot: "Robot", column: int) -> tuple[float, float]:
     """Least and largest value of a coordinate."""
     segment, kind = divmod(column, 3)
-    low, high = robot.segments[segment].length
-    most = min(robot.segments[segment].max_bend, robot.curvatures[segment] * high)
+    low, high = robot.drive.coordinates.lengths[segment].tolist()
+    most = min(robot.largest_bends[segment], robot.curvatures[segment] * high)
     return (low, high) if kind == 2 else (-most, most)
 
 
@@ -176,6 +177,24 @@ def couplings(chain: JointChain) -> list[tuple[str, str, float]]:
         if leader is not joint:
             found.append((joint.name, leader.name, joint.weight / leader.weight))
     return found
+
+
+def _held(chain: JointChain) -> Iterator[tuple[dict[str, str], str]]:
+    """Yield equalities of bends in one plane, or locked: joints, and the polynomial that the first one is."""
+    first = {(joint.segment, joint.coordinate): joint for joint in reversed(chain.joints)}
+    for k, line in enumerate(chain.robot.drive.coordinates.bends):
+        if not isinstance(line, BendLine):
+            continue
+        pair = first.get((k, 0)), first.get((k, 1))
+        if line.low == line.high:
+            for joint, value in zip(pair, line.at(line.low), strict=True):
+                if joint is not None:
+                    yield {"joint1": joint.name}, f"{text(joint.weight * value)} 0 0 0 0"
+        elif pair[0] is not None and pair[1] is not None and line.plane[0] != 0.0:
+            slope = line.plane[1] / line.plane[0]
+            constant = pair[1].weight * (line.rest[1] - slope * line.rest[0])
+            ratio = slope * pair[1].weight / pair[0].weight
+            yield {"joint1": pair[1].name, "joint2": pair[0].name}, f"{text(constant)} {text(ratio)} 0 0 0"
 
 
 STIFF = "0.005 1"
@@ -210,8 +229,13 @@ def model_element(driven: DrivenChain) -> Element:
     equality = SubElement(root, "equality")
     for joint, leader, ratio in couplings(driven.chain):
         SubElement(equality, "joint", joint1=joint, joint2=leader, polycoef=f"0 {text(ratio)} 0 0 0", solref=STIFF)
-    rest = texts(driven.controls([(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.segments]))
-    at_rest = texts(_middle(joint) for joint in driven.chain.joints)
+    for held, constant in _held(driven.chain):
+        SubElement(equality, "joint", held, polycoef=constant, solref=STIFF)
+    middle = [(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.segments]
+    still = robot.drive.coordinates.project(np.array(middle))
+    rest = texts(driven.controls(still))
+    free = robot.drive.coordinates.free
+    at_rest = texts((_middle(joint) for joint in driven.chain.joints) if free else driven.chain.values(still).tolist())
     SubElement(SubElement(root, "keyframe"), "key", name="rest", qpos=at_rest, ctrl=rest)
     return root
 
@@ -225,7 +249,7 @@ def _bodies(world: Element, driven: DrivenChain) -> None:
     _shapes(body, chain.first, density, thin)
     numbers = {joint.name: i for i, joint in enumerate(chain.joints)}
     for joints in _together(chain.joints):
-        height = joints[0].height + sum(_middle(joint) for joint in joints)
+        height = joints[0].height + sum(_middle(joint) for joint in joints if joint.axis == "z")
         body = SubElement(body, "body", name=joints[-1].name, pos=f"0 0 {text(height)}")
         for joint in joints:
             i = numbers[joint.name]
@@ -260,7 +284,8 @@ def _joint(joint: Joint) -> dict[str, str]:
     middle = _middle(joint)
     low, high = (middle + BEYOND * (end - middle) for end in joint.limits)
     kind = {"type": "slide", "ref": text(middle)} if joint.axis == "z" else {"type": "hinge"}
-    return kind | {"axis": TURNING[joint.axis], "range": texts((low, high))}
+    limited = {"range": texts((low, high))} if low < high else {}  # what is locked has an equality
+    return kind | {"axis": TURNING[joint.axis], **limited}
 
 
 def _shapes(body: Element, link: Link, density: float, thin: float) -> None:

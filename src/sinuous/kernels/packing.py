@@ -55,6 +55,17 @@ class BendLine(NamedTuple):
         """The bend with this coordinate in the plane."""
         return self.rest[0] + z * self.plane[0], self.rest[1] + z * self.plane[1]
 
+    def nearest(self, bends: Floats) -> Floats:
+        """Of bends (..., 2), the nearest ones here."""
+        along = np.clip(bends @ np.array(self.plane), self.low, self.high)
+        result: Floats = np.array(self.rest) + along[..., None] * np.array(self.plane)
+        return result
+
+    def distance(self, bends: Floats) -> Floats:
+        """How far bends (..., 2) are from here, in rad."""
+        away = bends - self.nearest(bends)
+        return np.hypot(away[..., 0], away[..., 1])
+
     @property
     def largest(self) -> float:
         """Largest norm of the bends."""
@@ -100,8 +111,22 @@ def segment_row(
 
 
 def scales_of(limits: Floats) -> Floats:
-    """Scales (n, 3) in which coordinates of segments (n, 18) count: 1 rad, and mean lengths; 0 for what cannot move."""
-    return limits[:, [t.BEND_SCALE, t.BEND_SCALE, t.LENGTH_SCALE]]
+    """Scales (n, 3) in which coordinates of segments (n, 18) count: 1 rad, and mean lengths; 0 for what cannot move.
+
+    Where a segment bends in one plane, the first coordinate is the bend in it: see `turns_of`.
+    """
+    scales = limits[:, [t.BEND_SCALE, t.BEND_SCALE, t.LENGTH_SCALE]]
+    scales[limits[:, t.IN_PLANE] != 0.0, 1] = 0.0
+    return scales
+
+
+def turns_of(limits: Floats) -> Floats:
+    """What turns the coordinates of `scales_of`, of segments (n, 18), into configurations: orthogonal (3 n, 3 n)."""
+    turns = np.eye(3 * len(limits))
+    for k in np.flatnonzero(limits[:, t.IN_PLANE]):
+        x, y = limits[k, t.PLANE : t.PLANE + 2]
+        turns[3 * k : 3 * k + 2, 3 * k : 3 * k + 2] = (x, -y), (y, x)
+    return turns
 
 
 def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[float, float]) -> list[float]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
+from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.obstacles import Indices, at_most, measure
 from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
@@ -100,11 +101,14 @@ class NearestObstacle(NamedTuple):
         Segment of the body, 1 = first.
     obstacle : str or None
         Name of the obstacle.
+    place : BodyPlace or None
+        Of the backbone.
     """
 
     distance: float
     segment: int | None
     obstacle: str | None
+    place: BodyPlace | None = None
 
 
 def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, beyond: bool = False) -> NearestObstacle:
@@ -121,7 +125,10 @@ def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, b
         clearances = measure(obstacle, places) - radii
         if clearances.min(initial=math.inf) < least.distance:
             nearest = int(clearances.argmin())
-            least = NearestObstacle(float(clearances[nearest]), int(segments[nearest]) + 1, scene.name(i))
+            segment, run = int(segments[nearest]), nearest % (SAMPLES + 1) / SAMPLES
+            begin = float(free_shares(robot, q[:, 2])[0][segment])
+            place = BodyPlace.of(places[nearest], segment + 1, begin + (1.0 - begin) * run)
+            least = NearestObstacle(float(clearances[nearest]), segment + 1, scene.name(i), place)
     return least
 
 
@@ -151,10 +158,13 @@ class Meeting(NamedTuple):
         Their distance less both radii, and less what is demanded of it; infinite when no two places concern each other.
     segments : (int, int) or None
         Their segments, 1 = first, the one nearer to the base first.
+    place : BodyPlace or None
+        The one that is nearer to the tip.
     """
 
     gap: float
     segments: tuple[int, int] | None
+    place: BodyPlace | None = None
 
 
 class Places(NamedTuple):
@@ -203,7 +213,11 @@ def nearest_pair(places: Places) -> Meeting:
         gaps[~concerned(places, first, second)] = math.inf
         if gaps.min() < least.gap:
             k, a, b = np.unravel_index(gaps.argmin(), gaps.shape)
-            least = Meeting(float(gaps.min()), (int(segments[one[k, a]]) + 1, int(segments[other[k, b]]) + 1))
+            near, far = int(one[k, a]), int(other[k, b])
+            own = int(segments[far])
+            share = float((far - np.searchsorted(segments, own)) / (np.count_nonzero(segments == own) - 1))
+            place = BodyPlace.of(places.points[far], own + 1, share)
+            least = Meeting(float(gaps.min()), (int(segments[near]) + 1, own + 1), place)
     return least
 
 

@@ -70,8 +70,12 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
     near, angle = tolerance.position or 0.0, tolerance.angle
     segments = robot.segments[:last]
     low, high = (np.array([segment.length[i] for segment in segments]) for i in range(2))
-    pairs = zip(segments, robot.curvatures, strict=False)
-    bends = np.array([min(s.max_bend, most * s.length[1]) if s.length[1] else 0.0 for s, most in pairs])
+    bends = np.array(
+        [
+            min(b, c * s.length[1]) if s.length[1] else 0.0
+            for s, c, b in zip(segments, robot.curvatures, robot.largest_bends, strict=False)
+        ]
+    )
     turning = float(bends.sum())
     axis = robot.base[:3, 2]
     tilt = _tilt(robot.tool) if last == len(robot) else 0.0

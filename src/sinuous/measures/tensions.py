@@ -68,7 +68,7 @@ def _elastic(segment: Segment) -> Iterator[tuple[Lines, int]]:
 
 def _moves(robot: Robot) -> np.ndarray:
     """Which coordinates (n, 3) can move."""
-    return np.array([[each.max_bend > 0.0] * 2 + [each.length[0] < each.length[1]] for each in robot.segments])
+    return np.array(robot.drive.coordinates.unlocked)
 
 
 def _stiff(robot: Robot) -> np.ndarray:

@@ -18,7 +18,7 @@ from sinuous.kernels.clock import SEGMENT_WORK, spend
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import project_segment
+from sinuous.kernels.step.limits import possible_bend, project_segment
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.methods.method import Capabilities, Options, count, number
@@ -66,6 +66,8 @@ def fill_jacobian(limits: Array, columns: Array, rows: Rows, count: int, jacobia
                 for j in range(6):
                     total += rows.twist[i, j] * columns[k, 6 * c + j]
                 jacobian[i, 3 * k + c] = total * limits[k, LENGTH_SCALE if c == 2 else BEND_SCALE]
+            own = possible_bend(limits, k, jacobian[i, 3 * k], jacobian[i, 3 * k + 1])
+            jacobian[i, 3 * k], jacobian[i, 3 * k + 1] = own
 
 
 def solve_damped(jacobian: Array, count: int, mu: float, system: Array, x: Array) -> None:
@@ -172,7 +174,7 @@ class Dls(Options):
     compiled_search = staticmethod(search)
     method: ClassVar[str] = "dls"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        "Wampler 1986, Nakamura & Hanafusa 1986", rotation=True, orientation_alone=True
+        "Wampler 1986, Nakamura & Hanafusa 1986", rotation=True, orientation_alone=True, planes=True
     )
 
     iterations: int = count(200, 1, 1_000_000)

@@ -71,6 +71,8 @@ class Capabilities:
         Whether it avoids obstacles.
     preferences : bool
         Whether it minimises what is preferred among solutions.
+    planes : bool
+        Whether robots may have segments that bend in one plane only, or are locked bent.
     initial : bool
         Whether it begins from an initial configuration.
     routes : bool
@@ -87,6 +89,7 @@ class Capabilities:
     limits: tuple[str, ...] = ("length", "bend", "curvature")
     obstacles: bool = False
     preferences: bool = False
+    planes: bool = False
     initial: bool = True
     routes: bool = False
 
@@ -104,6 +107,9 @@ class Capabilities:
         """
         if not self.tool and not np.array_equal(robot.tool, np.eye(4)):
             raise InputError("robot.tool", f"not handled by the method {method}", robot.tool.tolist(), "no tool")
+        if not self.planes and not robot.drive.coordinates.free:
+            problem = f"locked bends, or bends in one plane, are not handled by the method {method}"
+            raise InputError("method", problem, method, "newton, dls, monte_carlo or learned")
 
     def refuse_targets(self, method: str, rows: Floats, segments: int) -> None:
         """Refuse targets `rows` (t, 15) that the method does not handle, for a robot of so many segments.

@@ -67,7 +67,7 @@ def project_to_limits(problem: Problem, q: Array, straight: Array) -> None:
     """Bring `q` (n, 3) within all limits; `straight` (n, 3) is scratch."""
     for k in range(q.shape[0]):
         put_vec(q, k, 0, project_segment(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
-    straighten(problem.actuation, q, straight)
+    straighten(problem.limits, problem.actuation, q, straight)
 
 
 def scatter(problem: Problem, work: Work, share: float) -> None:
@@ -169,7 +169,13 @@ class MonteCarlo(Options):
     compiled_search = staticmethod(search)
     method: ClassVar[str] = "monte_carlo"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        "Qin et al. 2022", rotation=True, orientation_alone=True, elbows=True, limits=LIMITS, obstacles=True
+        "Qin et al. 2022",
+        rotation=True,
+        orientation_alone=True,
+        elbows=True,
+        limits=LIMITS,
+        obstacles=True,
+        planes=True,
     )
 
     rounds: int = count(2000, 1, 1_000_000)

@@ -127,6 +127,7 @@ class Newton(Options):
         limits=LIMITS,
         obstacles=True,
         preferences=True,
+        planes=True,
         routes=True,
     )
 

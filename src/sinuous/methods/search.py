@@ -235,7 +235,7 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
         single_arc(problem.limits, check.frames, tip, goal, q)
         return t.ARC
     scattered(problem.limits, number, seed, widest(number), q)
-    face(problem.targets, check.frames, problem.tool, q)
+    face(problem.limits, problem.targets, check.frames, problem.tool, q)
     return t.RANDOM
 
 

@@ -21,9 +21,9 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
-from sinuous.kernels.packing import actuator_row, scales_of
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.kernels.packing import actuator_row
 from sinuous.model.actuators import UNLIMITED, Actuators, Lines, Motors, Stage
+from sinuous.model.coordinates import Coordinates
 from sinuous.model.elastic import Elastic
 from sinuous.model.names import line_names, refuse_repeated
 from sinuous.model.segment import Segment, segment_names
@@ -84,9 +84,13 @@ class Actuation(Frozen):
     ----------
     segments : sequence of Segment
     linear : Actuators or None
+    curvatures : sequence of float (n,)
+        The largest ones of segments.
 
     Attributes
     ----------
+    coordinates : Coordinates
+        What of a configuration can move.
     actuators : tuple of Actuator
         Segment by segment, tendons before chambers before the stage, then `linear`.
     motors : Motors
@@ -108,6 +112,7 @@ class Actuation(Frozen):
 
     actuators: tuple[Actuator, ...]
     motors: Motors
+    coordinates: Coordinates
     elastic: Elastic | None
     limits: Floats
     scales: Floats
@@ -115,7 +120,7 @@ class Actuation(Frozen):
     _sums: NDArray[np.intp]
     _matrix: Floats
 
-    def __init__(self, segments: Sequence[Segment], linear: Actuators | None) -> None:
+    def __init__(self, segments: Sequence[Segment], linear: Actuators | None, curvatures: Sequence[float]) -> None:
         count = len(segments)
         names = segment_names(segments)
         refuse_repeated((f"segments[{k}].name", name) for k, name in enumerate(names))
@@ -141,7 +146,11 @@ class Actuation(Frozen):
         motors = Motors(gain, offset, tuple(each.unit for each in listed))
         self._set(actuators=listed, motors=motors, **arrays)
         stretching = list(_elastic(segments))
-        self._set(elastic=Elastic(segments, self.jacobian, stretching) if stretching else None)
+        rigid = np.array(self.limits)
+        rigid[[place for place, _, _ in stretching]] = UNLIMITED
+        coordinates = Coordinates(segments, curvatures, self.jacobian, rigid)
+        elastic = Elastic(segments, coordinates, self.jacobian, stretching) if stretching else None
+        self._set(coordinates=coordinates, elastic=elastic)
 
     def __len__(self) -> int:
         return len(self.actuators)
@@ -203,9 +212,9 @@ class Actuation(Frozen):
     def limit_rows(self) -> Iterator[list[float]]:
         """Yield the rows of the table of limits for tendons and chambers; those of `Actuators` see `coupled_rows`."""
         lines = zip(self.actuators, self._weights.tolist(), self.limits.tolist(), strict=False)
-        for each, weights, (low, high) in lines:
-            if math.isfinite(low) or math.isfinite(high):
-                last = each.segment - 1
+        for i, (each, weights, (low, high)) in enumerate(lines):
+            last = each.segment - 1
+            if (math.isfinite(low) or math.isfinite(high)) and self.coordinates.sees(self.jacobian[i]):
                 yield actuator_row(0 if each.kind == "tendon" else last, last, weights, (low, high))
 
     def excess(self, q: Floats) -> Floats:
@@ -305,7 +314,7 @@ ROUNDING = 1e-13
 """Relative to its values: how near to a limit the straight robot counts as on it, and what the limit is eased by."""
 
 
-def coupled_rows(linear: Actuators, scales: Floats, limits: Floats) -> Iterator[list[float]]:
+def coupled_rows(linear: Actuators, scales: Floats, coordinates: Coordinates) -> Iterator[list[float]]:
     """Yield the rows of the table for those whose limits can be violated at all.
 
     Parameters
@@ -313,31 +322,31 @@ def coupled_rows(linear: Actuators, scales: Floats, limits: Floats) -> Iterator[
     linear : Actuators
     scales : ndarray (m,)
         What their displacements are divided by, so that they count in the length unit.
-    limits : ndarray (n, 18)
-        Rows of the segments, laid out as `sinuous.kernels.tables` says.
+    coordinates : Coordinates
 
     Raises
     ------
     InputError
         When a row has limits and is of another form, or when a straight robot would violate them.
     """
-    moves = scales_of(limits) > 0.0
-    lengths = limits[:, [MIN_LENGTH, MAX_LENGTH]]
     rows = zip(linear.matrix, linear.displacements.tolist(), scales, strict=True)
     for i, (row, (least, most), scale) in enumerate(rows):
         weights = row.reshape(-1, 3)
-        if math.isfinite(least) or math.isfinite(most):
-            with checks.inside(f"actuators.limits[{i}]"):
-                straight = _straight(weights, lengths)
-                if not _contains((least, most), straight):
-                    low, high = linear.motors.limits_of_values(np.tile(straight, (len(scales), 1)))[i]
-                    wanted = f"limits that contain [{low:g}, {high:g}]"
-                    raise InputError("", "excludes straight robots", linear.limits[i], wanted)
-                if (weights[:, :2] * moves[:, :2]).any():  # otherwise straight robots have all its values
-                    slack = _slack(straight)
-                    eased = min(least, straight[0] - slack), max(most, straight[1] + slack)
-                    first, last, *numbers = _row(weights, eased, linear.limits[i], moves, lengths)
-                    yield [first, last, *(number / scale for number in numbers)]
+        if not math.isfinite(least) and not math.isfinite(most):
+            continue
+        with checks.inside(f"actuators.limits[{i}]"):
+            straight = _straight(weights, coordinates.lengths)
+            if coordinates.may_be_straight and not _contains((least, most), straight):
+                low, high = linear.motors.limits_of_values(np.tile(straight, (len(scales), 1)))[i]
+                wanted = f"limits that contain [{low:g}, {high:g}]"
+                raise InputError("", "excludes straight robots", linear.limits[i], wanted)
+            slack = _slack(straight)
+            eased = min(least, straight[0] - slack), max(most, straight[1] + slack)
+            pair = eased if coordinates.may_be_straight else (least, most)
+            seen = coordinates.moving(weights)
+            if seen[:, :2].any() or (seen.any() and not coordinates.free):  # else straight robots have all its values
+                first, last, *numbers = _row(weights, pair, linear.limits[i], seen, coordinates)
+                yield [first, last, *(number / scale for number in numbers)]
 
 
 def _straight(weights: Floats, lengths: Floats) -> tuple[float, float]:
@@ -358,17 +367,17 @@ def _contains(pair: tuple[float, float], straight: tuple[float, float]) -> bool:
 
 
 def _row(
-    weights: Floats, pair: tuple[float, float], given: tuple[float, float], moves: NDArray[np.bool_], lengths: Floats
+    weights: Floats, pair: tuple[float, float], given: tuple[float, float], seen: Floats, coordinates: Coordinates
 ) -> list[float]:
-    seen = np.where(moves, weights, 0.0)
+    """Row of a limit whose weights (n, 3) are `seen` of what can move: on one segment, or alike up to one."""
     last = int(np.flatnonzero(seen.any(axis=1))[-1])
-    fixed = np.where(moves[:, 2], 0.0, lengths[:, 0])
-    constant = float(weights[:, 2] @ fixed)
+    constant = float((weights * coordinates.origin).sum())
     if not seen[:last].any():
-        return actuator_row(last, last, seen[last].tolist(), (pair[0] - constant, pair[1] - constant))
-    common = [seen[: last + 1, c][moves[: last + 1, c]] for c in range(3)]
-    if any((column != column[0]).any() for column in common if len(column)):
+        own = seen[last]
+        shift = float(own @ coordinates.origin[last]) - constant
+        return actuator_row(last, last, own.tolist(), (pair[0] + shift, pair[1] + shift))
+    shared = coordinates.common(seen[: last + 1])
+    if shared is None:
         raise InputError("", "", given, "none: its weights are not on one segment, nor equal from the first up to one")
-    shared = [float(column[0]) if len(column) else 0.0 for column in common]
-    shift = shared[2] * float(fixed[: last + 1].sum()) - constant
-    return actuator_row(0, last, shared, (pair[0] + shift, pair[1] + shift))
+    shift = float((coordinates.origin[: last + 1] @ shared).sum()) - constant
+    return actuator_row(0, last, shared.tolist(), (pair[0] + shift, pair[1] + shift))

@@ -26,6 +26,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.model.actuators import Lines
+from sinuous.model.coordinates import Coordinates
 from sinuous.model.segment import COORDINATES, Segment
 from sinuous.model.tension_rows import Forces, LineGroup, LineLimits, TensionRows
 
@@ -158,6 +159,8 @@ class Elastic(Frozen):
     Parameters
     ----------
     segments : sequence of Segment
+    coordinates : Coordinates
+        What of a configuration can move.
     jacobian : ndarray (m, 3 n)
         Of the displacements of all actuators.
     lines : sequence of (int, Lines, int)
@@ -167,8 +170,8 @@ class Elastic(Frozen):
     ----------
     places : ndarray of int (e,)
         The elastic ones among all actuators.
-    determined : ndarray of bool (n, 3)
-        Coordinates that they and the stiffness of the segments determine.
+    determined : ndarray of bool (c,)
+        Which of the coordinates they and the stiffness of the segments determine.
     limits : ndarray (e, 2)
         Of tensions.
     bounded : bool
@@ -191,20 +194,30 @@ class Elastic(Frozen):
     _lengths: Floats
     _varies: NDArray[np.bool_]
     springs: Springs
-    _columns: NDArray[np.intp]
+    _basis: Floats
+    _owner: NDArray[np.intp]
+    _stretches: NDArray[np.intp]
     _groups: tuple[LineGroup, ...]
 
-    def __init__(self, segments: Sequence[Segment], jacobian: Floats, lines: Sequence[tuple[int, Lines, int]]) -> None:
+    def __init__(
+        self,
+        segments: Sequence[Segment],
+        coordinates: Coordinates,
+        jacobian: Floats,
+        lines: Sequence[tuple[int, Lines, int]],
+    ) -> None:
         places = np.array([place for place, _, _ in lines], np.intp)
         own = jacobian[places]
-        determined = _determined(segments, own, np.delete(jacobian, places, axis=0))
-        columns = np.flatnonzero(determined.ravel())
+        determined = _determined(segments, coordinates, own, np.delete(jacobian, places, axis=0))
+        basis, owner = np.ascontiguousarray(coordinates.basis[:, determined]), coordinates.owner[determined]
+        stretches = coordinates.stretches[determined].astype(np.intp)
         low, high = np.array([segment.length for segment in segments]).T
-        lengths = 0.5 * (low + high)
+        lengths, (least, most) = 0.5 * (low + high), coordinates.lengths.T
         rest = np.stack([*np.array([s.rest for s in segments]).T, lengths], axis=1)
         one_sided = np.array([each.one_sided for _, each, _ in lines])
         stiffness = np.array([each.stiffnesses[j] for _, each, j in lines])
-        springs = Springs(np.zeros(len(columns)), rest.ravel()[columns], own[:, columns], stiffness, one_sided)
+        springs = Springs(np.zeros(len(owner)), rest.ravel() @ basis, own @ basis, stiffness, one_sided)
+        loose = (coordinates.stretches & ~determined).nonzero()[0]
         self._set(
             places=places,
             determined=determined,
@@ -212,19 +225,21 @@ class Elastic(Frozen):
             _bounds=np.array([each.displacements[j] for _, each, j in lines]),
             _jacobian=own,
             _rod=_rod(segments),
-            _lengths=lengths,
-            _varies=(low < high) & ~determined[:, 2],
-            _columns=columns,
+            _lengths=np.where(least == most, least, lengths),
+            _varies=np.isin(np.arange(len(segments)), coordinates.owner[loose]),
+            _basis=basis,
+            _owner=owner,
+            _stretches=stretches,
             springs=springs,
         )
         self._set(springs=self._springs_at(rest[None]))
-        _refuse_loose(segments, self.springs, columns)
+        _refuse_loose(segments, self.springs, owner)
         ends = [int(np.flatnonzero(row)[-1]) // 3 for row in own]
-        groups = tuple(_groups(springs, columns, ends))
+        groups = tuple(_groups(springs, owner, ends))
         free = np.isneginf(self._bounds[:, 0]) & np.isposinf(self._bounds[:, 1]) & np.isposinf(self.limits[:, 1])
         free &= ~one_sided | np.isin(np.arange(len(own)), [i for g in groups if g.common.any() for i in g.lines])
         held = sum(np.linalg.matrix_rank(springs.arms[np.ix_(g.lines, g.coordinates)]) for g in groups)
-        self._set(_groups=groups, bounded=not (free.all() and held == len(columns)))
+        self._set(_groups=groups, bounded=not (free.all() and held == len(owner)))
 
     def beyond(self, tensions: Floats) -> Floats:
         """By how much tensions (..., e) are outside their limits, as a stretch in the length unit; 0 within."""
@@ -237,8 +252,8 @@ class Elastic(Frozen):
         elastic = displacements[..., self.places]
         pulled = np.broadcast_to(elastic, (*q.shape[:-2], len(self.places))).reshape(len(there), -1)
         own = equilibrium(self._springs_at(there), pulled - self._carried(there))
-        there.reshape(len(there), -1)[:, self._columns] = own
-        return there.reshape(q.shape)
+        flat = there.reshape(len(there), -1)
+        return (self._others(flat) + own @ self._basis.T).reshape(q.shape)
 
     def tensions(self, displacements: Floats, q: Floats) -> Floats:
         """Tensions (..., e) of elastic lines in configurations (..., n, 3), at displacements (..., m) of all."""
@@ -260,7 +275,7 @@ class Elastic(Frozen):
         rigid = x @ self._jacobian.T
         low, high = np.moveaxis(springs.stiffness[:, None] * (self._bounds - rigid[..., None]), -1, 0)
         low, high = np.maximum(self.limits[:, 0], low), np.minimum(self.limits[:, 1], high)
-        needed = springs.resistance * (x[:, self._columns] - springs.rest)
+        needed = springs.resistance * (x @ self._basis - springs.rest)
         tensions, short = np.zeros_like(rigid), np.zeros_like(rigid)
         for group in self._groups:
             mine = group.lines
@@ -272,38 +287,35 @@ class Elastic(Frozen):
             outside = np.maximum(low[:, mine] - tension, tension - high[:, mine])
             unheld = np.linalg.norm(left, axis=1, keepdims=True) / group.arm
             short[:, mine] = np.where(np.isfinite(outside), outside, -np.inf) / springs.stiffness[mine]
-            short[:, mine] = np.maximum(short[:, mine], (unheld - BALANCE * group.hold) / springs.stiffness[mine])
+            told, missing = group.told, unheld - BALANCE * group.hold
+            short[:, told] = np.maximum(short[:, told], missing / springs.stiffness[told])
         return Balance(tensions, short)
 
     @cached_property
     def rows(self) -> TensionRows:
         """What limits of tension ask of shapes, row by row."""
-        springs, count = self.springs, len(self._lengths)
+        springs = self.springs
         limits = LineLimits(springs.arms, springs.stiffness, self.limits, self._bounds, self._jacobian)
-        own, shortest = self._columns // 3, SHORTEST * float(self._lengths.sum())
+        own, shortest = self._owner, SHORTEST * float(self._lengths.sum())
         lengths = np.maximum(self._lengths[own], shortest)
-        forces = Forces(
-            self._columns,
-            self._rod.reshape(3 * count)[self._columns],
-            springs.rest,
-            lengths,
-            self._varies[own],
-            shortest,
-        )
+        rod = self._rod[own, 2 * self._stretches]
+        forces = Forces(self._basis, own, rod, springs.rest, lengths, self._varies[own], shortest)
         return TensionRows(self._groups, limits, forces, BALANCE)
 
     def _carried(self, q: Floats) -> Floats:
         """What coordinates that rigid actuators determine make of the displacements (N, e)."""
-        others = np.array(q.reshape(len(q), -1))
-        others[:, self._columns] = 0.0
-        return others @ self._jacobian.T
+        return self._others(q.reshape(len(q), -1)) @ self._jacobian.T
+
+    def _others(self, x: Floats) -> Floats:
+        """Configurations (N, 3 n) without what these determine."""
+        return x - (x @ self._basis) @ self._basis.T
 
     def _springs_at(self, q: Floats) -> Springs:
         """The springs of configurations (N, n, 3): a segment that rigid actuators lengthen is softer."""
         lengths = np.where(self._varies, q[..., 2], self._lengths) if self._varies.any() else self._lengths
         least = np.maximum(lengths, SHORTEST * self._lengths.sum())
-        resists = (self._rod / least[..., None]).reshape(*lengths.shape[:-1], -1)
-        return self.springs._replace(resistance=resists[..., self._columns])
+        resists = self._rod / least[..., None]
+        return self.springs._replace(resistance=resists[..., self._owner, 2 * self._stretches])
 
 
 def _common(common: Floats, tension: Floats, low: Floats) -> Floats:
@@ -324,41 +336,40 @@ def _rod(segments: Sequence[Segment]) -> Floats:
     return np.stack([bend, bend, stretch], axis=1)
 
 
-def _determined(segments: Sequence[Segment], elastic: Floats, rigid: Floats) -> NDArray[np.bool_]:
-    """Coordinates (n, 3) that elastic lines, with these weights (e, 3 n), and the stiffness of segments determine.
+def _determined(
+    segments: Sequence[Segment], coordinates: Coordinates, elastic: Floats, rigid: Floats
+) -> NDArray[np.bool_]:
+    """Coordinates (c,) that elastic lines, with these weights (e, 3 n), and the stiffness of segments determine.
 
     Refused where rigid actuators, with weights (r, 3 n), move the same.
     """
-    n = len(segments)
-    bends = np.array([segment.max_bend > 0.0 for segment in segments])
-    varies = np.array([segment.length[0] < segment.length[1] for segment in segments])
-    moves = np.stack([bends, bends, varies], axis=1)
-    pulled = moves & (elastic.reshape(-1, n, 3) != 0.0).any(axis=0)
-    driven = moves & (rigid.reshape(-1, n, 3) != 0.0).any(axis=0)
-    for k, c in np.argwhere(pulled & driven):
-        problem = f"a rigid actuator moves {COORDINATES[c]}, which elastic ones pull at"
+    pulled, driven = ((rows @ coordinates.basis != 0.0).any(axis=0) for rows in (elastic, rigid))
+    for c in np.flatnonzero(pulled & driven):
+        k, which = int(coordinates.owner[c]), int(np.argmax(np.abs(coordinates.basis[:, c]))) % 3
+        problem = f"a rigid actuator moves {COORDINATES[which]}, which elastic ones pull at"
         raise InputError(f"segments[{k}]", problem, segments[k], "stiffness for all tendons and chambers, or for none")
-    resists = np.array([segment.stiffness is not None for segment in segments])
-    return pulled | (moves & ~driven & resists[:, None] & [True, True, False])
+    resists = np.array([segment.stiffness is not None for segment in segments])[coordinates.owner]
+    result: NDArray[np.bool_] = pulled | (~driven & resists & ~coordinates.stretches)
+    return result
 
 
-def _refuse_loose(segments: Sequence[Segment], springs: Springs, columns: NDArray[np.intp]) -> None:
+def _refuse_loose(segments: Sequence[Segment], springs: Springs, owner: NDArray[np.intp]) -> None:
     """Refuse a robot some coordinate of which nothing holds when its one-sided lines are slack."""
     hold = springs.hessian(~springs.one_sided[None])[0]
-    hold /= max(float(np.abs(hold).max()), np.finfo(float).tiny)
+    hold /= max(float(np.abs(hold).max(initial=0.0)), np.finfo(float).tiny)
     _, sizes, directions = np.linalg.svd(hold)
     loose = np.flatnonzero((np.abs(directions[sizes < RANK]) > RANK).any(axis=0))
     if len(loose):
-        k = int(columns[loose[0]]) // 3
+        k = int(owner[loose[0]])
         key, wanted = f"segments[{k}].stiffness", "the stiffness of what elastic lines bend, like {bend: EI}"
         raise InputError(key, "missing", segments[k].stiffness, wanted)
 
 
-def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Iterator[LineGroup]:
+def _groups(springs: Springs, owner: NDArray[np.intp], ends: list[int]) -> Iterator[LineGroup]:
     """Yield the lines that end at each segment, from the tip to the base."""
-    for k in sorted(set(ends), reverse=True):
+    for k in sorted({*ends, *owner.tolist()}, reverse=True):
         lines = np.array([i for i, end in enumerate(ends) if end == k], np.intp)
-        coordinates = np.flatnonzero(columns // 3 == k)
+        coordinates = np.flatnonzero(owner == k)
         arms = springs.arms[np.ix_(lines, coordinates)]
         if not len(coordinates):
             arms = np.zeros((len(lines), 0))
@@ -371,4 +382,5 @@ def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Ite
         hold = float(np.abs(springs.resistance[..., coordinates]).sum())
         arm = float(np.linalg.norm(arms, axis=1).max(initial=0.0)) or 1.0
         spread = np.asarray(np.linalg.pinv(arms.T, rcond=RANK), np.float64)
-        yield LineGroup(lines, coordinates, spread, common, arm, hold / arm)
+        told = lines if len(lines) else np.array([i for i, end in enumerate(ends) if end > k], np.intp)
+        yield LineGroup(lines, coordinates, spread, common, arm, hold / arm, told)

@@ -11,8 +11,6 @@ from sinuous.base.arguments import ActuatorValues, Batch
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, shown, warn_of
 from sinuous.base.frozen import Frozen
-from sinuous.kernels.packing import scales_of
-from sinuous.kernels.tables import MIN_LENGTH
 from sinuous.model.actuation import Actuation, flat, product
 from sinuous.model.actuators import Each, checked_each
 from sinuous.model.segment import COORDINATES
@@ -37,8 +35,6 @@ class Inverse(Frozen):
     Parameters
     ----------
     actuation : Actuation
-    limits : ndarray (n, 18)
-        Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Attributes
     ----------
@@ -51,29 +47,25 @@ class Inverse(Frozen):
     _of_reference: Floats
     _constant: Floats
 
-    def __init__(self, actuation: Actuation, limits: Floats) -> None:
-        scale = scales_of(limits)
-        moves = scale.ravel() > 0.0
-        jacobian = actuation.jacobian
-        system = jacobian[:, moves] * scale.ravel()[moves]
+    def __init__(self, actuation: Actuation) -> None:
+        coordinates, jacobian = actuation.coordinates, actuation.jacobian
+        basis, scale = coordinates.basis, coordinates.scales
+        system = (jacobian @ basis) * scale
         norms = np.linalg.norm(system, axis=1, keepdims=True)
         _, sizes, directions = np.linalg.svd(system / np.where(norms > 0.0, norms, 1.0))
         rank = int((sizes > RANK).sum())
-        loose = np.zeros(scale.shape, np.bool_)
-        loose.ravel()[moves] = np.linalg.norm(directions[rank:], axis=0) > np.sqrt(RANK)
+        loose = np.linalg.norm(directions[rank:], axis=0) > np.sqrt(RANK)
         if actuation.elastic is not None:
             loose &= ~actuation.elastic.determined
         u, s, vt = np.linalg.svd(system, full_matrices=False)
-        inverse = np.zeros((scale.size, len(actuation)))
-        inverse[moves] = scale.ravel()[moves, None] * ((vt[:rank].T / s[:rank]) @ u[:, :rank].T)
-        fixed = np.where([False, False, True] & ~moves.reshape(scale.shape), limits[:, [MIN_LENGTH]], 0.0).ravel()
-        # reference + inverse (displacements - jacobian reference), where what is fixed replaces it in the reference
-        rest = np.eye(scale.size) - inverse @ jacobian
+        inverse = basis @ (scale[:, None] * ((vt[:rank].T / s[:rank]) @ u[:, :rank].T))
+        # origin + inverse (displacements - jacobian origin), with what of the reference can move added to the origin
+        rest = np.eye(len(basis)) - inverse @ jacobian
         arrays = {
-            "undetermined": loose,
+            "undetermined": (basis[:, loose] != 0.0).any(axis=1).reshape(-1, 3),
             "_of_displacements": inverse,
-            "_of_reference": np.where(moves, rest, 0.0),
-            "_constant": rest @ fixed,
+            "_of_reference": (rest @ basis) @ basis.T,
+            "_constant": rest @ coordinates.origin.ravel(),
         }
         for array in arrays.values():
             array.flags.writeable = False

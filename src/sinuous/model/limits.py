@@ -3,6 +3,7 @@
 The thickness of the body is a limit of curvature where the body must not run through itself.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.arguments import LimitKind
 from sinuous.base.checks import Floats
+from sinuous.kernels.packing import BendLine
 from sinuous.model.actuation import Actuation
 from sinuous.model.segment import Segment
 
@@ -65,8 +67,10 @@ class ShapeLimits:
 
     def __init__(self, segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation) -> None:
         self._numbers = np.arange(1, len(segments) + 1)
-        self._low, self._high = np.array([segment.length for segment in segments]).T
-        self._bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in segments])
+        bends = actuation.coordinates.bends
+        self._low, self._high = actuation.coordinates.lengths.T
+        self._bends = np.array([math.inf if isinstance(each, BendLine) else each for each in bends])
+        self._planar = [(k, each) for k, each in enumerate(bends) if isinstance(each, BendLine)]
         self._curved = np.flatnonzero(np.isfinite(curvatures))
         self._curvatures = np.array(curvatures)[self._curved]
         self._actuation = actuation
@@ -93,7 +97,10 @@ class ShapeLimits:
         """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""
         bends, lengths = np.hypot(q[..., 0], q[..., 1]), q[..., 2]
         yield "length", self._numbers, np.maximum(self._low - lengths, lengths - self._high)
-        yield "bend", self._numbers, bends - self._bends
+        beyond = bends - self._bends
+        for k, line in self._planar:
+            beyond[..., k] = line.distance(q[..., k, :2])
+        yield "bend", self._numbers, beyond
         if len(self._curved) > 0:
             allowed = self._curvatures * np.maximum(lengths[..., self._curved], 0.0)
             yield "curvature", self._numbers[self._curved], bends[..., self._curved] - allowed

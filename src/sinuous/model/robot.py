@@ -27,15 +27,17 @@ from sinuous.base.documents import counted, described, write_document
 from sinuous.base.entrance import Renamed, door
 from sinuous.base.errors import InputError, answers_attributes
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
+from sinuous.base.words import listed, number
 from sinuous.kernels import packing
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
+from sinuous.model.home import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
 from sinuous.model.poses import as_pose
-from sinuous.model.segment import Segment, Stiffness, segment_names
+from sinuous.model.segment import Locked, Segment, Stiffness, segment_names
 from sinuous.model.tension_rows import TensionRows
 
 
@@ -62,8 +64,14 @@ class Uncertainty(Frozen):
         self._set(bound=checks.one_each("bound", bound, None, "segment"))
         self._set(level=checks.number("level", level, above=0.0, high=1.0))
 
-    def __str__(self) -> str:
+    @property
+    def confidence(self) -> str:
+        """At which level the bound holds: `at 95 %`."""
         return f"at {100.0 * self.level:.3g} %"
+
+    def __str__(self) -> str:
+        bounds = self.bound if isinstance(self.bound, tuple) else (self.bound,)
+        return f"{listed(map(number, bounds))} {self.confidence}"
 
 
 if TYPE_CHECKING:
@@ -243,14 +251,13 @@ class Robot(NotebookMixin, Frozen):
         needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
         own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
         curvatures = curvature_limits(listed, own, self_collision == "avoid")
-        drive = Actuation(listed, actuators)
-        table = packing.segment_table(
-            [
-                packing.segment_row(segment.length, segment.max_bend, curvature, radius, thick)
-                for segment, curvature, radius, thick in zip(listed, curvatures, needed, own, strict=True)
-            ]
-        )
-        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)
+        drive = Actuation(listed, actuators, curvatures)
+        held = drive.coordinates
+        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, held)
+        actuation = packing.actuator_table([*drive.limit_rows(), *coupled])
+        homes = find_home(held, actuation)
+        rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
+        table = packing.segment_table([packing.segment_row(*row) for row in rows])
         self._set(
             segments=listed,
             segment_names=names,
@@ -270,7 +277,7 @@ class Robot(NotebookMixin, Frozen):
             needed_radii=needed,
             self_radii=own,
             limits=table,
-            actuation=packing.actuator_table([*drive.limit_rows(), *coupled]),
+            actuation=actuation,
             drive=drive,
         )
 
@@ -295,6 +302,27 @@ class Robot(NotebookMixin, Frozen):
         segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
         return cls([segment] * number, **whole)
 
+    def locked(self, coordinates: Mapping[Which, Locked | None]) -> "Robot":
+        """Return the robot with coordinates that hold a value, as those of a section that is stuck.
+
+        Parameters
+        ----------
+        coordinates : mapping from segments (their names, or numbers, 1 = first) to (bend_x, bend_y, length)
+            None for a coordinate that is free, and None instead of all three frees a segment.
+
+        Raises
+        ------
+        InputError
+            When a segment is unknown, or cannot have these values: see `Segment`.
+        """
+        checks.instance("coordinates", coordinates, Mapping, "a mapping from segments to (bend_x, bend_y, length)")
+        segments = list(self.segments)
+        for which, held in coordinates.items():
+            number = segment_number("coordinates", which, self.segment_names)
+            with checks.inside(f"coordinates.{which}"):
+                segments[number - 1] = segments[number - 1].changed(locked=held)
+        return self.changed(segments=segments)
+
     def changed(self, **values: Unpack[RobotArguments]) -> "Robot":
         """Return the same robot with other values of some parameters."""
         return self._changed(values)
@@ -312,6 +340,11 @@ class Robot(NotebookMixin, Frozen):
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
         return 0.5 * sum(sum(segment.length) for segment in self.segments)
+
+    @property
+    def largest_bends(self) -> tuple[float, ...]:
+        """Norm of the largest bend of each segment, rad; curvature may allow less."""
+        return self.drive.coordinates.largest_bends
 
     @property
     def avoids_itself(self) -> bool:
@@ -349,8 +382,43 @@ class Robot(NotebookMixin, Frozen):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What may surprise: segments that are too thick for their own limits."""
-        return tuple(held_back(self.segments, self.self_radii, self.curvatures))
+        """What may surprise: segments that are too thick for their own limits, and what `coordinate_notes` say."""
+        return (*held_back(self.segments, self.self_radii, self.curvatures), *self.coordinate_notes)
+
+    @cached_property
+    def held_notes(self) -> tuple[str, ...]:
+        """What is locked or bends in one plane, and why: what results say of it."""
+        return tuple(self.drive.coordinates.notes(self.segment_names))
+
+    @cached_property
+    def coordinate_notes(self) -> tuple[str, ...]:
+        """What is locked or bends in one plane, and why; and lengths that no actuator moves."""
+        return (
+            *self.held_notes,
+            *self._open_notes,
+            *(f"no actuator moves length of {name}; give it a stage, or one length" for name in self._loose_lengths),
+        )
+
+    @property
+    def _open_notes(self) -> tuple[str, ...]:
+        """What actuators that bend the robot move, but do not determine."""
+        if not self.drive.jacobian.reshape(-1, len(self), 3)[..., :2].any():
+            return ()
+        lengths = {f"length of {name} (" for name in self._loose_lengths}
+        left = [each for each in self.undetermined if not any(each.startswith(name) for name in lengths)]
+        return (f"actuators alone do not determine {some_of(left)}",) if left else ()
+
+    @property
+    def _loose_lengths(self) -> tuple[str, ...]:
+        """Names of segments with a range of lengths that no actuator moves, where the robot has actuators."""
+        if not len(self.drive):
+            return ()
+        moved = (self.drive.jacobian.reshape(-1, len(self), 3)[..., 2] != 0.0).any(axis=0)
+        if self.drive.elastic is not None:
+            own = self.drive.elastic.determined & self.drive.coordinates.stretches
+            moved[self.drive.coordinates.owner[own]] = True
+        low, high = self.drive.coordinates.lengths.T
+        return tuple(self.segment_names[k] for k in np.flatnonzero((low < high) & ~moved))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the robot as a problem file says it: plain values that make an equal robot."""
@@ -677,7 +745,7 @@ class Robot(NotebookMixin, Frozen):
 
     @cached_property
     def _inverse(self) -> Inverse:
-        return Inverse(self.drive, self.limits)
+        return Inverse(self.drive)
 
 
 def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payload, ...]) -> Floats:

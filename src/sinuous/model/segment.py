@@ -1,9 +1,9 @@
 """One piece of a robot that bends into a circular arc and may stretch, and the arc parameters of the literature."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypedDict, Unpack
+from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
 
@@ -13,8 +13,12 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import described, plain
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call, text
+from sinuous.kernels.packing import BendLine
 from sinuous.model.actuators import Chambers, Stage, Tendons
 from sinuous.model.names import optional_name
+
+AXIS = 1e-15
+"""Sine of an angle up to which a direction is along an axis."""
 
 COORDINATES = ("bend_x", "bend_y", "length")
 """Names of the numbers that a configuration has for a segment: rad, rad, and the length unit."""
@@ -83,11 +87,15 @@ MOST_ARCS = 1000
 """Arcs of one segment under load."""
 
 
+Locked = Vector | Sequence[Number | None]
+"""Values that bend_x and bend_y (rad) and the length hold; None for one that is free."""
+
+
 class SegmentArguments(TypedDict, total=False):
     """Arguments of `Segment`."""
 
     length: Limits
-    max_bend: Number
+    max_bend: Limits
     max_curvature: Number | None
     radius: Number
     tendons: Tendons | None
@@ -98,6 +106,8 @@ class SegmentArguments(TypedDict, total=False):
     rest: Vector
     arcs: Whole
     mass: Number
+    plane: Number | None
+    locked: Locked | None
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -109,8 +119,9 @@ class Segment(Frozen):
     length : float or (float, float)
         Length of the backbone, or its range; one number means inextensible. The lower end may be 0 (an insertion
         stage).
-    max_bend : float
-        Largest norm of the bending vector, rad; 0 = the segment cannot bend.
+    max_bend : float or (float, float)
+        Largest norm of the bending vector, rad; 0 = the segment cannot bend. With a `plane`, the least and the largest
+        bend in it, or one number for both sides.
     max_curvature : float, optional
         Largest bend divided by length, in 1 / length unit.
     radius : float
@@ -131,12 +142,25 @@ class Segment(Frozen):
         Of how many arcs it is under load (`Robot.shape`); without a load all of them are alike.
     mass : float
         Per length; its weight is mass x gravity.
+    plane : float, optional
+        It bends in one plane only, in the direction of this angle about the tangent (rad, from bend_x to bend_y) and
+        against it. Across the plane it has its `rest`.
+    locked : (float, float, float), optional
+        Values that bend_x, bend_y and the length hold, as where it is stuck; None for one that is free. A bend may be
+        beyond `max_bend`, which says how far it may be bent; a length must be within `length`.
+
+    Attributes
+    ----------
+    length, max_bend
+        What `locked` leaves of them: the range of the length, and the largest norm of the bend.
+    bends : float or BendLine
+        Bends that it may have: the largest one to all sides, or those in one plane.
 
     Raises
     ------
     InputError
         When a limit is negative, NaN, or the wrong way round, or when the straight segment breaks a limit of its
-        chambers, or a stage is to move a segment whose length is fixed.
+        chambers, a stage is to move a segment whose length is fixed, or a pair of bends has no plane.
     """
 
     length: tuple[float, float]
@@ -151,11 +175,18 @@ class Segment(Frozen):
     rest: Floats
     arcs: int
     mass: float
+    plane: float | None
+    locked: tuple[float | None, ...] | None
+    bends: float | BendLine
+    own_length: tuple[float, float]
+    own_max_bend: float | tuple[float, float]
+
+    _arguments: ClassVar[Mapping[str, str]] = {"length": "own_length", "max_bend": "own_max_bend"}
 
     def __init__(
         self,
         length: Limits,
-        max_bend: Number = math.pi,
+        max_bend: Limits = math.pi,
         max_curvature: Number | None = None,
         radius: Number = 0.0,
         tendons: Tendons | None = None,
@@ -167,6 +198,8 @@ class Segment(Frozen):
         rest: Vector = (0.0, 0.0),
         arcs: Whole = 1,
         mass: Number = 0.0,
+        plane: Number | None = None,
+        locked: Locked | None = None,
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -185,9 +218,20 @@ class Segment(Frozen):
             raise InputError("stage", "there is nothing to move", stage, f"a length that changes, not {low:g}")
         if stiffness is not None and not isinstance(stiffness, Stiffness):
             stiffness = Stiffness(checks.number("stiffness", stiffness, above=0.0))
+        angle = None if plane is None else checks.number("plane", plane)
+        most = _bend_limits(max_bend, plane)
+        held = None if locked is None else _locked(locked, (low, high))
+        bent = checks.array("rest", rest, (2,))
+        bends = _bends(most, angle, held, bent)
+        fixed = (low, high) if held is None or held[2] is None else (held[2], held[2])
         self._set(
-            length=(low, high),
-            max_bend=checks.number("max_bend", max_bend, low=0.0),
+            length=fixed,
+            own_length=(low, high),
+            max_bend=bends if isinstance(bends, float) else bends.largest,
+            own_max_bend=most,
+            bends=bends,
+            plane=angle,
+            locked=held,
             max_curvature=curvature,
             radius=checks.number("radius", radius, low=0.0),
             tendons=tendons,
@@ -195,7 +239,7 @@ class Segment(Frozen):
             name=optional_name(name),
             stage=stage,
             stiffness=stiffness,
-            rest=checks.array("rest", rest, (2,)),
+            rest=bent,
             arcs=checks.integer("arcs", arcs, 1, MOST_ARCS),
             mass=checks.number("mass", mass, low=0.0),
         )
@@ -206,8 +250,8 @@ class Segment(Frozen):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the segment as a problem file says it."""
-        low, high = self.length
-        return described(self) | {"length": plain(low if low == high else self.length)}
+        low, high = self.own_length
+        return described(self) | {"length": plain(low if low == high else self.own_length)}
 
     def __repr__(self) -> str:
         low, high = self.length
@@ -217,7 +261,78 @@ class Segment(Frozen):
             f"{len(own.angles)} {key}" for key in ("tendons", "chambers") if (own := getattr(self, key)) is not None
         ]
         driven = lines if self.stage is None else [*lines, "stage"]
-        return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
+        bent = [] if self.plane is None else [f"plane={self.plane:g}"]
+        held = [] if self.locked is None else [f"locked={text(self.locked)}"]
+        most = f"max_bend={text(self.own_max_bend)}" if isinstance(self.own_max_bend, tuple) else ""
+        most = most or f"max_bend={self.own_max_bend:g}"
+        return call("Segment", [*name, shown, *bent, most, *held, f"radius={self.radius:g}", *driven])
+
+
+def _bend_limits(max_bend: Limits, plane: Number | None) -> float | tuple[float, float]:
+    """Check the largest bend, or with a plane the least and the largest one in it."""
+    if plane is None:
+        if np.iterable(max_bend) and not isinstance(max_bend, (str, bytes, dict)):
+            raise InputError("max_bend", "a pair without a plane", max_bend, "one number, or plane, too")
+        most: Any = max_bend
+        return checks.number("max_bend", most, low=0.0)
+    if np.iterable(max_bend):
+        return checks.interval("max_bend", max_bend)
+    alone: Any = max_bend
+    return checks.number("max_bend", alone, low=0.0)
+
+
+def _locked(value: Locked, length: tuple[float, float]) -> tuple[float | None, ...] | None:
+    """Check what is locked; nothing where all coordinates are free."""
+    wanted = "[bend_x, bend_y, length], with null for what is free"
+    entries: Any = list(value) if np.iterable(value) and not isinstance(value, (str, bytes, dict)) else []
+    if len(entries) != len(COORDINATES):
+        raise InputError("locked", "", value, wanted)
+    held = tuple(None if e is None else checks.number(f"locked[{c}]", e) for c, e in enumerate(entries))
+    if held[2] is not None and not length[0] <= held[2] <= length[1]:
+        problem = "a length outside the limits of the segment"
+        raise InputError("locked[2]", problem, held[2], f"at least {length[0]:g} and at most {length[1]:g}")
+    return held if any(each is not None for each in held) else None
+
+
+def _bends(
+    most: float | tuple[float, float], plane: float | None, locked: tuple[float | None, ...] | None, rest: Floats
+) -> float | BendLine:
+    """Bends that a segment may have."""
+    x, y = (None, None) if locked is None else locked[:2]
+    if x is not None and y is not None:
+        return locked_bend((x, y))
+    if x is not None or y is not None:
+        if plane is not None:
+            raise InputError("locked", "with a plane", locked, "both bends, or none")
+        largest = most if isinstance(most, float) else max(map(abs, most))
+        value = abs(x or y or 0.0)
+        if value > largest:
+            raise InputError("locked", "leaves no bend within max_bend", locked, f"at most {largest:g} rad")
+        wide = math.sqrt(largest**2 - value**2)
+        return BendLine(*(((x, 0.0), (0.0, 1.0)) if x is not None else ((0.0, y or 0.0), (1.0, 0.0))), -wide, wide)
+    if plane is not None:
+        low, high = (-most, most) if isinstance(most, float) else most
+        along = direction_of(plane)
+        return BendLine(across(rest, along), along, low, high)
+    assert isinstance(most, float)
+    return locked_bend((float(rest[0]), float(rest[1]))) if most == 0.0 and rest.any() else most
+
+
+def direction_of(angle: float) -> tuple[float, float]:
+    """Unit vector of an angle (rad), with exact zeros along the axes."""
+    x, y = math.cos(angle), math.sin(angle)
+    return (math.copysign(1.0, x), 0.0) if abs(y) < AXIS else (0.0, math.copysign(1.0, y)) if abs(x) < AXIS else (x, y)
+
+
+def across(bend: Floats, along: tuple[float, float]) -> tuple[float, float]:
+    """What a bend (2,) has across a unit vector."""
+    part = float(along[0] * bend[1] - along[1] * bend[0])
+    return -part * along[1] + 0.0, part * along[0] + 0.0
+
+
+def locked_bend(value: tuple[float, float]) -> BendLine:
+    """Bends of a segment that has this one (rad) whatever happens."""
+    return BendLine(value, (1.0, 0.0), 0.0, 0.0)
 
 
 def coordinate_names(segments: Sequence[str]) -> list[str]:

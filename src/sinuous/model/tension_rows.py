@@ -25,7 +25,7 @@ HALVINGS = 12
 
 
 class LineGroup(NamedTuple):
-    """The elastic lines that end at one segment.
+    """The elastic lines that end at one segment; none where what runs through it alone holds it.
 
     Attributes
     ----------
@@ -41,6 +41,8 @@ class LineGroup(NamedTuple):
         The longest distance of a line from the backbone, or 1 for the length alone.
     hold : float
         Tension that bends the segment by 1 rad.
+    told : ndarray of int
+        The lines that are said to be short where the segment is not held: those that end here, or else run through.
     """
 
     lines: NDArray[np.intp]
@@ -49,6 +51,7 @@ class LineGroup(NamedTuple):
     common: Floats
     arm: float
     hold: float
+    told: NDArray[np.intp]
 
 
 class LineLimits(NamedTuple):
@@ -66,8 +69,10 @@ class Forces(NamedTuple):
 
     Attributes
     ----------
-    columns : ndarray of int (c,)
-        Their coordinates, of the 3 n of a shape.
+    basis : ndarray (3 n, c)
+        Unit vectors along which they push.
+    owner : ndarray of int (c,)
+        Which segment each of them moves.
     rod, rest : ndarray (c,)
     lengths : ndarray (c,)
         Of their segments, where these do not change.
@@ -76,7 +81,8 @@ class Forces(NamedTuple):
         Length below which a segment is as stiff as one of this length.
     """
 
-    columns: NDArray[np.intp]
+    basis: Floats
+    owner: NDArray[np.intp]
     rod: Floats
     rest: Floats
     lengths: Floats
@@ -86,16 +92,16 @@ class Forces(NamedTuple):
     @property
     def of_length(self) -> NDArray[np.intp]:
         """The length of the segment of each (c,), of the 3 n coordinates."""
-        return self.columns // 3 * 3 + 2
+        return 3 * self.owner + 2
 
     def at(self, x: Floats) -> Floats:
         """Forces (..., c) of shapes (..., 3 n)."""
-        return self.rod * (x[..., self.columns] - self.rest) / self._lengths(x)
+        return self.rod * (x @ self.basis - self.rest) / self._lengths(x)
 
     def slopes(self, x: Floats) -> Floats:
         """Their derivative (c, 3 n) at a shape (3 n,)."""
-        result, rows, lengths = np.zeros((len(self.columns), len(x))), np.arange(len(self.columns)), self._lengths(x)
-        result[rows, self.columns] = self.rod / lengths
+        rows, lengths = np.arange(len(self.owner)), self._lengths(x)
+        result = (self.rod / lengths)[:, None] * self.basis.T
         softer = self.varies & (x[self.of_length] > self.least)
         result[rows[softer], self.of_length[softer]] -= (self.at(x) / lengths)[softer]
         return result
@@ -103,7 +109,7 @@ class Forces(NamedTuple):
     def curvature(self, x0: Floats, x1: Floats) -> Floats:
         """Greatest second derivative (..., c) on the straight way from shapes (..., 3 n) to others."""
         long, step = self._lengths(x0), self._lengths(x1) - self._lengths(x0)
-        off, change = x0[..., self.columns] - self.rest, x1[..., self.columns] - x0[..., self.columns]
+        off, change = x0 @ self.basis - self.rest, (x1 - x0) @ self.basis
         shortest = np.minimum(long, long + step)
         curve = 2.0 * np.abs(step) * self.rod * np.abs(off * step - change * long) / shortest**3
         inexact = self.varies & (shortest <= self.least) & (step != 0.0)
@@ -215,12 +221,12 @@ class TensionRows:
     def _unheld(self, group: LineGroup, left: Floats, balance: float) -> Iterator[TensionRow]:
         """Yield a row for every direction of moments that the lines of a group cannot hold."""
         _, sizes, directions = np.linalg.svd(left)
-        stiff = float(self._lines.stiffness[group.lines].min())
+        stiff = float(self._lines.stiffness[group.told].min(initial=np.inf))
         nothing, most = np.zeros(self._lines.jacobian.shape[1]), balance * group.hold / stiff
         for size, direction in zip(sizes, directions, strict=False):
-            if size > NEUTRAL:
+            if size > NEUTRAL and len(group.told):
                 weights = size * direction / (group.arm * stiff)
-                yield TensionRow(int(group.lines[0]), weights, nothing, -most, most)
+                yield TensionRow(int(group.told[0]), weights, nothing, -most, most)
 
     def _of_group(self, group: LineGroup) -> Iterator[TensionRow]:
         common = dict(zip(group.lines.tolist(), group.common.tolist(), strict=True))

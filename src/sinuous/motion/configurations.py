@@ -1,6 +1,5 @@
 """Configurations on the way: how far they are apart, and whether a robot can be there."""
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import cast
 
@@ -13,10 +12,12 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
+from sinuous.kernels.packing import BendLine
 from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.problem import ask_body
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Prover
 from sinuous.statics.rest import tensions_violated
 
@@ -58,23 +59,21 @@ def _levers_of(segments: tuple[Segment, ...]) -> Floats:
 
 def within_limits(robot: Robot, q: Floats) -> Floats:
     """Configurations brought within the limits of segments."""
-    low, high = np.array([segment.length for segment in robot.segments]).T
-    result = q.copy()
-    result[..., 2] = np.clip(q[..., 2], low, high)
-    most = np.array([segment.max_bend if segment.length[1] > 0.0 else 0.0 for segment in robot.segments])
-    curvatures = np.array(robot.curvatures)
-    with np.errstate(invalid="ignore"):  # no limit of curvature, and no length
-        allowed = np.fmin(most, curvatures * result[..., 2])
-    bends = np.hypot(q[..., 0], q[..., 1])
-    result[..., :2] *= np.where(bends > allowed, allowed / np.where(bends > 0.0, bends, 1.0), 1.0)[..., None]
-    return result
+    return robot.drive.coordinates.project(q)
 
 
 def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
-    """Draw a configuration (n, 3) within the limits of segments, evenly over the disc of bends and over lengths."""
+    """Draw a configuration (n, 3) within the limits of segments, evenly over the disc of bends and over lengths.
+
+    In a plane bends are drawn evenly between their limits.
+    """
     low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
     angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
     drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
+    for k, line in enumerate(robot.drive.coordinates.bends):
+        if isinstance(line, BendLine):
+            share = (bend[k] / most[k]) ** 2 if most[k] > 0.0 else 0.0
+            drawn[0][k], drawn[1][k] = line.at(line.low + share * (line.high - line.low))
     return within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
 
 
@@ -131,8 +130,12 @@ def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Wo
     """Return where a configuration (n, 3) overlaps an obstacle or itself at a time; `None` when no overlap is seen."""
     if prover.prove(np.stack([q, q]), slack=1.0, times=np.array([when, when]))[0, VERDICT] == CLEAR:
         return None
+    return overlap_of(robot, q, prover.scene.at(when))
+
+
+def overlap_of(robot: Robot, q: Floats, scene: Snapshot) -> Worst | None:
+    """Return where a configuration (n, 3) overlaps an obstacle or itself the deepest; `None` where none is seen."""
     asked = ask_body(robot, q, ())
-    worst = find_overlap(asked.body, prover.scene.at(when), asked.arcs)
-    worst = replace(worst, segment=asked.segment(worst.segment), other_segment=asked.segment(worst.other_segment))
+    worst = find_overlap(asked.body, scene, asked.arcs).on_robot(asked)
     # So near to contact that a proof fails: no overlap is seen.
     return worst if worst.amount > SLACK * robot.mean_length else None

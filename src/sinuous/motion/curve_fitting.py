@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import within_limits
 from sinuous.problem.curve import Curve
@@ -62,20 +61,22 @@ def fit_chains_along(robot: Robot, curve: Curve, depths: Floats, near: Floats | 
 def _laid(chains: "_Chains", curve: Curve, depths: Floats, q: Floats, always: bool) -> Floats:
     """Lead configurations (T, n, 3) to the curve; `always`: take every step."""
     robot = chains.robot
-    free = np.flatnonzero(scales_of(robot.limits))
+    coordinates = robot.drive.coordinates
+    free = np.flatnonzero(coordinates.unlocked)
+    basis = coordinates.basis[free]
     if len(free) == 0 or len(q) == 0:
         return q
     nudges = np.where(free % 3 == 2, NUDGE * robot.mean_length, NUDGE)
     mu = np.full(len(depths), DAMPING)
     residual, tangents = chains.residual(curve, depths, q)
     for _ in range(ROUNDS):
-        jacobian = chains.jacobian(q, tangents, free, nudges)
+        jacobian = chains.jacobian(q, tangents, free, nudges) @ basis
         transposed = jacobian.swapaxes(1, 2)
         normal, pull = transposed @ jacobian, transposed @ residual[..., None]
         scale = np.einsum("tii->ti", normal) + 1e-12 * np.einsum("tii->t", normal)[:, None]
         np.einsum("tii->ti", normal)[:] += mu[:, None] * scale
         tried = q.reshape(len(q), -1).copy()
-        tried[:, free] -= np.linalg.solve(normal, pull)[..., 0]
+        tried[:, free] -= np.linalg.solve(normal, pull)[..., 0] @ basis.T
         tried = within_limits(robot, tried.reshape(q.shape))
         new, new_tangents = chains.residual(curve, depths, tried)
         before, after = (residual**2).sum(axis=1), (new**2).sum(axis=1)

@@ -148,7 +148,8 @@ class Job(Frozen):
             if isinstance(obstacle, Mesh)
             for defect in obstacle.defects
         ]
-        return (*defects, *all_suspicions(self.robot, self.scene.snapshot(), self.waypoints))
+        suspicious = all_suspicions(self.robot, self.scene.snapshot(), self.waypoints)
+        return (*defects, *suspicious, *self.robot.coordinate_notes)
 
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()

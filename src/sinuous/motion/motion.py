@@ -26,6 +26,7 @@ from sinuous.model.robot import Robot
 from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.departure import Departure, Leg, find_departure, legs_between, measured_tips, tip_poses
+from sinuous.motion.overlaps import overlap_on_the_way
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import lines_between
 from sinuous.scene.scene import SceneLike, as_snapshot, entries_of
@@ -150,7 +151,9 @@ class Motion(NotebookMixin, Frozen):
         place = as_snapshot(scene)
         when = np.arange(float(len(knots))) if times is None else checks.increasing("times", times, len(knots))
         steps = prove_steps(robot, place, knots, times=when)
-        self._put_together(robot, place, knots, when, steps, Report(notes=notes))
+        overlap = overlap_on_the_way(robot, place, knots, when, steps)
+        ended = None if overlap is None else Status.BLOCKED
+        self._put_together(robot, place, knots, when, steps, Report(notes=notes, ended=ended, blocking=overlap))
 
     @classmethod
     def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, found: Report) -> Self:
@@ -169,7 +172,9 @@ class Motion(NotebookMixin, Frozen):
     def status(self) -> Status:
         """`solved` when every waypoint is and the whole motion is proved; `unproved` when only the proof lacks.
 
-        Else the status of the first waypoint that is not solved, or `time_limit` when waypoints were not tried.
+        Else the status of the first waypoint that is not solved, or `time_limit` when waypoints were not tried. Of a
+        motion from elsewhere `blocked` where it was seen to overlap an obstacle or itself, or to be nearer to one than
+        is demanded: see `worst`.
         `left_path` when all is proved, but the tip left the line between two waypoints, which it may not.
         """
         if self._ended is not None:
@@ -243,7 +248,10 @@ class Motion(NotebookMixin, Frozen):
 
     @property
     def worst(self) -> Worst | None:
-        """The constraint that is farthest from being met, of the first waypoint that is not solved."""
+        """The constraint that is farthest from being met, of the first waypoint that is not solved.
+
+        Of a motion from elsewhere that is `blocked`: where it was seen to overlap the deepest, with step and time.
+        """
         found = next((solution.worst for solution in self.solutions if solution.worst is not None), None)
         return self._blocking if found is None else found
 
@@ -323,6 +331,7 @@ class Motion(NotebookMixin, Frozen):
             return type(self)(self.robot, self.q[::-1], self.scene, times)
         last, tried = len(self.q) - 1, len(self.solutions)
         found = self._report(
+            blocking=None if self._blocking is None else self._blocking.at_times(self.times[::-1], times),
             solutions=self.solutions[::-1],
             waypoint_knots=tuple(None if knot is None else last - knot for knot in self.waypoint_knots[::-1]),
             reconfigured=tuple(tried + 2 - number for number in self.reconfigured[::-1] if 1 < number <= tried),
@@ -347,7 +356,8 @@ class Motion(NotebookMixin, Frozen):
 
     def with_times(self, times: Floats, ended: Status | None = None) -> Self:
         """Return the same motion at other times (T,), among obstacles that stand still; perhaps ended otherwise."""
-        found = self._report(ended=self._ended if ended is None else ended)
+        blocking = None if self._blocking is None else self._blocking.at_times(self.times, times)
+        found = self._report(ended=self._ended if ended is None else ended, blocking=blocking)
         return self.made(self.robot, self.scene, self.q, times, self.steps, found)
 
     def resampled(self, rate: Number) -> Self:
@@ -364,14 +374,10 @@ class Motion(NotebookMixin, Frozen):
         q = tables.interpolate(self.times, self.q, times) if len(self.q) else self.q
         if len(q) < 2:
             raise InputError("motion", "has less than two knots", self, "a motion with steps")
-        return self.made(
-            self.robot,
-            self.scene,
-            q,
-            times,
-            lines_between(self.robot, self.scene, self.times, self.steps, times, q),
-            Report(),
-        )
+        steps = lines_between(self.robot, self.scene, self.times, self.steps, times, q)
+        overlap = overlap_on_the_way(self.robot, self.scene, q, times, steps) if self._ended is Status.BLOCKED else None
+        found = Report() if overlap is None else Report(ended=Status.BLOCKED, blocking=overlap)
+        return self.made(self.robot, self.scene, q, times, steps, found)
 
     def deviation(self, curve: "Rows | Curve", between: Whole = 4) -> "Deviation":
         """Measure how far the tip and the body are off a curve, by independent sampling.
@@ -730,6 +736,9 @@ def _sentence(motion: Motion) -> str:
     if motion.status is Status.LEFT_PATH:
         return f"{begun}; {left_in_words(motion)}"
     if motion.worst is not None:
+        if motion.worst.step is not None:
+            less = " or is nearer than is demanded" if motion.robot._demands_clearance else ""
+            begun = f"a place of the body was seen that overlaps{less}"
         return f"{begun}; {motion.worst}"
     if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:
         return f"{begun}; {motion.status.sentence}"

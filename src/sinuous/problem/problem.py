@@ -255,12 +255,13 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
     reached, radius = 0.0, robot.needed_radii[0]
     ramps: list[Ramp] = []
     if robot.mount > 0.0:
-        for segment, own, curvature in zip(robot.segments, robot.needed_radii, robot.curvatures, strict=True):
+        of_each = robot.segments, robot.needed_radii, robot.curvatures, robot.largest_bends
+        for segment, own, curvature, bend in zip(*of_each, strict=True):
             # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
             radius = min(radius, own)
             low, high = segment.length
-            tightest = min(curvature, segment.max_bend / low if low > 0.0 else math.inf)
-            ramps.append((reached, tightest, min(segment.max_bend, curvature * high, math.pi)))
+            tightest = min(curvature, bend / low if low > 0.0 else math.inf)
+            ramps.append((reached, tightest, min(bend, curvature * high, math.pi)))
             reached += low
             if reached > robot.mount:
                 break

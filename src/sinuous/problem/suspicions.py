@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from sinuous.base import words
+from sinuous.model.limits import held_back
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
 from sinuous.scene.mesh import Mesh
@@ -38,7 +39,8 @@ FULL_TURN = 2.0 * math.pi
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
-    return [*_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *robot.notes, *_of_obstacles(robot, scene)]
+    thick = held_back(robot.segments, robot.self_radii, robot.curvatures)
+    return [*_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick, *_of_obstacles(robot, scene)]
 
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:

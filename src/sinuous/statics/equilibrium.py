@@ -196,6 +196,7 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
     """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad)."""
     owners = body_of(robot).owners
     alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
+    alone |= {"plane": None, "locked": None, "rest": (0.0, 0.0)}
     most = [2.0 * np.pi if each.max_bend > 0.0 or each.stiffness is not None else 0.0 for each in robot.segments]
     segments = [
         robot.segments[k].changed(length=float(length), max_bend=most[k], arcs=1, mass=0.0, **alone)

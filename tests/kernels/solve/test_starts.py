@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve import starts
+from sinuous.kernels.tables import SEGMENT_WIDTH
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
@@ -106,7 +107,9 @@ def test_shapes_cover_the_limits_evenly() -> None:
 def faced(q: Floats, base: Floats, tool: Floats, targets: list[Target]) -> Floats:
     turned = q.copy()
     table = np.concatenate([target.table for target in targets])
-    starts.face(table, frames_of(np.zeros((len(q), 3)), base), pose_row(tool), turned)
+    starts.face(
+        np.zeros((len(q), SEGMENT_WIDTH)), table, frames_of(np.zeros((len(q), 3)), base), pose_row(tool), turned
+    )
     return turned
 
 

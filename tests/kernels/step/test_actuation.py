@@ -43,7 +43,7 @@ def draw(rng: np.random.Generator, size: float) -> Floats:
 
 def draw_within(rng: np.random.Generator) -> Floats:
     q = draw(rng, rng.choice([0.1, 1.0]))
-    actuation.straighten(TABLE, q, np.empty_like(q))
+    actuation.straighten(ROBOT.limits, TABLE, q, np.empty_like(q))
     assert excess(q) <= 1e-12
     return q
 
@@ -53,7 +53,7 @@ def test_straighten_bends_less_until_all_limits_are_kept(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q = draw(rng, rng.choice([0.01, 0.3, 3.0]))
     held = q.copy()
-    actuation.straighten(TABLE, held, np.empty_like(q))
+    actuation.straighten(ROBOT.limits, TABLE, held, np.empty_like(q))
     assert excess(held) <= 1e-12
     np.testing.assert_array_equal(held[:, 2], q[:, 2])
     factor = held[0, 0] / q[0, 0]
@@ -120,7 +120,7 @@ def test_a_bound_step_moves_up_to_the_limits_and_not_beyond(seed: int) -> None:
     rows.value[-3:] = rng.normal(size=3) * rng.choice([0.01, 0.3, 1.0])
     columns, step = columns_of(q), np.empty((N, 3))
     root, mean, bound = np.empty((N, 9)), np.zeros((N, 3)), np.empty(N, np.int64)
-    limits.release(ROBOT.limits, root, bound)
+    limits.release(ROBOT.limits, root, mean, bound)
     for _ in range(len(TABLE) + 1):
         sweeps.forward(columns, root, mean, rows, 1e-3, True)
         sweeps.backward(columns, root, mean, rows, step, True)

@@ -78,7 +78,7 @@ def within(rng: np.random.Generator) -> Floats:
 def workspace() -> tuple[Floats, Floats, Any]:
     n = len(SEGMENTS)
     root, mean, bound = np.full((n, 9), np.nan), np.zeros((n, 3)), np.full(n, 9, np.int64)
-    limits.release(TABLE, root, bound)
+    limits.release(TABLE, root, mean, bound)
     return root, mean, bound
 
 

@@ -16,7 +16,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.frozen import call
 from sinuous.base.parameter_groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.packing import scales_of
+from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.model.elastic import Elastic
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
@@ -199,17 +199,18 @@ class Derivative:
 
     def _one_way(self, tangent: Floats) -> Floats:
         """Motion (3 n,) where parameters begin to move along `tangent` (p,): what is active only pushes."""
-        rows, targets, scale = self._rows.rows, self._rows.targets, scales_of(self._problem.robot.limits).ravel()
+        rows, targets, limits = self._rows.rows, self._rows.targets, self._problem.robot.limits
+        scale, turns = scales_of(limits).ravel(), turns_of(limits)
         moves = scale > 0.0
         direct = direct_motion(self._plan) @ tangent
         values = self._rows.sides @ tangent - rows @ direct
-        scaled = rows[:, moves] * scale[moves]
+        scaled = (rows @ turns)[:, moves] * scale[moves]
         kept = Kept(scaled[:targets], scaled[targets:], None)
         least = least_motion(kept, values[:targets], values[targets:], np.zeros(len(scaled.T)))
         if np.isnan(least).any():
             return np.full(len(scale), np.nan)
         moved: Floats = direct.copy()
-        moved[moves] += scale[moves] * least
+        moved += turns[:, moves] @ (scale[moves] * least)
         return moved
 
 
@@ -240,8 +241,8 @@ def direct_motion(plan: DerivativePlan) -> Floats:
     """What parameters move by themselves (3 n, p)."""
     direct = fixed_lengths(plan)
     if plan.asked[a.INITIAL] >= 0:
-        own = np.flatnonzero(scales_of(plan.robot.limits).ravel() > 0.0)
-        direct[own, plan.asked[a.INITIAL] + own] = 1.0
+        basis, first = plan.robot.drive.coordinates.basis, plan.asked[a.INITIAL]
+        direct[:, first : first + len(basis)] += basis @ basis.T
     return direct
 
 

@@ -11,7 +11,6 @@ from sinuous.base.checks import Floats
 from sinuous.base.parameter_groups import TWIST, read_names
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import ACTUATOR_NUMBER, CIRCLE, RADIUS_OF
-from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot, robot_group
 from sinuous.model.segment import coordinate_names
 from sinuous.problem.problem import Problem, settings_group
@@ -208,15 +207,16 @@ def circles_of(robot: Robot) -> tuple[tuple[str, int, float], ...]:
 
 def _limited(robot: Robot) -> tuple[int, ...]:
     """Of each row of `Robot.actuation` the number of its actuator; the order is that of `packing.actuator_table`."""
-    moves = scales_of(robot.limits) > 0.0
-    found = []
+    coordinates, found = robot.drive.coordinates, []
     for number, actuator in enumerate(robot.drive.actuators):
         if not np.isfinite(robot.drive.limits[number]).any():
             continue
-        seen = robot.drive.jacobian[number].reshape(-1, 3) * moves
+        seen = coordinates.moving(robot.drive.jacobian[number].reshape(-1, 3))
         if actuator.kind != "linear":
-            found.append((actuator.segment - 1, number))
-        elif seen[:, :2].any():  # otherwise straight robots have all its values, and kernels see no limit
+            if coordinates.sees(robot.drive.jacobian[number]):
+                found.append((actuator.segment - 1, number))
+        elif seen[:, :2].any() or (seen.any() and not coordinates.free):
+            # Otherwise straight robots have all its values, and kernels see no limit.
             found.append((int(np.flatnonzero(seen.any(axis=1))[-1]), number))
     return tuple(number for _, number in sorted(found, key=lambda pair: pair[0]))
 

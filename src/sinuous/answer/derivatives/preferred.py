@@ -17,7 +17,7 @@ from sinuous.answer.derivatives.rows import RANK, Kept, KeptRows, fixed_lengths,
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import CIRCLE, RADIUS_OF
-from sinuous.kernels.packing import scales_of
+from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.kernels.velocity.layout import (
     ACTUATOR_LIMIT,
     BEND_LIMIT,
@@ -98,9 +98,9 @@ def follow_minimum(problem: Problem, q: Floats, plan: DerivativePlan, wish: Wish
                 return None
             direct = fixed_lengths(plan)
             moved = system.motion(rows.sides - rows.rows @ direct, system.mixed(plan))
-            return None if moved is None else Minimum(q, system.scale[:, None] * moved + direct)
+            return None if moved is None else Minimum(q, system.turns @ (system.scale[:, None] * moved) + direct)
         share = min(1.0, LONGEST / float(np.linalg.norm(step)))
-        q = q + share * (system.scale * step).reshape(q.shape)
+        q = q + share * (system.turns @ (system.scale * step)).reshape(q.shape)
         if not _is_near(q, begin, wish, robot):  # nor where the step is NaN
             return None
         rows = rows.at(q)
@@ -112,8 +112,9 @@ def _is_near(q: Floats, begin: Floats, wish: Wish, robot: Robot) -> bool:
     way = np.abs(q - begin)
     reach = float(way[:, :2].sum() * q[:, 2].sum() + way[:, 2].sum())
     clear = wish.preferences.clearance == 0.0 or reach < wish.spare
-    scales = scales_of(robot.limits)
-    return clear and float(np.linalg.norm(way / np.where(scales > 0.0, scales, 1.0))) < FARTHEST
+    scales = scales_of(robot.limits)[:, 2]
+    way[:, 2] /= np.where(scales > 0.0, scales, 1.0)
+    return clear and float(np.linalg.norm(way)) < FARTHEST
 
 
 class _System:
@@ -121,22 +122,23 @@ class _System:
 
     def __init__(self, problem: Problem, q: Floats, wish: Wish, rows: KeptRows) -> None:
         self._problem, self._q, self._wish, self._rows = problem, q, wish, rows
-        self.scale = scales_of(problem.robot.limits).ravel()
-        weight = np.where(self.scale > 0.0, wish.preferences.start, 0.0).reshape(q.shape)
+        self.scale, self.turns = scales_of(problem.robot.limits).ravel(), turns_of(problem.robot.limits)
+        moves = self.scale.reshape(q.shape)[:, [0, 0, 2]] > 0.0
+        weight = np.where(moves, wish.preferences.start, 0.0)
         weight[:, 2] /= np.where(self.scale[2::3] > 0.0, self.scale[2::3], 1.0) ** 2
         self._weight = weight
         bends = np.array([1.0, 1.0, 0.0]) * wish.preferences.bends
         reference = q if wish.reference is None else wish.reference
         self._pull_back = weight * (q - reference)
-        slope = (self._pull_back + bends * q).ravel() * self.scale
-        self._rows_scaled = rows.rows * self.scale
+        slope = ((self._pull_back + bends * q).ravel() @ self.turns) * self.scale
+        self._rows_scaled = (rows.rows @ self.turns) * self.scale
         forces = np.linalg.lstsq(self._rows_scaled.T, slope, rcond=RANK)[0]
         self._slope = slope
         limits = forces[rows.targets :]
         self.pushes = bool((limits > PUSHING * (1.0 + np.abs(slope).max())).all())
         self._forces = forces * rows.about[:, a.ROW_FACTOR]
         curvature = np.diag((weight + bends).ravel()) - self._of_targets() - self._of_limits()
-        self._bent = self.scale[:, None] * curvature
+        self._bent = self.scale[:, None] * (self.turns.T @ curvature)
 
     def step(self) -> Floats:
         """Step (3 n,) of Newton's method within the limits, in the metric; NaN where there is none.
@@ -145,12 +147,13 @@ class _System:
         """
         moves, targets = self.scale > 0.0, self._rows.targets
         limits = list(limits_of(self._problem.robot, self._q))
-        least = -np.array([each.gradient.ravel() for each in limits]).reshape(-1, len(moves)) * self.scale
+        least = -np.array([each.gradient.ravel() for each in limits]).reshape(-1, len(moves))
+        least = (least @ self.turns) * self.scale
         sizes = np.linalg.norm(least, axis=1)
         kept = sizes > 0.0
         bounds = -np.array([each.slack for each in limits])[kept] / sizes[kept]
         free = self._free(targets)
-        inner = self._bent * self.scale
+        inner = (self._bent @ self.turns) * self.scale
         flattest = float(np.linalg.eigvalsh(free.T @ inner @ free).min(initial=np.inf))
         inner = (inner + max(0.0, CONVEX - flattest) * np.eye(len(moves)))[np.ix_(moves, moves)]
         program = Kept(self._rows_scaled[:targets, moves], (least[kept] / sizes[kept, None])[:, moves], inner)
@@ -161,7 +164,7 @@ class _System:
     def motion(self, values: Floats, slopes: Floats) -> Floats | None:
         """Motions (3 n, p) that give rows these values (r, p) where the Lagrangian has more slopes (3 n, p)."""
         least = np.linalg.lstsq(self._rows_scaled, values, rcond=RANK)[0] if len(values) else np.zeros_like(slopes)
-        inner, free = self._bent * self.scale, self._free(len(self._rows_scaled))
+        inner, free = (self._bent @ self.turns) * self.scale, self._free(len(self._rows_scaled))
         reduced = free.T @ inner @ free
         if np.linalg.eigvalsh(reduced).min(initial=np.inf) <= PUSHING * np.abs(inner).max():
             return None
@@ -206,7 +209,7 @@ class _System:
             ):
                 bends = np.where(np.arange(len(row)) % 3 < 2, row, 0.0) / about[a.ROW_FACTOR]
                 change[:, asked[a.TENDONS] + int(line[CIRCLE])] -= force * bends / line[RADIUS_OF]
-        return self.scale[:, None] * change + self._bent @ fixed_lengths(plan)
+        return self.scale[:, None] * (self.turns.T @ change) + self._bent @ fixed_lengths(plan)
 
     @cached_property
     def _pulls(self) -> "list[_Pull]":

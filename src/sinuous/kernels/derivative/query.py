@@ -15,7 +15,14 @@ from sinuous.kernels.chain.kinematics import forward_with_columns
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.derivative import layout as d
 from sinuous.kernels.derivative.layout import Workspace, carve_workspace
-from sinuous.kernels.derivative.rows import add_contacts, add_limits, add_self_contacts, add_targets, normalise
+from sinuous.kernels.derivative.rows import (
+    add_contacts,
+    add_equalities,
+    add_limits,
+    add_self_contacts,
+    add_targets,
+    normalise,
+)
 from sinuous.kernels.derivative.sides import fill_sides, move_directly
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.buffers import cut
@@ -109,7 +116,9 @@ def _find_rows(problem: Problem, work: Workspace) -> tuple[int, int, float, int]
     """Fill the rows at `work.q`; returns all, those of targets, their largest residual, and bits of a status."""
     forward_with_columns(work.q, work.frames, work.columns)
     targets, residual = add_targets(problem, work)
+    targets, full = add_equalities(problem, work, targets)
     count, told = add_limits(problem, work, targets, NEAR_BY)
+    told |= full
     count, more = add_contacts(problem.scene, problem, work, count, problem.margin)
     told |= more
     count, more = add_self_contacts(problem, work, count, problem.margin)

@@ -27,10 +27,19 @@ from sinuous.kernels.maths.vectors import (
     scale,
     sub,
     transpose,
+    vec_mat,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.actuation import runs_through
-from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.step.actuation import is_equality, runs_through
+from sinuous.kernels.step.limits import (
+    bend_cap,
+    bends_in_plane,
+    curved_bend,
+    free_root,
+    in_plane,
+    plane_range,
+    possible_bend,
+)
 from sinuous.kernels.step.targets import (
     X,
     Y,
@@ -62,6 +71,9 @@ SEARCH_PIECES = 16
 CLOSEST_COSINE, MOST_EVALUATIONS = 1e-11, 60
 """Cosine between gradient and tangent at which a place is the closest, and most evaluations for it: at a place beside
 it, what moves it along the body would count."""
+
+LIMITS_IN_PLANE = 6
+"""Most limits of a segment that bends in one plane: of its length, its bend and its curvature, to either side."""
 
 SAME = 1e-6
 """Difference of fractions of a segment up to which two places are one."""
@@ -140,7 +152,7 @@ def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) ->
     """
     limits, q, at, capacity, told = problem.limits, work.q, first, work.rows.shape[0], 0
     for k in range(q.shape[0]):
-        if at + 4 > capacity:
+        if at + (LIMITS_IN_PLANE if bends_in_plane(limits, k) else 4) > capacity:
             return at, v.TOO_MANY
         turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
         low, high = q[k, 2] - limits[k, t.MIN_LENGTH], limits[k, t.MAX_LENGTH] - q[k, 2]
@@ -155,6 +167,10 @@ def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) ->
         bend = math.hypot(q[k, 0], q[k, 1])
         cap = bend_cap(limits, k, q[k, 2])
         if turning == 0.0:
+            continue
+        if bends_in_plane(limits, k):
+            at, kink = _add_in_plane(limits, work, at, k, near_by)
+            told |= kink
             continue
         if cap <= near_by:
             told |= v.KINK
@@ -173,18 +189,57 @@ def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) ->
     return at, told | full
 
 
+def _add_in_plane(limits: Array, work: Workspace, first: int, k: int, near_by: float) -> tuple[int, int]:
+    """The same for the bend of segment `k` in its plane."""
+    at, z = first, in_plane(limits, k, work.q[k, 0], work.q[k, 1])
+    low, high = plane_range(limits, k, work.q[k, 2])
+    if high - low <= near_by:
+        return at, v.KINK
+    most, growth = curved_bend(limits, k, work.q[k, 2])
+    size = 1.0 + growth * limits[k, t.LENGTH_SCALE]
+    for i in range(2):
+        side = 1.0 - 2.0 * i
+        slack = limits[k, t.HIGH_BEND] - z if i == 0 else z - limits[k, t.LOW_BEND]
+        if _is_active(slack, 1.0, near_by):
+            _begin(work, at, BEND_LIMIT, k, -1, 1, slack)
+            put_vec(work.rows, at, 3 * k, (-side * limits[k, t.PLANE], -side * limits[k, t.PLANE + 1], 0.0))
+            at += 1
+        if math.isfinite(most) and _is_active(most - side * z, size, near_by):
+            _begin(work, at, CURVATURE_LIMIT, k, -1, 1, most - side * z)
+            put_vec(work.rows, at, 3 * k, (-side * limits[k, t.PLANE], -side * limits[k, t.PLANE + 1], growth))
+            at += 1
+    return at, 0
+
+
+def add_equalities(problem: Problem, work: Workspace, first: int) -> tuple[int, int]:
+    """Write a row for every limit of an actuator that leaves one value, from row `first` on: met as targets are."""
+    at, table = first, problem.actuation
+    for j in range(table.shape[0]):
+        if is_equality(table, j):
+            if at == work.rows.shape[0]:
+                return at, v.TOO_MANY
+            last = int(table[j, t.LAST_SEGMENT])
+            _begin(work, at, ACTUATOR_LIMIT, last, j, 1, 0.0)
+            for k in range(0 if runs_through(table, j) else last, last + 1):
+                put_vec(work.rows, at, 3 * k, scale(-1.0, get_vec(table, j, t.WEIGHTS)))
+            at += 1
+    return at, 0
+
+
 def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float) -> tuple[int, int]:
     limits, table, at = problem.limits, problem.actuation, first
     for j in range(table.shape[0]):
+        if is_equality(table, j):
+            continue
         last = int(table[j, t.LAST_SEGMENT])
         begin = 0 if runs_through(table, j) else last
         weights = get_vec(table, j, t.WEIGHTS)
         value = square = 0.0
         for k in range(begin, last + 1):
             value += dot(weights, get_vec(work.q, k, 0))
+            seen = vec_mat(weights, free_root(limits, k))
             for i in range(3):
-                moves = limits[k, t.BEND_SCALE] if i < 2 else limits[k, t.LENGTH_SCALE]
-                square += (weights[i] * moves) ** 2
+                square += seen[i] ** 2
         for side in range(2):
             slack = table[j, t.MAX_VALUE] - value if side == 1 else value - table[j, t.MIN_VALUE]
             if _is_active(slack, math.sqrt(square), near_by):
@@ -271,11 +326,14 @@ def add_self_contacts(problem: Problem, work: Workspace, first: int, keep: float
 def normalise(limits: Array, work: Workspace, count: int) -> None:
     """Bring the first `count` rows to length 1 in the metric: rad, and mean lengths of the segment.
 
-    A row that nothing moves stays as it is.
+    A row that nothing moves stays as it is. Across the planes of bends rows see nothing.
     """
     for at in range(count):
         square = 0.0
         for k in range(work.q.shape[0]):
+            if bends_in_plane(limits, k):
+                bends = possible_bend(limits, k, work.rows[at, 3 * k], work.rows[at, 3 * k + 1])
+                work.rows[at, 3 * k], work.rows[at, 3 * k + 1] = bends
             turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
             x, y, z = turning * work.rows[at, 3 * k], turning * work.rows[at, 3 * k + 1], work.rows[at, 3 * k + 2]
             square += x * x + y * y + (stretching * z) ** 2

@@ -12,6 +12,7 @@ from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, cross, dot, get_vec, mat_vec, put_vec, scale, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import runs_through
+from sinuous.kernels.step.limits import bends_in_plane, possible_bend
 from sinuous.kernels.step.targets import end_segment
 from sinuous.kernels.velocity.layout import (
     ACTUATOR_LIMIT,
@@ -76,6 +77,11 @@ def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
             for i in range(3):
                 if i < 2 or problem.limits[k, t.LENGTH_SCALE] > 0.0:
                     moved[3 * k + i, asked[d.INITIAL] + 3 * k + i] = 1.0
+            if bends_in_plane(problem.limits, k):
+                for i in range(2):
+                    own = possible_bend(problem.limits, k, 1.0 - i, float(i))
+                    moved[3 * k, asked[d.INITIAL] + 3 * k + i] = own[0]
+                    moved[3 * k + 1, asked[d.INITIAL] + 3 * k + i] = own[1]
 
 
 def _of_target(problem: Problem, asked: Array, work: Workspace, at: int, wrench: tuple[Vec, Vec]) -> None:

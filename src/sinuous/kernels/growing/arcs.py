@@ -5,10 +5,10 @@ import math
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose
 from sinuous.kernels.growing.guide import Guide
-from sinuous.kernels.maths.vectors import Mat, Vec, get_vec, mat_mat, mat_vec, norm, sub, transpose, vec_mat
+from sinuous.kernels.maths.vectors import Array, Mat, Vec, get_vec, mat_mat, mat_vec, norm, sub, transpose, vec_mat
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import bend_cap, project_segment
-from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, RADIUS
+from sinuous.kernels.step.limits import bend_cap, bends_in_plane, plane_bend, plane_range, project_segment
+from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, RADIUS
 
 Start = tuple[Mat, Vec]
 """Rotation and position of the end of a chain."""
@@ -29,7 +29,7 @@ LENGTH_INSET = 0.05
 """How far these lengths stay from the limits, as a share of what lies between: at a limit nothing can give way."""
 
 STRAIGHT_LENGTHS = 8
-"""Lengths of a segment that cannot bend."""
+"""Lengths of a segment that cannot bend, or is locked."""
 
 GOLDEN = 0.618034
 """Share of the range by which lengths of arcs on rays differ: neighbours have lengths far apart."""
@@ -89,9 +89,16 @@ def _lengths_of(problem: Problem, k: int) -> int:
 def count_of(problem: Problem, k: int) -> int:
     """How many arcs of segment `k` are tried beyond a chain."""
     lengths = _lengths_of(problem, k)
-    if problem.limits[k, MAX_BEND] > 0.0:
+    if problem.limits[k, BEND_SCALE] > 0.0:
         return lengths * (AIMS + 1) + ARC_RINGS * ARC_RAYS
     return STRAIGHT_LENGTHS if lengths > 1 else 1
+
+
+def _straightest(limits: Array, k: int, length: float) -> Vec:
+    """The arc of segment `k` with this length that bends the least."""
+    if bends_in_plane(limits, k):
+        return project_segment(limits, k, 0.0, 0.0, length)
+    return 0.0, 0.0, length
 
 
 def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, fraction: float) -> Vec:
@@ -102,8 +109,8 @@ def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], 
     """
     limits, (k, number) = problem.limits, which
     low, high = limits[k, MIN_LENGTH], limits[k, MAX_LENGTH]
-    if limits[k, MAX_BEND] == 0.0:
-        return 0.0, 0.0, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0)
+    if limits[k, BEND_SCALE] == 0.0:
+        return _straightest(limits, k, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0))
     lengths = _lengths_of(problem, k)
     if number < lengths * (AIMS + 1):
         aim, variant = number // lengths, number % lengths
@@ -111,12 +118,17 @@ def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], 
             fraction = LENGTH_INSET if variant == 1 else 1.0 - LENGTH_INSET
         length = low + fraction * (high - low)
         if aim == AIMS:
-            return 0.0, 0.0, length
+            return _straightest(limits, k, length)
         x, y = aimed(start, _aim(guide, start, aim, seen, length), length)
         return project_segment(limits, k, x, y, length)
     number -= lengths * (AIMS + 1)
     ring, ray = number // ARC_RAYS, number % ARC_RAYS
     length = low + (GOLDEN * number % 1.0) * (high - low)
+    if bends_in_plane(limits, k):
+        low, high = plane_range(limits, k, length)
+        z = 0.5 * (low + high) + SPARED * (high - low) * ((number + 0.5) / (ARC_RINGS * ARC_RAYS) - 0.5)
+        x, y = plane_bend(limits, k, z)
+        return x, y, length
     bend = SPARED * bend_cap(limits, k, length) * (ring + 1.0) / ARC_RINGS
     angle = 2.0 * math.pi * (ray + 0.5 * (ring % 2) + 0.25 * (k % 2)) / ARC_RAYS
     return bend * math.cos(angle), bend * math.sin(angle), length

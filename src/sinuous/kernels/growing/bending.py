@@ -20,8 +20,8 @@ from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.growing.arcs import Start, end_of, thickness
 from sinuous.kernels.maths.vectors import Vec, add, cross, dot, mat_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import project_segment
-from sinuous.kernels.tables import MAX_BEND, MIN_LENGTH, ROUNDOFF
+from sinuous.kernels.step.limits import bends_in_plane, possible_bend, project_segment
+from sinuous.kernels.tables import BEND_SCALE, MIN_LENGTH, ROUNDOFF
 
 New = tuple[Start, int, float]
 """Where a segment begins, which one it is, and the length of the chain before it."""
@@ -155,12 +155,14 @@ def _press(
                 pressure += missing * missing * step
                 _, g = obstacle(scene, which, p, d)
                 x, y = _row(start, q, s, p, g)
+                x, y = possible_bend(problem.limits, new[1] - 1 + part, x, y)
                 m = missing * radius
                 u, v = (x, y) if part == 0 else (0.0, 0.0)
                 if part == 1:
                     cxx, cxy, cyy, hx, hy = cxx + x * x, cxy + x * y, cyy + y * y, hx + x * m, hy + y * m
                     if both:
                         u, v = _row(before[0], two[0], 1.0, p, g)
+                        u, v = possible_bend(problem.limits, new[1] - 1, u, v)
                         bxx, bxy, byx, byy = bxx + u * x, bxy + u * y, byx + v * x, byy + v * y
                 axx, axy, ayy, gx, gy = axx + u * u, axy + u * v, ayy + v * v, gx + u * m, gy + v * m
     if pressure == 0.0:
@@ -232,7 +234,7 @@ def come_out(
     if pressure == 0.0:
         return two, 0.0, 0.0
     bent = two
-    if problem.limits[k, MAX_BEND] > 0.0:
+    if problem.limits[k, BEND_SCALE] > 0.0:
         bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
         if joint and (fits < 1.0 or overlap > SHALLOW):
             reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
@@ -244,4 +246,7 @@ def come_out(
     if length < problem.limits[k, MIN_LENGTH] or length == 0.0:
         return two, math.inf, 0.0
     last = bent[1]
-    return (bent[0], (fits * last[0], fits * last[1], length)), overlap, pressure / length
+    part = (fits * last[0], fits * last[1], length)
+    if bends_in_plane(problem.limits, k):
+        part = project_segment(problem.limits, k, part[0], part[1], length)
+    return (bent[0], part), overlap, pressure / length

@@ -40,7 +40,7 @@ from sinuous.kernels.growing.meeting import meets_itself
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
+from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
 
 OVERLAP_COST = 16.0
 """Score of the square of an overlap, in radii."""
@@ -119,7 +119,7 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     level, new, i = beam.levels[k], beam.made, item // ARCS
     start, along, mean = frame(level, i), level[i, CHAIN_LENGTH], problem.unit / problem.limits.shape[0]
     own, aim = get_vec(level, i, LAST_SEGMENT_Q), get_vec(beam.arcs, item, 0)
-    joint = k > leg.first and problem.limits[k - 1, MAX_BEND] > 0.0
+    joint = k > leg.first and problem.limits[k - 1, BEND_SCALE] > 0.0
     before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
     (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby)
     start = end_of(before[0], own) if joint else start

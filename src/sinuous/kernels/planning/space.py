@@ -23,7 +23,7 @@ from sinuous.kernels.certificate.self_proof import passed_over
 from sinuous.kernels.certificate.sweep import Motion, at_time
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.solve.starts import scattered, uniform
-from sinuous.kernels.step.actuation import admissible_step
+from sinuous.kernels.step.actuation import admissible_step, settle
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 MOTION_PARTS = 8
@@ -74,6 +74,7 @@ def random(index: int, seed: int, which: int) -> float:
 def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     """Fill `out` (n, 3) with random configuration number `index`: within all limits when `start` (n, 3) is."""
     scattered(space.robot.limits, index, seed, 2.0 * math.pi, out)
+    settle(space.robot.limits, space.robot.actuation, out)
     at_time(start, out, admissible_step(space.robot.actuation, start, out), out)
 
 

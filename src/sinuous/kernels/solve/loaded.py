@@ -281,14 +281,14 @@ def _allow(step: Step, i: int, low: float, high: float) -> None:
     """Let row i move between these, and a little less."""
     less = min(INSET, 0.5 * (high - low))
     step.values[i, 0], step.values[i, 1] = low + less, high - less
-    step.side[i] = 0
+    step.side[i] = 1 if low == high else 0
 
 
 def _find_step(problem: Problem, q: Array, step: Step, rows: int) -> None:
     """Fill the change of the drive: the least that keeps all limits, and makes of targets what is then possible."""
     targets = step.rows.start[q.shape[0]]
     step.mean[:] = 0.0
-    limits.release(problem.limits, step.root, step.bound)
+    limits.release(problem.limits, step.root, step.mean, step.bound)
     for _ in range(MOST_ACTIVE_SETS):
         count = _least(step, targets, rows)
         new = limits.bind(problem.limits, q, step.change, step.root, step.mean, step.bound)
@@ -352,7 +352,8 @@ def _let_go(step: Step, targets: int, count: int) -> int:
     gone = 0
     for a in range(count):
         i, multiplier = step.listed[a], step.system[a, count]
-        if i >= targets and (multiplier < 0.0 if step.side[i] == 1 else multiplier > 0.0):
+        held = step.values[i, 0] == step.values[i, 1]
+        if i >= targets and not held and (multiplier < 0.0 if step.side[i] == 1 else multiplier > 0.0):
             step.side[i] = 0
             gone += 1
     return gone

@@ -42,7 +42,7 @@ def _begin(
     least = math.inf
     for draw in range(DRAWS):
         scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
-        face(problem.targets, trial.frames, problem.tool, trial.q)
+        face(problem.limits, problem.targets, trial.frames, problem.tool, trial.q)
         linearise(problem, trial, work, problem.coarse_depth, solids.INTERPOLATED, 0.0, False)
         if late(work.clock) and draw > 0:
             break

@@ -8,9 +8,19 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.chain.single_arc import arc_to
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import bend_cap, project_segment
+from sinuous.kernels.step.limits import bend_cap, bends_in_plane, plane_bend, project_segment
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
-from sinuous.kernels.tables import HAS_POSITION, MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
+from sinuous.kernels.tables import (
+    BEND_SCALE,
+    HAS_POSITION,
+    HIGH_BEND,
+    LOW_BEND,
+    MAX_BEND,
+    MAX_LENGTH,
+    MIN_LENGTH,
+    PLANE,
+    TARGET_POSITION,
+)
 
 LONGEST_HALF_BEND = 3.0
 """Half the bend of a single arc from which on it counts as too long, in rad."""
@@ -57,13 +67,24 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         length = min(max(length, low), high)
         half = max(min(half, 1.6), chord_angle(min(1.0, chord / length))) if length > 0.0 else 0.0
     fraction = (length - low) / (high - low) if high > low else 0.0
-    bx, by = (p[0] / side, p[1] / side) if side > 1e-9 * chord else (1.0, 0.0)
+    bx, by = (p[0] / side, p[1] / side) if side > 1e-9 * chord else _first_plane(limits)
     for k in range(q.shape[0]):
         own = limits[k, MIN_LENGTH] + fraction * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
         bend = min(2.0 * half * own / length, bend_cap(limits, k, own)) if length > 0.0 else 0.0
         if k > tip:
             bend = 0.0
-        put_vec(q, k, 0, (bx * bend, by * bend, own))
+        ux, uy = bx * bend, by * bend
+        if bends_in_plane(limits, k):
+            ux, uy, own = project_segment(limits, k, ux, uy, own)
+        put_vec(q, k, 0, (ux, uy, own))
+
+
+def _first_plane(limits: Array) -> tuple[float, float]:
+    """The direction of the first plane that a segment bends in, or x where all bend to all sides."""
+    for k in range(limits.shape[0]):
+        if bends_in_plane(limits, k) and limits[k, BEND_SCALE] > 0.0:
+            return limits[k, PLANE], limits[k, PLANE + 1]
+    return 1.0, 0.0
 
 
 def widest(start: int) -> float:
@@ -92,14 +113,24 @@ def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> No
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):
         length = limits[k, MIN_LENGTH] + uniform(key) * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
+        if bends_in_plane(limits, k):
+            low = max(limits[k, LOW_BEND], -most)
+            z = low + uniform(key + np.uint64(1)) * max(0.0, min(limits[k, HIGH_BEND], most) - low)
+            ux, uy = plane_bend(limits, k, z)
+            put_vec(q, k, 0, project_segment(limits, k, ux, uy, length))
+            key += np.uint64(3)
+            continue
         bend = math.sqrt(uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], most)
         angle = 2.0 * math.pi * uniform(key + np.uint64(2))
         key += np.uint64(3)
         put_vec(q, k, 0, project_segment(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
 
 
-def _turn(frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array) -> None:
-    """Turn segments `first` and beyond about the tangent there until the end of `last` lies on the goal's side."""
+def _turn(limits: Array, frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array) -> None:
+    """Turn segments `first` and beyond about the tangent there until the end of `last` lies on the goal's side.
+
+    Those that bend in one plane stay as they are.
+    """
     forward(q, frames)
     rotation, place = frame(frames, first)
     end = vec_mat(sub(end_pose(frames, tool, last)[1], place), rotation)
@@ -108,10 +139,12 @@ def _turn(frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array
     cosine, sine = math.cos(angle), math.sin(angle)
     for k in range(first, q.shape[0]):
         x, y = q[k, 0], q[k, 1]
+        if bends_in_plane(limits, k):
+            continue
         q[k, 0], q[k, 1] = cosine * x - sine * y, sine * x + cosine * y
 
 
-def face(targets: Array, frames: Array, tool: Array, q: Array) -> None:
+def face(limits: Array, targets: Array, frames: Array, tool: Array, q: Array) -> None:
     """Turn the shape towards the positions that are asked for, one after the other from the base on.
 
     What lies beyond a position that is asked for turns about the tangent there, so that all stay on their sides.
@@ -120,5 +153,5 @@ def face(targets: Array, frames: Array, tool: Array, q: Array) -> None:
     for k in range(n):
         for i in range(targets.shape[0]):
             if first <= k and targets[i, HAS_POSITION] != 0.0 and end_segment(targets, i, n) == k:
-                _turn(frames, tool, first, k, get_vec(targets, i, TARGET_POSITION), q)
+                _turn(limits, frames, tool, first, k, get_vec(targets, i, TARGET_POSITION), q)
                 first = k + 1

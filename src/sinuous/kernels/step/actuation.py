@@ -4,18 +4,102 @@ Row j of `actuation` (p, 7): first and last segment, weights of bend_x, bend_y a
 last`: a chamber along one segment. `first == 0`: a tendon that runs through all segments up to its last, and sees the
 sum of their coordinates. Rows are in the order of their last segment. Within these limits the configurations are a
 convex set.
+
+Where the low and the high limit are the same, a value is held: what it leaves of single segments is in their limits
+(`sinuous.model.coordinates`), and the rest stays a row here that binds in every step.
 """
 
 import math
 
 from sinuous.kernels.body.rows import HARD, IDLE, Rows
-from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, put_vec, scale, sub
-from sinuous.kernels.tables import LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
+from sinuous.kernels.compile import apart
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, mat_vec, put_vec, scale, sub, vec_mat
+from sinuous.kernels.step.limits import free_root, project_segment
+from sinuous.kernels.tables import HOME, LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
+
+EQUALITY_ROUNDING = 1e-13
+"""What a value that is held may be off by, relative to what it is the sum of."""
+
+LEVELLINGS, SETTLINGS = 8, 60
+"""Most rounds of projections on values that are held, and of these and limits of segments by turns."""
 
 
 def runs_through(actuation: Array, j: int) -> bool:
     """Whether limit `j` sees the sum over several segments."""
     return bool(actuation[j, 0] < actuation[j, LAST_SEGMENT])
+
+
+def is_equality(actuation: Array, j: int) -> bool:
+    """Whether limit `j` leaves one value."""
+    return bool(actuation[j, MIN_VALUE] == actuation[j, MAX_VALUE])
+
+
+def has_equalities(actuation: Array) -> bool:
+    """Whether any limit leaves one value."""
+    count = 0
+    for j in range(actuation.shape[0]):
+        count += int(is_equality(actuation, j))
+    return count > 0
+
+
+def _rounding(weights: Vec, total: Vec, value: float) -> float:
+    """What a value may be off by, and count as the one that is left."""
+    sizes = abs(weights[0]) + abs(weights[1]) + abs(weights[2] * total[2]) + abs(value)
+    return EQUALITY_ROUNDING * sizes
+
+
+def level(limits: Array, actuation: Array, q: Array) -> bool:
+    """Bring `q` to what limits with one value leave, by the least motion; says whether it is there.
+
+    Row by row (Kaczmarz), within the planes of bends, but with no other limit of segments.
+    """
+    for _ in range(LEVELLINGS):
+        there = True
+        for j in range(actuation.shape[0]):
+            if is_equality(actuation, j):
+                weights, total, spread, last = (
+                    get_vec(actuation, j, WEIGHTS),
+                    ZERO,
+                    0.0,
+                    int(actuation[j, LAST_SEGMENT]),
+                )
+                for k in range(0 if runs_through(actuation, j) else last, last + 1):
+                    seen = vec_mat(weights, free_root(limits, k))
+                    spread += dot(seen, seen)
+                    total = add(total, get_vec(q, k, 0))
+                gap = actuation[j, MIN_VALUE] - dot(weights, total)
+                there = there and abs(gap) <= _rounding(weights, total, actuation[j, MIN_VALUE])
+                if spread > 0.0:
+                    for k in range(0 if runs_through(actuation, j) else last, last + 1):
+                        root = free_root(limits, k)
+                        move = scale(gap / spread, mat_vec(root, vec_mat(weights, root)))
+                        put_vec(q, k, 0, add(get_vec(q, k, 0), move))
+        if there:
+            return True
+    return False
+
+
+def settle(limits: Array, actuation: Array, q: Array) -> None:
+    """Bring `q` within limits of segments and to what limits of actuators with one value leave, where that is near.
+
+    Alternating projections (von Neumann); nothing where no limit has one value.
+    """
+    if has_equalities(actuation):
+        _settle(limits, actuation, q)
+
+
+@apart
+def _settle(limits: Array, actuation: Array, q: Array) -> None:
+    for _ in range(SETTLINGS):
+        there = level(limits, actuation, q)
+        for k in range(q.shape[0]):
+            own = get_vec(q, k, 0)
+            kept = project_segment(limits, k, own[0], own[1], own[2])
+            away = sub(kept, own)
+            there = there and abs(away[0]) + abs(away[1]) + abs(away[2]) <= EQUALITY_ROUNDING * (1.0 + abs(own[2]))
+            put_vec(q, k, 0, kept)
+        if there:
+            return
 
 
 def admissible_step(actuation: Array, q: Array, aim: Array) -> float:
@@ -33,7 +117,9 @@ def admissible_step(actuation: Array, q: Array, aim: Array) -> float:
                 value, slope = dot(weights, total), dot(weights, change)
             else:
                 value, slope = dot(weights, own), dot(weights, move)
-            if value + t * slope > actuation[j, MAX_VALUE]:
+            if is_equality(actuation, j) and abs(slope) <= 2.0 * _rounding(weights, total, value):
+                slope = 0.0
+            elif value + t * slope > actuation[j, MAX_VALUE]:
                 t = max(0.0, (actuation[j, MAX_VALUE] - value) / slope) if slope > 0.0 else 0.0
             elif value + t * slope < actuation[j, MIN_VALUE]:
                 t = max(0.0, (actuation[j, MIN_VALUE] - value) / slope) if slope < 0.0 else 0.0
@@ -54,13 +140,18 @@ def hold_back(actuation: Array, q: Array, aim: Array) -> None:
         put_vec(aim, k, 0, add(own, scale(t, sub(get_vec(aim, k, 0), own))))
 
 
-def straighten(actuation: Array, q: Array, straight: Array) -> None:
-    """Make every bend of `q` smaller by the same factor until all limits are kept; `straight` is scratch."""
+def straighten(limits: Array, actuation: Array, q: Array, home: Array) -> None:
+    """Bring `q` nearer to home until all limits of actuators are kept; `home` is scratch.
+
+    Home is straight where segments may be so: every bend becomes smaller by the same factor.
+    """
     if actuation.shape[0] == 0:
         return
+    settle(limits, actuation, q)
     for k in range(q.shape[0]):
-        put_vec(straight, k, 0, (0.0, 0.0, q[k, 2]))
-    hold_back(actuation, straight, q)
+        x, y, length = get_vec(limits, k, HOME)
+        put_vec(home, k, 0, (x, y, q[k, 2] if length < 0.0 else length))
+    hold_back(actuation, home, q)
 
 
 def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple[int, int]:
@@ -78,6 +169,27 @@ def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple
         at += 1
         j += 1
     return j, at
+
+
+def bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
+    """Turn the row of every limit that leaves one value into one that moves to it."""
+    if has_equalities(actuation):
+        _bind_equalities(actuation, q, rows)
+
+
+@apart
+def _bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
+    j, total = 0, ZERO
+    for k in range(q.shape[0]):
+        own = get_vec(q, k, 0)
+        total = add(total, own)
+        at = rows.start[k]
+        while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
+            if is_equality(actuation, j):
+                rows.kind[at] = HARD
+                rows.value[at] = _slack(actuation, j, total if runs_through(actuation, j) else own)[0]
+            at += 1
+            j += 1
 
 
 def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:

@@ -134,11 +134,12 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
 @shared
 def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: float) -> bool:
     """The same, of what it takes: the limits of the segments (n, c), and the actuators (a, c), see `Problem`."""
-    limits.release(table, work.root, work.bound)
+    limits.release(table, work.root, work.mean, work.bound)
     bound = False
     coupled = actuators.shape[0] > 0
     if coupled:
         actuation.release(state.rows)
+        actuation.bind_equalities(actuators, state.q, state.rows)
     n = state.q.shape[0]
     few = not coupled and state.norms[s.PAIRS] == 0.0 and are_few(state.rows, n)
     jacobian, system = carve_dense(work.rest, n)
@@ -176,6 +177,7 @@ def _finite(q: Array, k: int) -> bool:
 def move(problem: Problem, state: State, work: Work, trial: State) -> None:
     """Take the step, within all limits; a segment whose step has no number stays where it is."""
     limits.move(problem.limits, state.q, work.step, trial.q)
+    actuation.settle(problem.limits, problem.actuation, trial.q)
     actuation.hold_back(problem.actuation, state.q, trial.q)
     for k in range(trial.q.shape[0]):
         if not _finite(trial.q, k):
@@ -190,7 +192,7 @@ def project_to_limits(problem: Problem, state: State, work: Work) -> None:
             middle = 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])
             put_vec(q, k, 0, (0.0, 0.0, middle))
         put_vec(q, k, 0, limits.project_segment(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
-    actuation.straighten(problem.actuation, q, work.step)
+    actuation.straighten(problem.limits, problem.actuation, q, work.step)
 
 
 def met(problem: Problem, state: State, loose: float) -> bool:

@@ -218,19 +218,19 @@ def constrained_step(
     constraints are in the working set.
     """
     count = _constrained(problem, asked, control, start, bounds, mu)
-    size = size_of(control.root, control.step)
+    size = size_of(problem.limits, control.step)
     if size <= most or mu >= 1.0 / (GAIN * GAIN):
         return count
     low, high, above = math.log(mu), math.log(1.0 / (GAIN * GAIN)), math.log(size / most)
     count = _constrained(problem, asked, control, start, bounds, math.exp(high))
-    size = size_of(control.root, control.step)
+    size = size_of(problem.limits, control.step)
     if size >= most or size == 0.0:
         return count
     below = math.log(size / most)
     for _ in range(TRIES):
         middle = (low * below - high * above) / (below - above)
         count = _constrained(problem, asked, control, start, bounds, math.exp(middle))
-        size = size_of(control.root, control.step)
+        size = size_of(problem.limits, control.step)
         found = math.log(max(size, 1e-300) / most)
         if abs(found) < 1e-3:
             break

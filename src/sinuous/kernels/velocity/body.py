@@ -12,7 +12,21 @@ from collections import namedtuple
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame, put_frame
 from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.fields.distances import number_of
-from sinuous.kernels.maths.vectors import ZERO, Array, add, copy, cross, dot, get_vec, put_vec, sub
+from sinuous.kernels.maths.vectors import (
+    ZERO,
+    Array,
+    add,
+    add_scaled,
+    copy,
+    cross,
+    dot,
+    get_mat,
+    get_vec,
+    mat_vec,
+    put_vec,
+    sub,
+    vec_mat,
+)
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.drive import answer_drive, fill
@@ -175,8 +189,10 @@ def _solve_freely(control: Control, own: RestingBody, mu: float) -> None:
     for i in range(count):
         for b in range(count):
             own.system[i, b] = mu if i == b else 0.0
-            for j in range(3 * n):
-                own.system[i, b] += own.seen[i, j] * control.root[j // 3, 4 * (j % 3)] ** 2 * own.seen[b, j]
+            for k in range(n):
+                root = get_mat(control.root, k, 0)
+                one, other = vec_mat(get_vec(own.seen, i, 3 * k), root), vec_mat(get_vec(own.seen, b, 3 * k), root)
+                own.system[i, b] += dot(one, other)
     for k in range(n):
         put_vec(control.working.free, k, 0, ZERO)
     _spread(control, own, count, True, control.working.free)
@@ -192,11 +208,11 @@ def _spread(control: Control, own: RestingBody, count: int, values: bool, out: A
             total -= own.seen[i, j] * out[j // 3, j % 3]
         own.scratch[i, count] = total
     solve_symmetric(own.scratch, count)
-    for j in range(own.seen.shape[1]):
-        pull = 0.0
+    for k in range(out.shape[0]):
+        root, pull = get_mat(control.root, k, 0), ZERO
         for i in range(count):
-            pull += own.seen[i, j] * own.scratch[i, count]
-        out[j // 3, j % 3] += control.root[j // 3, 4 * (j % 3)] ** 2 * pull
+            pull = add_scaled(pull, own.scratch[i, count], get_vec(own.seen, i, 3 * k))
+        put_vec(out, k, 0, add(get_vec(out, k, 0), mat_vec(root, vec_mat(pull, root))))
 
 
 def answer_weights(control: Control, resting: RestingBody | None, a: int, moved: Array) -> None:
@@ -205,8 +221,9 @@ def answer_weights(control: Control, resting: RestingBody | None, a: int, moved:
     if resting is None:
         reply(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, False)
     else:
-        for j in range(weights.shape[1]):
-            moved[j // 3, j % 3] = control.root[j // 3, 4 * (j % 3)] ** 2 * weights[a, j]
+        for k in range(moved.shape[0]):
+            root = get_mat(control.root, k, 0)
+            put_vec(moved, k, 0, mat_vec(root, vec_mat(get_vec(weights, a, 3 * k), root)))
         _spread(control, resting, int(control.rows.start[moved.shape[0]]), False, moved)
 
 

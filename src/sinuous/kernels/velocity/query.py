@@ -33,6 +33,7 @@ from sinuous.kernels.maths.vectors import (
     sub,
 )
 from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.step.limits import free_root
 from sinuous.kernels.step.newton import FINEST_PROOF, PROOF_SLACK, SAMPLED_PROOF_SLACK, add_targets
 from sinuous.kernels.step.states import State
 from sinuous.kernels.step.targets import X, Y, Z, end_pose, put_row
@@ -100,8 +101,7 @@ DAMPING, FASTER, SLOWER = 0.01, 0.3, 10.0
 def set_free(problem: Problem, control: Control) -> None:
     """Let every segment move in all its coordinates, and wish for no motion."""
     for k in range(control.q.shape[0]):
-        bend, stretch = problem.limits[k, BEND_SCALE], problem.limits[k, LENGTH_SCALE]
-        put_mat(control.root, k, 0, ((bend, 0.0, 0.0), (0.0, bend, 0.0), (0.0, 0.0, stretch)))
+        put_mat(control.root, k, 0, free_root(problem.limits, k))
         put_vec(control.none, k, 0, ZERO)
 
 
@@ -264,7 +264,7 @@ def advance(problem: Problem, asked: StepRequest, control: Control, start: Array
         # The step is kept where it lowers the residual; else it is tried again with more damping.
         for k in range(control.q.shape[0]):
             put_vec(control.step, k, 0, sub(get_vec(control.trial, k, 0), get_vec(control.q, k, 0)))
-        moved = size_of(control.root, control.step)
+        moved = size_of(problem.limits, control.step)
         copy(control.q, control.working.pull)
         copy(control.trial, control.q)
         found, off, turn = _linearise(problem, asked, control)

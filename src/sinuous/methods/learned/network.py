@@ -33,7 +33,7 @@ INPUTS = (3, 6, 12)
 MOST_WIDTH, MOST_LAYERS = 1024, 8
 """Most units of a hidden layer, and most layers."""
 
-CAPABILITIES = Capabilities("after the idea of Thuruthel et al. 2019 and Wu et al. 2021", rotation=True)
+CAPABILITIES = Capabilities("after the idea of Thuruthel et al. 2019 and Wu et al. 2021", rotation=True, planes=True)
 """What a network can be asked for. It has learned from answers among obstacles, but no step after it looks at any."""
 
 Layers = tuple[Floats, ...]

@@ -125,7 +125,8 @@ def _draw(robot: Robot, count: int, rng: np.random.Generator) -> Floats:
     lengths = rng.uniform(low, high, (count, len(robot)))
     cap = np.minimum(np.minimum(bend, curvature * lengths), LARGEST_BEND)
     size, angle = cap * np.sqrt(rng.random(lengths.shape)), rng.uniform(0.0, 2.0 * math.pi, lengths.shape)
-    return np.stack([size * np.cos(angle), size * np.sin(angle), lengths], axis=-1)
+    drawn = np.stack([size * np.cos(angle), size * np.sin(angle), lengths], axis=-1)
+    return drawn if robot.drive.coordinates.free else robot.drive.coordinates.project(drawn)
 
 
 def _learn(

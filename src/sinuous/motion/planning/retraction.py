@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.packing import scales_of
+from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, within_limits
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
@@ -184,15 +184,16 @@ def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Float
     that leaves free changes by `wished` (n, 3).
     """
     n, unit = len(robot), robot.mean_length
-    scale = np.tile([1.0, 1.0, unit / n], n) * (scales_of(robot.limits).ravel() > 0.0)
+    scale, turns = np.tile([1.0, 1.0, unit / n], n) * (scales_of(robot.limits).ravel() > 0.0), turns_of(robot.limits)
     ends = robot.forward(q)[-n:]
-    jacobian = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n) * (scale / unit)
+    jacobian = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n)
+    jacobian = (jacobian @ turns) * (scale / unit)
     asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()
     normal = jacobian.T @ jacobian
     damping = DAMPING * np.trace(normal) / len(normal)
     normal[np.diag_indices_from(normal)] += damping
-    free = np.divide(wished.ravel(), scale, out=np.zeros(3 * n), where=scale > 0.0)
-    change = scale * np.linalg.solve(normal, jacobian.T @ asked + damping * free)
+    free = np.divide(wished.ravel() @ turns, scale, out=np.zeros(3 * n), where=scale > 0.0)
+    change = turns @ (scale * np.linalg.solve(normal, jacobian.T @ asked + damping * free))
     return within_limits(robot, (q + change.reshape(n, 3))[None])[0]
 
 

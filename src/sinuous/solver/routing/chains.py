@@ -31,7 +31,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.packing import robot_parts
-from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, UNIT
+from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, UNIT
 from sinuous.model.poses import least_rotation
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along
@@ -355,7 +355,9 @@ def bridge_chains(
         See `Deadline`.
     """
     n, segments = int(groups[0][0]), segments_in(groups[0])
-    freedom = 2 * (segments[:, MAX_BEND] > 0.0) + (segments[:, MAX_LENGTH] > segments[:, MIN_LENGTH])
+    freedom = (2 - segments[:, IN_PLANE]) * (segments[:, BEND_SCALE] > 0.0) + (
+        segments[:, MAX_LENGTH] > segments[:, MIN_LENGTH]
+    )
     pairs = [
         (one, two)
         for one, two in product(_ends(ahead, width), _ends(behind, width))

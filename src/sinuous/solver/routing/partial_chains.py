@@ -65,6 +65,19 @@ FLIP = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
 
+def _to_all_sides(rows: Floats) -> Floats:
+    """Rows (n, 18) of segments that bend to all sides instead of in one plane.
+
+    How that plane would lie the other way round depends on how the tip is turned. A chain that is turned back is
+    brought into its plane where the solve of the whole robot begins.
+    """
+    result = rows.copy()
+    planar = result[:, t.IN_PLANE] > 0.0
+    result[planar, t.BEND_SCALE] = np.where(result[planar, t.MAX_BEND] > 0.0, 1.0, 0.0)
+    result[:, t.IN_PLANE] = 0.0
+    return result
+
+
 def reverse_problem(groups: Groups, terminal_pose: Floats) -> Groups:
     """Return the groups of the problem the other way round, of chains that begin with the pose `terminal_pose` (12,).
 
@@ -78,6 +91,7 @@ def reverse_problem(groups: Groups, terminal_pose: Floats) -> Groups:
     tip, intermediate = targets[at_tip][0], targets[~at_tip]
     base, segments = parts.base, parts.segments[::-1]
     against = base[: t.POSE_POSITION].reshape(3, 3) @ FLIP
+    segments = _to_all_sides(segments)
     other = parts._replace(segments=segments, actuators=NO_ACTUATORS, base=terminal_pose, tool=NO_TOOL).group()
     row = np.zeros((1, t.TARGET_WIDTH))
     row[0, t.TARGET_SEGMENT], row[0, t.HAS_POSITION] = -1.0, 1.0

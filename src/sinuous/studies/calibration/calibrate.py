@@ -386,5 +386,6 @@ def _settings(robot: Robot, generator: np.random.Generator, count: int) -> Float
     q[..., 0], q[..., 1] = size * np.cos(turn), size * np.sin(turn)
     low, high = np.array([segment.length for segment in robot.segments]).T
     q[..., 2] = generator.uniform(low, high, (count, n))
+    q = q if robot.drive.coordinates.free else robot.drive.coordinates.project(q)
     fits = np.array([not robot.violations(each) for each in q])
     return robot.to_actuators(q[fits] if fits.sum() * 2 >= count else q)

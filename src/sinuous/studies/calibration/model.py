@@ -58,6 +58,11 @@ def derivatives(own: RobotModel, actuators: Floats, of_gravity: bool = False) ->
     bodies, tool = at_rest(own.robot, actuators), own.values.columns("tool")
     if isinstance(bodies, Loaded):
         sensitivity = bodies.sensitivity(*_beside(own, of_gravity))
+    elif not own.robot.drive.coordinates.free:  # planes turn with tendons
+        robots, steps = _beside(own, False)
+        others = [each for each in (at_rest(robot, actuators) for robot in robots) if not isinstance(each, Loaded)]
+        moved = [(each.q - bodies.q) / h for each, h in zip(others, steps, strict=True)]
+        sensitivity = np.stack([each.reshape(len(each), -1) for each in moved], axis=-1)
     else:
         sensitivity = _sensitivity(own, actuators, bodies.q)
     points, slopes = [], []
@@ -84,16 +89,15 @@ def _beside(own: RobotModel, of_gravity: bool) -> tuple[list[Robot], Floats]:
 
 def _springs(robot: Robot) -> tuple[Springs, NDArray[np.intp]]:
     """All actuators as lines, and the coordinates that move."""
-    moves = np.array([[s.max_bend > 0.0, s.max_bend > 0.0, s.length[0] < s.length[1]] for s in robot.segments])
-    columns = np.flatnonzero(moves.ravel())
     drive = robot.drive
+    columns = np.flatnonzero(drive.coordinates.unlocked)
     stiffness, one_sided = np.ones(len(drive)), np.zeros(len(drive), np.bool_)
-    resistance, rest = np.zeros(moves.size), np.zeros(moves.size)
+    resistance, rest = np.zeros(3 * len(robot)), np.zeros(3 * len(robot))
     arms = np.array(drive.jacobian)
     if drive.elastic is not None:
         own = drive.elastic.springs
         stiffness[drive.elastic.places], one_sided[drive.elastic.places] = own.stiffness, own.one_sided
-        where = np.flatnonzero(drive.elastic.determined.ravel())
+        where = columns[drive.elastic.determined]
         resistance[where], rest[where] = np.broadcast_to(own.resistance, (1, len(where)))[0], own.rest
     return Springs(resistance[columns], rest[columns], arms[:, columns], stiffness, one_sided), columns
 

@@ -16,7 +16,7 @@ from sinuous.answer.derivatives.rows import KeptRows
 from sinuous.answer.residual import residual_of
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.packing import scales_of
+from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem
@@ -179,7 +179,7 @@ class _Steps:
             pair = [space.robot(combination, each) for each in (high, low)]
             solved = [judge.solver(each).robot for each in pair if each is not None]
             self._ends.append((solved[0], solved[-1], float((high - low).sum())))
-        self._scale = scales_of(self._robot.limits).ravel()
+        self._scale, self._turns = scales_of(self._robot.limits).ravel(), turns_of(self._robot.limits)
         self._moved = self._by_fields(_parameters)
         n = len(self._robot)
         fixed = np.flatnonzero(self._scale[2::3] == 0.0)
@@ -220,7 +220,7 @@ class _Steps:
         if found.x is None:
             return None
         change = found.x[:d]
-        moved = self._direct @ change + self._scale * found.x[d + o :].reshape(-1, width)
+        moved = self._direct @ change + (self._scale * found.x[d + o :].reshape(-1, width)) @ self._turns.T
         whole = np.full((len(moved), self._judge.space.segments, 3), np.nan)
         whole[:, : len(self._robot)] = np.array(self._answers) + moved.reshape(len(moved), -1, 3)
         return _Step(np.clip(self._shares + change, 0.0, 1.0), whole)
@@ -256,7 +256,7 @@ class _Steps:
         tops = np.zeros((len(left), self._shared)) if shared is None else shared
         if name is not None:
             tops[:, self._judge.minimise.index(name)] = 1.0
-        return _Rows(fields + own @ self._direct, own * self._scale, tops, left)
+        return _Rows(fields + own @ self._direct, (own @ self._turns) * self._scale, tops, left)
 
     def _of_targets(self, problem: Problem, q: Floats) -> _Rows:
         missed = residual_of(problem, q)

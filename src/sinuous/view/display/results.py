@@ -46,7 +46,7 @@ def caption_of(answers: Sequence[Solution | Motion]) -> str:
 def confidence_of(answer: Solution | Motion) -> str:
     """At which level a clearance is proved: ` at 95 %`; nothing where the body is where the model says."""
     unsure = answer.robot.uncertainty
-    return "" if unsure is None else f" {unsure}"
+    return "" if unsure is None else f" {unsure.confidence}"
 
 
 def describe_solutions(solutions: Sequence[Solution]) -> list[str]:

@@ -13,6 +13,7 @@ import numpy as np
 from viser.transforms import SO3
 
 from sinuous.base.checks import Floats
+from sinuous.kernels.packing import BendLine
 from sinuous.methods.method import METHODS
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
@@ -204,10 +205,26 @@ def _of_segments(session: Session, seen: range) -> Iterator[Slider]:
     """Yield sliders for bends and lengths of segments (0 = first)."""
     for k in seen:
         name, segment = session.model.robot.segment_names[k], session.model.robot.segments[k]
-        bend = (-segment.max_bend, segment.max_bend)
-        for c, (what, ends) in enumerate((("bend_x", bend), ("bend_y", bend), ("length", segment.length))):
+        line = session.model.robot.drive.coordinates.bends[k]
+        if isinstance(line, BendLine):
+            if line.low < line.high:
+                put = partial(_bend_along, session, k, line)
+                yield f"{name} bend", (line.low, line.high), partial(_bend_in_plane, session, k, line), put
+            bends: list[tuple[int, str, tuple[float, float]]] = []
+        else:
+            bends = [(c, what, (-line, line)) for c, what in enumerate(("bend_x", "bend_y"))]
+        for c, what, ends in [*bends, (2, "length", segment.length)]:
             get = partial(lambda k, c: session.model.shown[k, c], k, c)
             yield f"{name} {what}", ends, get, partial(_bend, session, k, c)
+
+
+def _bend_in_plane(session: Session, k: int, line: BendLine) -> float:
+    return float(session.model.shown[k, :2] @ np.array(line.plane))
+
+
+def _bend_along(session: Session, k: int, line: BendLine, value: float) -> None:
+    for c, bend in enumerate(line.at(value)):
+        _bend(session, k, c, bend)
 
 
 def _of_actuators(session: Session, seen: range) -> Iterator[Slider]:

@@ -1,0 +1,190 @@
+"""Limits of tension: control steps and motions of elastic arms, with and without load, judged by least energies.
+
+The judge minimises the potential energy of bends, lines and weights by SciPy, where the motors are; it shares no code
+with the package. A claim is false where a line is pulled by more than its limit: of steps at the end, of motions that
+are solved also at places between their knots.
+"""
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+import sinuous as sn
+from benchmarks.harness.experiment import Part
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
+from sinuous.base.checks import Floats
+
+SEGMENTS, LENGTH, ARM, ARCS = 2, 0.1, 0.004, 3
+STIFFNESS, LINE, MASS, GRAVITY = 0.02, 4000.0, 0.3, np.array([-9.81, 0.0, 0.0])
+"""Bending stiffness of segments, stiffness of lines, mass a length, and acceleration: N, m, kg."""
+
+STEPS, LOOP, MOTIONS = 3400, 8, 700
+"""Control steps and motions of each kind of arm, and steps of a loop."""
+
+BETWEEN = (0.25, 0.5, 0.75)
+"""Shares of a step of a motion at which it is judged."""
+
+EXACT = 1e-3
+"""By how much, of the limit, the judge may be off."""
+
+KINDS = ("elastic", "elastic, lengths vary", "loaded")
+NODES, SHARES = np.polynomial.legendre.leggauss(4)
+
+
+def arm(kind: str, rng: np.random.Generator) -> sn.Robot:
+    """Return an arm of a kind with a random limit of tension, and with three or four tendons a segment."""
+    lines = sn.Tendons(int(rng.integers(3, 5)), ARM, stiffness=LINE, tension=(0.0, float(rng.uniform(20.0, 80.0))))
+    length = (0.7 * LENGTH, 1.3 * LENGTH) if "vary" in kind else LENGTH
+    load: dict[str, Any] = {"gravity": GRAVITY, "mass": MASS, "arcs": ARCS} if kind == "loaded" else {}
+    segment = sn.Segment(length, max_bend=2.0, radius=ARM, tendons=lines)
+    return sn.Robot([segment] * SEGMENTS, stiffness=sn.Stiffness(STIFFNESS), **load)
+
+
+def drawn(robot: sn.Robot, rng: np.random.Generator) -> Floats:
+    """Draw a shape within limits of tension, as far as these are known without a load."""
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    bends, lengths = rng.normal(0.0, 0.5, (SEGMENTS, 2)), rng.uniform(low, high)
+    return robot.clamp(np.column_stack([bends, lengths]))
+
+
+def most_pulled(robot: sn.Robot, displacements: Floats, lengths: Floats, near: Floats) -> float:
+    """Return the greatest tension where energy is least, of motors at these displacements, from bends near there."""
+    count = ARCS if robot.has_external_load else 1
+    arms = np.concatenate([each.tendons.arms for each in robot.segments if each.tendons is not None])
+    each = len(arms) // SEGMENTS
+    through = np.repeat(np.tril(np.ones((SEGMENTS, SEGMENTS))), each, axis=0)
+
+    def stretches(bends: Floats) -> Floats:
+        return np.asarray(displacements - np.einsum("lk,kac,lc->l", through, bends, arms))
+
+    def energy(x: Floats) -> float:
+        bends = x.reshape(SEGMENTS, count, 2)
+        rods = 0.5 * STIFFNESS * float(((bends**2).sum(axis=2) * (count / lengths)[:, None]).sum())
+        pulled = 0.5 * LINE * float((np.maximum(0.0, stretches(bends)) ** 2).sum())
+        weight = _height(robot, bends, lengths / count) if robot.has_external_load else 0.0
+        return rods + pulled + weight
+
+    begin = np.repeat(near[:, None, :2] / count, count, axis=1).ravel()
+    found = minimize(energy, begin, method="BFGS", options={"gtol": 1e-8})
+    return float(LINE * stretches(found.x.reshape(SEGMENTS, count, 2)).max(initial=0.0))
+
+
+def _height(robot: sn.Robot, bends: Floats, lengths: Floats) -> float:
+    """Potential energy of the weight of arcs (n, a, 2) of these lengths (n,)."""
+    rotation, place, total = robot.base[:3, :3].copy(), robot.base[:3, 3].copy(), 0.0
+    for own, length in zip(bends, lengths.tolist(), strict=True):
+        for bend in own:
+            for node, weight in zip(0.5 * (1.0 + NODES), 0.5 * SHARES, strict=True):
+                total -= MASS * length * weight * float(GRAVITY @ (place + rotation @ _end(node * bend, node * length)))
+            place = place + rotation @ _end(bend, length)
+            rotation = rotation @ _turn(bend)
+    return total
+
+
+def _end(bend: Floats, length: float) -> Floats:
+    angle = float(np.hypot(*bend))
+    aside = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * length
+    return np.array([aside * bend[0], aside * bend[1], length * np.sinc(angle / np.pi)])
+
+
+def _turn(bend: Floats) -> Floats:
+    angle = float(np.hypot(*bend))
+    across = np.array([[0.0, 0.0, bend[0]], [0.0, 0.0, bend[1]], [-bend[0], -bend[1], 0.0]])
+    return np.asarray(
+        np.eye(3) + np.sinc(angle / np.pi) * across + 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * across @ across
+    )
+
+
+def is_false(robot: sn.Robot, q: Floats) -> bool:
+    """Whether a line is pulled by more than its limit at some of the shapes (k, n, 3) of the drive."""
+    limit = robot.segments[0].tendons.tensions[1]  # type: ignore[union-attr]
+    pulled = max(most_pulled(robot, robot.to_actuators(one), one[:, 2], one) for one in q)
+    return pulled > limit * (1.0 + EXACT)
+
+
+def is_false_between(robot: sn.Robot, one: Floats, other: Floats) -> bool:
+    """The same on the way between two knots, while the motors run evenly under load, or the shape changes evenly."""
+    if not robot.has_external_load:
+        return is_false(robot, np.array([(1.0 - share) * one + share * other for share in BETWEEN]))
+    limit, ends = robot.segments[0].tendons.tensions[1], [robot.to_actuators(q) for q in (one, other)]  # type: ignore[union-attr]
+    for share in BETWEEN:
+        q = (1.0 - share) * one + share * other
+        if most_pulled(robot, (1.0 - share) * ends[0] + share * ends[1], q[:, 2], q) > limit * (1.0 + EXACT):
+            return True
+    return False
+
+
+def begun(robot: sn.Robot, rng: np.random.Generator) -> Floats | None:
+    """Draw where a loop or a motion begins; `None` where nothing within limits was drawn."""
+    q = drawn(robot, rng)
+    return None if is_false(robot, q[None]) else q
+
+
+def steps(kind: str, count: int, rng: np.random.Generator) -> tuple[int, int, int]:
+    """Make loops of control steps; returns how many steps there are, were held back, and are false."""
+    made = held = false = 0
+    while made < count:
+        robot = arm(kind, rng)
+        q = begun(robot, rng)
+        if q is None:
+            continue
+        solver, velocity = sn.Solver(robot), rng.normal(0.0, 0.15, 3)
+        for _ in range(LOOP):
+            step = solver.step(q, velocity, 0.1)
+            q = step.q
+            made, held, false = made + 1, held + (step.status != "reached"), false + is_false(robot, q[None])
+    return made, held, false
+
+
+def motions(kind: str, count: int, rng: np.random.Generator) -> tuple[int, int, int]:
+    """Plan and follow; returns how many motions there are, how many are solved, and how many of these are false."""
+    made = solved = false = 0
+    while made < count:
+        robot = arm(kind, rng)
+        q, goal = begun(robot, rng), drawn(robot, rng)
+        if q is None:
+            continue
+        try:
+            motion = _motion(made % 3, robot, q, goal)
+        except sn.InputError:
+            continue
+        made, solved = made + 1, solved + motion.solved
+        if motion.solved:
+            ends = is_false(robot, motion.q)
+            false += ends or any(is_false_between(robot, *pair) for pair in pairwise(motion.q))
+    return made, solved, false
+
+
+def _motion(which: int, robot: sn.Robot, q: Floats, goal: Floats) -> sn.Motion:
+    if which == 0:
+        return sn.plan(robot, q, goal, time=1.0)
+    if which == 1:
+        return sn.Motion(robot, [q, goal])
+    tip = robot.shape(goal).tip if robot.has_external_load else robot.tip(goal)
+    return sn.track(robot, [sn.Target(tip[:3, 3])], start=q, time=1.0)
+
+
+def measure(plan: Plan, number: int) -> Iterator[Line]:
+    """Measure one kind of arm."""
+    kind = KINDS[number]
+    kinds: list[tuple[str, Callable[..., tuple[int, int, int]], int, str]] = [
+        ("control steps", steps, plan.count(STEPS, 100), "held back"),
+        ("motions", motions, plan.count(MOTIONS, 20), "solved"),
+    ]
+    for i, (what, make, count, word) in enumerate(kinds):
+        made, some, false = make(kind, count, plan.rng(91, number, i))
+        note = f"of {made}, {some} {word}; judged by least energies"
+        goal = Goal(0, correctness=True)
+        yield Line("limits of tension", f"{kind}: {what} in which a line is pulled by more", false, "", goal, note=note)
+
+
+def _part(number: int) -> Part:
+    return lambda plan: measure(plan, number)
+
+
+PARTS: dict[str, Part] = {f"limits: {kind}": _part(number) for number, kind in enumerate(KINDS)}
+"""What is measured, in order."""

@@ -1,0 +1,283 @@
+"""Every verb keeps every kind of limit, or refuses in one line: a table of verbs, limits and robots.
+
+A new verb is a row of `VERBS`, a new limit one of `LIMITS`. What verbs answer is judged by code that none of them uses.
+"""
+
+import inspect
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.base.checks import Floats
+from sinuous.measures.statics import pulls
+from sinuous.measures.tensions import lacking_stretch
+from sinuous.statics.rest import Rest, Way
+
+ROBOTS = ("free", "elastic", "loaded")
+SLACK = 1e-9
+WISHED = 1e-3
+"""By how much accelerations of control steps may be exceeded: they are wishes, of a variance."""
+
+MOST = 6
+"""Steps of a way that are judged, about."""
+
+LOOKS = np.linspace(0.0, 1.0, 5)
+START = np.array([[0.1, 0.05, 0.1], [0.05, -0.1, 0.1]])
+FAR = np.array([[1.3, 0.4, 0.13], [1.1, 0.3, 0.07]])
+RATES = sn.Rates(bend=1.0, length=0.02)
+ACCELERATIONS = sn.Rates(bend=1.0, length=0.02, acceleration=sn.Rates(bend=2.0, length=0.05))
+
+
+def segments(kind: str, **limits: Any) -> sn.Robot:
+    """Two segments of a kind of robot; `limits` are those of each segment, or of its tendons."""
+    lines: dict[str, Any] = {key: limits.pop(key) for key in ("displacement", "tension") if key in limits}
+    stiff: dict[str, Any] = {} if kind == "free" else {"stiffness": 4000.0}
+    own: dict[str, Any] = {"length": 0.1, "max_bend": 1.5, "radius": 0.004, **limits}
+    whole: dict[str, Any] = {} if kind == "free" else {"stiffness": sn.Stiffness(0.02)}
+    if kind == "loaded":
+        whole |= {"gravity": (-9.81, 0.0, 0.0), "mass": 0.3, "arcs": 2}
+    tendons = sn.Tendons(3, 0.004, 0.2, **stiff, **lines)
+    return sn.Robot([sn.Segment(**own, tendons=tendons)] * 2, **whole)
+
+
+def stuck(kind: str) -> sn.Robot:
+    """A robot whose second segment holds its shape."""
+    robot: Any = segments(kind)
+    held: sn.Robot = robot.locked({2: (0.05, -0.1, 0.1)})
+    return held
+
+
+LIMITS: dict[str, Callable[[str], sn.Robot]] = {
+    "length": lambda kind: segments(kind, length=(0.08, 0.12)),
+    "bend": lambda kind: segments(kind, max_bend=0.6),
+    "curvature": lambda kind: segments(kind, length=(0.09, 0.11), max_curvature=6.0),
+    "actuator": lambda kind: segments(kind, displacement=(-0.003, 0.003)),
+    "tension": lambda kind: segments(kind, tension=(0.0, 30.0)),
+    "rate": segments,
+    "acceleration": segments,
+}
+if "plane" in inspect.signature(sn.Segment).parameters:
+    LIMITS["plane"] = lambda kind: segments(kind, plane=0.5, max_bend=(-0.4, 0.7))
+    LIMITS["locked"] = stuck
+
+
+class Went(NamedTuple):
+    """A way that a verb answers: knots (T, n, 3), their times, and whether all between them is claimed, too."""
+
+    q: Floats
+    times: Floats
+    claimed: bool
+
+
+class Asked(NamedTuple):
+    """What every verb is asked: from where to where a robot goes, and how fast it may."""
+
+    robot: sn.Robot
+    start: Floats
+    goal: Floats
+    rates: sn.Rates | None
+
+
+def went(motion: sn.Motion) -> Went:
+    return Went(motion.q, motion.times, motion.solved)
+
+
+def tip_at(robot: sn.Robot, q: Floats) -> Floats:
+    pose: Floats = robot.shape(q).tip if robot.has_external_load else robot.tip(q)
+    return pose[:3, 3]
+
+
+def place(asked: Asked) -> sn.Target:
+    return sn.Target(tip_at(asked.robot, asked.goal))
+
+
+def no_rates(asked: Asked) -> None:
+    if asked.rates is not None:
+        raise sn.InputError("rates", "unknown", asked.rates, "nothing: this has no time")
+
+
+def solve(asked: Asked) -> Went:
+    no_rates(asked)
+    found = sn.solve(asked.robot, place(asked), initial=asked.start, time=1.0)
+    return Went(found.q[None] if found.solved else asked.start[None], np.zeros(1), found.solved)
+
+
+def solve_many(asked: Asked) -> Went:
+    no_rates(asked)
+    found = sn.Solver(asked.robot, time=1.0).solve_many([place(asked)] * 2, initial=asked.start)
+    return Went(found.q[found.solved], np.zeros(int(found.solved.sum())), False)
+
+
+def step(asked: Asked) -> Went:
+    solver, q, dt = sn.Solver(asked.robot), [asked.start], 0.1
+    far = 4.0 * (tip_at(asked.robot, asked.goal) - tip_at(asked.robot, asked.start))
+    velocity, more = np.zeros_like(asked.start), asked.rates is not None and asked.rates.acceleration is not None
+    for _ in range(8):
+        made = solver.step(q[-1], far, dt, rates=asked.rates, velocity=velocity if more else None)
+        q, velocity = [*q, made.q], made.velocity
+    return Went(np.array(q), dt * np.arange(float(len(q))), True)
+
+
+def within(asked: Asked) -> Went:
+    if asked.rates is not None and asked.rates.acceleration is not None:
+        raise sn.InputError("within", "changes have no acceleration", asked.rates, "rates * dt")
+    rates = asked.rates or RATES
+    found = sn.Solver(asked.robot).solve(place(asked), asked.start, within=rates * 0.5)
+    return Went(np.stack([asked.start, found.q]), np.array([0.0, 0.5]), found.status != "unproved")
+
+
+def plan(asked: Asked) -> Went:
+    return went(sn.plan(asked.robot, asked.start, asked.goal, rates=asked.rates, time=4.0))
+
+
+def track(asked: Asked) -> Went:
+    return went(sn.track(asked.robot, [place(asked)], start=asked.start, rates=asked.rates, time=2.0))
+
+
+def shorten(asked: Asked) -> Went:
+    middle = asked._replace(goal=0.5 * (asked.start + asked.goal))
+    targets = [place(middle), place(asked)]
+    options: Any = {"start": asked.start, "rates": asked.rates, "shortest": "configuration", "time": 2.0}
+    return went(sn.track(asked.robot, targets, **options))
+
+
+def lead(asked: Asked) -> Went:
+    no_rates(asked)
+    robot = sn.on_stage(asked.robot, 0.2)
+    curve = robot.backbone(np.concatenate([[[0.0, 0.0, 0.2]], asked.goal]))
+    found = sn.follow_the_leader(robot, curve[20:], time=0.5, tip_deviation=2e-3)
+    return Went(found.q[:, 1:], found.times, found.solved)
+
+
+def from_elsewhere(asked: Asked) -> Went:
+    no_rates(asked)
+    return went(sn.Motion(asked.robot, [asked.start, FAR, asked.goal]))
+
+
+def timed(asked: Asked) -> Went:
+    motion = sn.Motion(asked.robot, [asked.start, 0.5 * (asked.start + asked.goal) * [1.0, 0.9, 1.0], asked.goal])
+    if asked.rates is None:
+        return went(motion.timed(ACCELERATIONS).resampled(20.0))
+    trajectory = motion.timed(asked.rates, 0.0)
+    times = np.linspace(0.0, trajectory.duration, 40)
+    return Went(trajectory.at(times), times, False)
+
+
+VERBS: dict[str, Callable[[Asked], Went]] = {
+    "solve": solve,
+    "solve_many": solve_many,
+    "step": step,
+    "within": within,
+    "plan": plan,
+    "track": track,
+    "shorten": shorten,
+    "follow_the_leader": lead,
+    "Motion": from_elsewhere,
+    "timed": timed,
+}
+
+
+def asked_of(kind: str, limit: str) -> Asked:
+    robot = LIMITS[limit](kind)
+    start, far = robot.clamp(START), robot.clamp(FAR)
+    rates = {"rate": RATES, "acceleration": ACCELERATIONS}.get(limit)
+    return Asked(robot, start, start + (0.4 if kind == "loaded" else 0.97) * (far - start), rates)
+
+
+def excesses(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
+    """Yield by how much a way is outside of limits (rad, or mean lengths), at knots and between what is claimed."""
+    robot, unit = asked.robot, asked.robot.mean_length
+    pairs = list(pairwise(way.q)) if way.claimed and len(way.q) > 1 else [(q, q) for q in way.q]
+    for one, other in pairs[:: max(1, len(pairs) // MOST)]:
+        for share in LOOKS if one is not other else (0.0,):
+            q = (1.0 - share) * one + share * other
+            yield from ((name, amount / size) for name, amount, size in _of_shape(robot, q, unit))
+            if robot.drive.elastic is not None:
+                yield "tension", lacking_stretch(robot, q) / unit
+        if robot.has_external_load and robot.tension_rows is not None:
+            yield "tension under load", _pulled(robot, one, other) / 30.0 - 1.0
+
+
+def _of_shape(robot: sn.Robot, q: Floats, unit: float) -> Iterator[tuple[str, float, float]]:
+    for k, segment in enumerate(robot.segments):
+        bend, length = float(np.linalg.norm(q[k, :2])), float(q[k, 2])
+        least, most = segment.length
+        yield "length", max(least - length, length - most), unit
+        cap = segment.max_bend if isinstance(segment.max_bend, float) else max(map(abs, segment.max_bend))
+        yield "bend", bend - min(cap, (segment.max_curvature or np.inf) * length), 1.0
+        plane = getattr(segment, "plane", None)
+        if plane is not None:
+            x, y = (
+                np.cos(plane) * q[k, :2] @ [1.0, 0.0] + np.sin(plane) * q[k, 1],
+                q[k, :2] @ [-np.sin(plane), np.cos(plane)],
+            )
+            yield "plane", max(abs(float(y)), float(x) - 0.7, -0.4 - float(x)), 1.0
+        if getattr(segment, "locked", None) is not None:
+            yield "locked", float(np.abs(q[k] - [0.05, -0.1, 0.1]).max()), 1.0
+        if segment.tendons is not None and segment.tendons.stiffness is None:
+            for angle in segment.tendons.angles:
+                pulled = segment.tendons.radius * float(q[: k + 1, :2].sum(axis=0) @ [np.cos(angle), np.sin(angle)])
+                low, high = segment.tendons.displacement
+                yield "actuator", max(low - pulled, pulled - high), unit
+
+
+def _pulled(robot: sn.Robot, one: Floats, other: Floats) -> float:
+    """The greatest tension of the loaded body on the way between two drives."""
+    way = Way(Rest(robot, np.array(one)), Rest(robot, np.array(other)))
+    rests = [way.rest(share) for share in LOOKS.tolist()]
+    return max(float(np.nanmax(pulls(robot, each.q, each.found[0], each.displacements))) for each in rests)
+
+
+def speeds(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
+    """Yield by how much rates, and accelerations from knot to knot, are exceeded, relative to themselves."""
+    assert asked.rates is not None
+    moved = np.diff(way.q, axis=0) / np.diff(way.times)[:, None, None]
+    assert isinstance(asked.rates.bend, float)
+    assert isinstance(asked.rates.length, float)
+    yield "rate of bends", float(np.hypot(moved[..., 0], moved[..., 1]).max(initial=0.0)) / asked.rates.bend - 1.0
+    yield "rate of lengths", float(np.abs(moved[..., 2]).max(initial=0.0)) / asked.rates.length - 1.0
+    further = asked.rates.acceleration
+    if further is not None:
+        assert isinstance(further.bend, float)
+        times = np.diff(way.times)
+        changes = np.diff(moved, axis=0) / (0.5 * (times[1:] + times[:-1]))[:, None, None]
+        yield "acceleration", float(np.hypot(changes[..., 0], changes[..., 1]).max(initial=0.0)) / further.bend - 1.0
+
+
+@pytest.mark.parametrize("kind", ROBOTS)
+@pytest.mark.parametrize("limit", LIMITS)
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_keeps_every_limit_or_refuses_in_a_line(verb: str, limit: str, kind: str) -> None:
+    try:
+        asked = asked_of(kind, limit)
+        way = VERBS[verb](asked)
+    except sn.InputError as error:
+        refusal = str(error)
+    else:
+        _judge(asked, way)
+        return
+    assert "\n" not in refusal
+
+
+def _judge(asked: Asked, way: Went) -> None:
+    for name, excess in excesses(asked, way):
+        assert excess <= 2.0 * SLACK, name
+    if asked.rates is not None and len(way.q) > 1:
+        for name, excess in speeds(asked, way):
+            assert excess <= (WISHED if name == "acceleration" else 1e-6), name
+
+
+def test_most_of_the_table_is_kept_and_not_refused() -> None:
+    """A table of refusals would say nothing."""
+    for verb in ("solve", "step", "plan", "track", "timed"):
+        for limit in ("length", "bend", "actuator"):
+            asked = asked_of("free", limit)
+            way = VERBS[verb](asked)
+            assert len(way.q) > (0 if verb == "solve" else 1), (verb, limit)
+            assert way.claimed, (verb, limit)
+    for verb, kind in (("plan", "elastic"), ("track", "elastic"), ("plan", "loaded"), ("step", "loaded")):
+        assert VERBS[verb](asked_of(kind, "tension")).claimed, (verb, kind)

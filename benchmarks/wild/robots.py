@@ -109,11 +109,14 @@ def _draw(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
 
 
 def _driven(segments: list[sn.Segment], q: Floats, unit: float, rng: Generator) -> list[sn.Segment]:
-    """Give some segments tendons, or some chambers, with limits that the shapes (m, n, 3) just keep."""
+    """Give some segments tendons, or some chambers, with limits that the shapes (m, n, 3) just keep.
+
+    The others get tendons without limits: what no actuator bends would be locked.
+    """
     by_tendons = rng.random() < 0.6
     driven = []
     for k, segment in enumerate(segments):
-        driven.append(segment)
+        driven.append(segment.changed(tendons=sn.Tendons(3, 0.1 * unit)) if segment.max_bend > 0.0 else segment)
         if segment.max_bend == 0.0 or rng.random() < 0.4:
             continue
         arm, first, slack = unit * rng.uniform(0.02, 0.2), rng.uniform(0.0, math.pi), rng.uniform(1.0001, 1.5)

@@ -22,7 +22,7 @@ ROBOT = sn.Robot(
     [
         sn.Segment((0.8, 1.2), 2.0, tendons=sn.Tendons(3, 0.05, displacement=(-0.3, 0.3))),
         sn.Segment((0.8, 1.2), 2.0, chambers=sn.Chambers(3, 0.05, length=(0.7, 1.3))),
-        sn.Segment(1.0, 2.0, max_curvature=1.9),
+        sn.Segment(1.0, 2.0, max_curvature=1.9, tendons=sn.Tendons(3, 0.05)),
     ],
     radius=0.05,
     base=sn.pose((0.1, 0.2, 0.3), direction=(0, 1, 1)),

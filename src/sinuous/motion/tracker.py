@@ -1,7 +1,7 @@
 """Goes from waypoint to waypoint, and proves the way."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -30,6 +30,9 @@ from sinuous.solver.solver import Initial, Solver
 
 SLACK = 0.5
 """How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""
+
+OTHERS = 6
+"""Other shapes that are tried at a waypoint, where the tip had to leave a line."""
 
 SHORTCUTS = 10
 """How many are tried on a way around."""
@@ -87,7 +90,7 @@ class Tracker:
         self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
         self._tip = Tip(solver.robot)
         self._walks: MemorySearch | None = None
-        self._approaches = start is not None
+        self._approaches = self._started = start is not None
         self.blocked: Worst | None = None
         self._notes: tuple[str, ...] = ()
         if start is not None:
@@ -129,6 +132,53 @@ class Tracker:
             solution = self.go_to(targets) if entry is None else self.go_on(targets, entry)
             if progress is not None:
                 progress(solution)
+        if self._reconfigured and self._reconfigure == "refuse" and not self._started and self._timetable is None:
+            self._begin_otherwise()
+
+    def _begin_otherwise(self) -> None:
+        """Follow the path from other shapes at its first waypoint, where all that is wrong is that it was left."""
+        if self.motion().status is not Status.LEFT_PATH:
+            return
+        waypoints = [solution.problem.targets for solution, _ in self._tried]
+        for q in self._other_shapes(waypoints):
+            other = self._anew()
+            if other._follows_whole(waypoints, q):
+                self.__dict__.update({**vars(other), "_began": self._began})
+                return
+
+    def _other_shapes(self, waypoints: list[tuple[Target, ...]]) -> Iterator[Floats]:
+        """Shapes at the first waypoint: some that were looked for there, and some that are led back from elsewhere."""
+        for solution in self._solver.solve_all(list(waypoints[0]), count=OTHERS):
+            yield solution.q
+        back = waypoints[: self._reconfigured[0]][
+            ::-1
+        ]  # from the first waypoint to which the tip could not go straight
+        for solution in self._solver.solve_all(list(back[0]), count=OTHERS):
+            way = self._anew()
+            if way._follows_whole(back, solution.q):
+                yield way._knots[-1].q
+
+    def _anew(self) -> "Tracker":
+        return Tracker(self._solver, None, self._deviation, None, self._reconfigure)
+
+    def _follows_whole(self, waypoints: list[tuple[Target, ...]], q: Floats) -> bool:
+        """Lead the tip straight from waypoint to waypoint, the first one met near `q`; say whether that can be done."""
+        for targets in waypoints:
+            solution: Solution | None = self._follower().solve(
+                list(targets), self._knots[-1].begin if self._knots else q
+            )
+            assert solution is not None
+            if not solution.solved:
+                return False
+            if self._knots:
+                solution = self._go_straight(solution)
+            else:
+                self._knots.append(Knot(solution.q, None, solution.problem.targets, solution))
+            if solution is None:
+                return False
+            self._at = solution.problem.targets
+            self._keep(solution)
+        return True
 
     def go_to(self, targets: Targets) -> Solution:
         """Solve the next waypoint from where the robot is, and move there on a way that is proved, where one is found.

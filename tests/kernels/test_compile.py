@@ -66,8 +66,8 @@ def reached() -> set[tuple[str, str]]:
     return {(each.__module__, each.__name__) for each in found}
 
 
-FOR_BOTH = {("sinuous.kernels.fitting.query", "ball_radius")}
-"""What Python calls as Python as well: a loop over segments, once for a solver."""
+FOR_BOTH = {("sinuous.kernels.fitting.query", "ball_radius"), ("sinuous.kernels.certificate.sweep", "sweep_size")}
+"""What Python calls as Python as well: a loop over segments, once for a solver, and the size of a buffer."""
 
 
 def test_only_entries_are_called_from_python() -> None:

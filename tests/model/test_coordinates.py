@@ -52,8 +52,9 @@ def test_two_wires_are_driven_in_their_plane_alone() -> None:
     q = np.array([[0.3, -0.4, 1.0], [*(0.8 * along), 1.0]])
     np.testing.assert_allclose(robot.from_actuators(robot.to_actuators(q)), q, atol=1e-14)
     assert robot.undetermined == ()
-    (violation,) = robot.violations(np.array([[0.0, 0.0, 1.0], [*(0.5 * along[::-1] * [-1, 1]), 1.0]]))
-    assert violation == ("bend", 2, pytest.approx(0.5))
+    ((kind, segment, amount),) = robot.violations(np.array([[0.0, 0.0, 1.0], [*(0.5 * along[::-1] * [-1, 1]), 1.0]]))
+    assert (kind, segment) == ("bend", 2)
+    assert amount == pytest.approx(0.5)
 
 
 def test_tendons_that_run_through_drive_what_they_bend() -> None:

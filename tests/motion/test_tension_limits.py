@@ -86,7 +86,9 @@ def test_plans_and_tracks_without_load_keep_limits_of_tension(length: Any) -> No
         goal = q * [-1.0, -1.0, 1.0]
         ball = sn.Sphere(robot.tip(0.5 * (q + goal))[:3, 3], 6.0)
         motion = sn.plan(robot, q, goal, [ball], time=SECONDS)
-        track = sn.track(robot, [sn.Target(robot.tip(each)[:3, 3]) for each in (q, goal)], start=q, time=SECONDS)
+        track = sn.track(
+            robot, [sn.Target(robot.tip(each)[:3, 3]) for each in (q, goal)], start=q, time=SECONDS, reconfigure="allow"
+        )
         for found in (motion, track):
             solved += found.solved
             assert not found.solved or _is_within(robot, found.q)

@@ -19,7 +19,8 @@ PATH = [sn.Target((1.5 - 3.0 * share, 0.5, 1.8)) for share in np.linspace(0.0, 1
 
 @pytest.mark.parametrize("started", [False, True])
 def test_a_path_is_followed_in_time(started: bool) -> None:
-    motion = sn.track(ROBOT, PATH, [PASSING], times=TIMES, start=START if started else None)
+    start = START if started else None
+    motion = sn.track(ROBOT, PATH, [PASSING], times=TIMES, start=start, reconfigure="allow")
     assert motion.solved
     np.testing.assert_allclose(motion.times[np.array(motion.waypoint_knots)], TIMES)
     for solution, when in zip(motion.solutions, TIMES.tolist(), strict=True):

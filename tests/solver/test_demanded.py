@@ -101,7 +101,6 @@ def test_what_cannot_be_kept_is_proved_impossible_and_told() -> None:
     assert less.before == 2.0
     assert 0.9 < less.after <= 1.02
     assert sn.solve(ROBOT, sn.Target((2.0, 20.0, 140.0)), SLIT, clearance=less.after).solved
-    assert "deep in" not in str(told)
     base = sn.solve(ROBOT, TARGET, SLIT, clearance=4.0)
     assert str(base.status) == "base_blocked"
     assert "leaves its mount it is 1 too near to left" in str(base.reason)

@@ -1,13 +1,14 @@
 """Solves, motions and control steps of robots with bends in one plane, locked coordinates and values that are held."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 import sinuous as sn
 
-LOOSE = {"routes": False, "max_starts": 12}
+LOOSE: dict[str, Any] = {"routes": False, "max_starts": 12}
 ROBOT = sn.Robot(
     [sn.Segment((0.5, 1.0), 2.0, plane=0.7), sn.Segment(1.0, (-0.5, 1.5), plane=1.7), sn.Segment(1.0, 2.0)]
 )
@@ -61,7 +62,7 @@ def test_control_steps_keep_what_is_held(robot: sn.Robot) -> None:
         assert np.abs(step.q - q)[:, :2].max() <= 0.1 + 1e-12
         assert robot.excess(step.q) <= 1e-12
         q = step.q
-        errors.append(float(np.linalg.norm(robot.tip(q)[:3, 3] - goal.position)))
+        errors.append(float(np.linalg.norm(robot.tip(q)[:3, 3] - (0.3, 0.8, 2.3))))
     assert errors[-1] < 0.5 * errors[0]
 
 
@@ -76,13 +77,13 @@ def test_derivatives_move_within_planes() -> None:
 
 
 @pytest.mark.parametrize("method", ["dls", "monte_carlo"])
-def test_methods_that_know_planes_keep_them(method: str) -> None:
+def test_methods_that_know_planes_keep_them(method: Any) -> None:
     q = LOCKED.drive.coordinates.project(np.array([[0.5, 0.5, 0.8], [0.2, 0.4, 1.0], [0.0, 0.0, 1.0]]))
     found = sn.solve(LOCKED, sn.Target(LOCKED.tip(q)[:3, 3]), method=method, max_starts=2)
     assert LOCKED.violations(found.q) == []
 
 
 @pytest.mark.parametrize("method", ["fabrikc", "fabrikx", "fabrik_avoid", "slinki", "opti_path"])
-def test_methods_for_free_bends_refuse_planes(method: str) -> None:
+def test_methods_for_free_bends_refuse_planes(method: Any) -> None:
     with pytest.raises(sn.InputError, match="bends in one plane"):
         sn.Solver(LOCKED, method=method)

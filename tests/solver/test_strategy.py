@@ -15,12 +15,12 @@ from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.solver import strategy as own
 from sinuous.solver.attempts import (
-    ATTEMPTS,
     EFFORT_OF_A_CHAIN,
     IKQuery,
     RandomRestarts,
     StartBatch,
 )
+from sinuous.solver.options import ATTEMPTS
 from sinuous.solver.routing.searches import Searches
 from sinuous.solver.strategy import attempts_of
 

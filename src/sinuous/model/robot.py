@@ -393,11 +393,10 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def coordinate_notes(self) -> tuple[str, ...]:
         """What is locked or bends in one plane, and why; and lengths that no actuator moves."""
-        return (
-            *self.held_notes,
-            *self._open_notes,
-            *(f"no actuator moves length of {name}; give it a stage, or one length" for name in self._loose_lengths),
-        )
+        loose = self._loose_lengths
+        them = "it" if len(loose) == 1 else "them"
+        said = (f"no actuator moves length of {some_of(loose)}; give {them} a stage, or one length",) if loose else ()
+        return *self.held_notes, *self._open_notes, *said
 
     @property
     def _open_notes(self) -> tuple[str, ...]:

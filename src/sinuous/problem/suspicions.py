@@ -27,9 +27,12 @@ THIN, LINE = 1e4, 5e5
 """How many times longer than its radius, or than the arm of its tendons, a robot is when these are in another unit; one
 that is thinner still is meant as a line."""
 
-SHORT_TOOL, LONG_TOOL, NO_TOOL = 1000.0, 10.0, 1e5
-"""How many times longer than its tool a robot is, or the other way round, when the tool is in another unit. A tool that
-is shorter still is a small change of one, as of a difference quotient."""
+LONG_TOOL = 10.0
+"""How many times longer than the robot its tool is when that is in another unit."""
+
+SHORT_TOOL, NO_TOOL = 400.0, 1e5
+"""How many times longer than the tool a segment is when the tool is in another unit; one that is shorter still is a
+small change of a tool, as of a difference quotient."""
 
 TIGHT, SLACK = 50.0, 300.0
 """How many times smaller, or larger, than what the largest bends need the limits of tendons are in another unit."""
@@ -82,7 +85,8 @@ def _of_lengths(robot: Robot) -> Iterator[str]:
         if odd:
             yield f"the {key} is {odd[0]:.4g}, the robot {length:.4g} long; {ask}"
     tool = float(np.linalg.norm(robot.tool[:3, 3]))
-    if tool > LONG_TOOL * length or length / NO_TOOL < tool < length / SHORT_TOOL:
+    segment_length = max(segment.length[1] for segment in robot.segments)
+    if tool > LONG_TOOL * length or segment_length / NO_TOOL < tool < segment_length / SHORT_TOOL:
         yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
     for k, segment in enumerate(robot.segments, 1):
         if segment.tendons is None or segment.max_bend == 0.0:

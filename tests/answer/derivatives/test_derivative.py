@@ -39,6 +39,7 @@ def answer() -> sn.Solution:
     return exact_solver().solve(sn.Target((1.0, 0.4, 3.0)))
 
 
+@pytest.mark.filterwarnings("ignore::sinuous.SuspiciousInput")  # differences are of tools that are hardly any
 @pytest.mark.parametrize("family", list(FAMILIES))
 def test_no_wrong_derivative_is_called_regular(family: str) -> None:
     """Along a random motion of all parameters at once: targets, base, tool, sizes, limits, obstacles, start."""

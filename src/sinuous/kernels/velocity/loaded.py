@@ -119,8 +119,8 @@ def _carve(
     size = tick_size(N, m, 0, 0)
     of_arcs, rest = carve_tick(buffer[:size], arcs.base, (N, m, 6, most_bounds(N, m, 0), 0)), buffer[size:]
     for i in range(N):
-        for j in range(3):
-            of_arcs.root[i, 4 * j] = 1.0
+        for j in range(9):
+            of_arcs.root[i, j] = 1.0 if j % 4 == 0 else 0.0
     size = tick_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH)
     own, rest = carve_tick(rest[:size], problem.base, (n, 0, r, bounds, most_constraints(n))), rest[size:]
     space, rest = carve(rest, N, count, slopes)

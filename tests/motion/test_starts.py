@@ -38,6 +38,24 @@ def test_clamp_finds_the_nearest_within_all_limits(robot: sn.Robot) -> None:
     np.testing.assert_array_equal(robot.clamp(found), found)
 
 
+PLANAR = sn.Robot(
+    [sn.Segment((40.0, 80.0), (-0.5, 1.2), plane=0.7), sn.Segment((40.0, 80.0), 1.6), sn.Segment(60.0, 1.6)]
+).locked({3: (0.6, -0.2, None)})
+
+
+def test_clamp_keeps_planes_and_locks() -> None:
+    random, scale = np.random.default_rng(3), np.array([1.0, 1.0, PLANAR.mean_length / len(PLANAR)])
+    q = beyond(PLANAR, 12)
+    found = PLANAR.clamp(q)
+    np.testing.assert_allclose(found[:, 2], np.tile([0.6, -0.2, 60.0], (12, 1)), atol=1e-9)
+    for one, nearest in zip(q, found, strict=True):
+        assert PLANAR.violations(nearest) == []
+        apart = np.linalg.norm((nearest - one) / scale)
+        around = nearest + random.normal(0.0, 0.02, (40, *one.shape)) * scale
+        for beside in PLANAR.drive.coordinates.project(around):
+            assert PLANAR.violations(beside) or np.linalg.norm((beside - one) / scale) > apart - 1e-9
+
+
 @pytest.mark.parametrize("robot", [ROBOT, LIMITED, PULLED], ids=["bends", "tendons", "tensions"])
 def test_starts_that_went_through_float32_are_brought_within(robot: sn.Robot) -> None:
     for q in robot.clamp(beyond(robot, 6)):

@@ -91,8 +91,10 @@ def _in_plane(robot: Robot, number: int, line: BendLine, own: Floats) -> Iterato
     count, (px, py), tightest = len(robot), line.plane, robot.curvatures[number - 1]
     z, locked = float(own[:2] @ np.array(line.plane)), line.low == line.high
     key = "locked" if locked else "plane"
+    apart = own[:2] - line.rest - (line.low if locked else z) * np.array(line.plane)
     for x, y in ((-py, px), (py, -px), *(((px, py), (-px, -py)) if locked else ())):
-        yield Limit("bend", number, None, key, 0.0, 0.0, 0.0, gradient_at(count, number, (x, y, 0.0)), True)
+        slack = -float(apart @ (x, y))
+        yield Limit("bend", number, None, key, 0.0, 0.0, slack, gradient_at(count, number, (x, y, 0.0)), True)
     pair = isinstance(robot.segments[number - 1].own_max_bend, tuple)
     for i, (side, cap) in enumerate(() if locked else ((-1.0, line.low), (1.0, line.high))):
         end = number, None, f"max_bend[{i}]" if pair else "max_bend", z, cap

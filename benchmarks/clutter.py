@@ -57,7 +57,7 @@ COUNTED = (
 
 
 def clutter(plan: Plan, without: Sequence[str] = ()) -> Experiment:
-    """Measure every family, some places a share; attempts of the solver may be switched off (`attempts.ATTEMPTS`).
+    """Measure every family, some places a share; attempts of the solver may be switched off (`options.ATTEMPTS`).
 
     Raises
     ------

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, warn_of
+from sinuous.base.words import counted
 
 SAMPLED = 200
 """Rows by which the separator is told."""
@@ -164,7 +165,7 @@ class TableFormat(NamedTuple):
         cells = self.cells(line)
         if strict and len(cells) != self.width:
             wanted = f"{self.width}" if self.names is None else f"{self.width}: {','.join(self.names)}"
-            raise InputError(f"line {number}", f"has {len(cells)} cells", line, wanted)
+            raise InputError(f"line {number}", f"has {counted(len(cells), 'cell')}", line, wanted)
         values = []
         for place in places:
             value = self.number(cells[place]) if place < len(cells) else np.nan

@@ -25,6 +25,7 @@ import yaml
 from sinuous.base import checks
 from sinuous.base.documents import readable, result_value
 from sinuous.base.errors import InputError, shown
+from sinuous.base.text_tables import NUMBERS
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML has it; only its parser is used
 
@@ -155,7 +156,7 @@ def _scalar(text: str) -> Any:
         return _WORDS[text]
     if _WHOLE.fullmatch(text):
         return whole_number(text)
-    if NUMBER.fullmatch(text):
+    if NUMBERS["."].fullmatch(text):
         return float(text)
     return float(text.replace(".", "")) if _NOT_FINITE.fullmatch(text) else text
 
@@ -167,9 +168,6 @@ def _key(place: Place) -> str:
 def _line(event: Any) -> str:
     return f"line {event.start_mark.line + 1}"
 
-
-NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-"""A decimal number: `1e-3` is one; `0x10`, `1_000` and `1:30` are not."""
 
 MOST_DIGITS = 400
 

@@ -163,11 +163,11 @@ class Mesh(Obstacle):
         if up is not None:
             checks.choice("up", up, get_args(Up))
         vertices, faces, notes = read_mesh(Path(file))
-        y_up = Path(file).suffix.lower() in Y_UP
-        if up is None and y_up:
+        upwards = up or ("y" if Path(file).suffix.lower() in Y_UP else "z")
+        if up is None and upwards == "y":
             notes.append("y is up in such a file, so it was turned to have z up; up: z leaves it as it stands")
         try:
-            turned = vertices @ TO_Z_UP.T if up == "y" or (up is None and y_up) else vertices
+            turned = vertices @ TO_Z_UP.T if upwards == "y" else vertices
             moved = placement.apply(checks.points("vertices", turned))
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:

@@ -12,7 +12,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, RANDOM, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.problem.problem import Problem
-from sinuous.solver.options import ATTEMPTS, SCATTERED, UNBOUNDED  # noqa: F401 (programs take ATTEMPTS from here)
+from sinuous.solver.options import SCATTERED, UNBOUNDED
 
 Deadline = Callable[[], float]
 """When a solve has to end: says how many seconds are left until then."""
@@ -129,7 +129,7 @@ class Attempt(NamedTuple):
     number : int
         Of those with the same priority, the one that was added first.
     name : str
-        One of `ATTEMPTS`.
+        One of `options.ATTEMPTS`.
     effort : float
         What is added to the effort spent when it yields its first batch: without any there was nothing to do.
     make : callable

@@ -245,7 +245,7 @@ def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
         (values[:, order], f"exchanging the columns {names[0]} and {names[1]}"),
         (values * signs, f"turning the sign of {names[2]}"),
         (values / 25.4, "actuator values times 25.4"),
-        (np.roll(values, -1, axis=0), "measurements that come 1 rows late"),
+        (np.roll(values, -1, axis=0), "measurements that come 1 row late"),
     ):
         notes = sn.studies.calibrate(DRAWN, wrong, tips, fit=["offsets"]).notes
         explained = [note for note in notes if "would explain these rows" in note]

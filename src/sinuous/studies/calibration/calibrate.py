@@ -144,7 +144,7 @@ def calibrate(
     rows = read(robot, actuators, measured, places, markers, groups, unit)
     refuse_size(robot, rows)
     names = _names(fit, checks.choice("frame", frame, get_args(Frame)))
-    drawn = robot.changed(tool=None, uncertainty=None)
+    plain = drawn = robot.changed(tool=None, uncertainty=None)
     notes = [f"rows that say 0, 0, 0, taken as not seen: {_few(rows.zeros)}"] if rows.zeros else []
     dropped = tuple(row for row in rows.dropped if row not in rows.zeros)
     if dropped:
@@ -159,7 +159,6 @@ def calibrate(
         drawn = _giving(drawn, names)
         chosen = _fit_as_told(drawn, rows, frame == "base", names, notes)
     last = fitted(drawn, chosen, rows)
-    plain = robot.changed(tool=None, uncertainty=None)
     mistake = find_mistake(plain, rows, frame == "base", float(np.median(errors(last.residuals))))
     notes += [] if mistake is None else [mistake]
     return _result(robot, drawn, last, rows, trials, notes, frame)

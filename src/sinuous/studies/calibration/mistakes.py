@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
+from sinuous.base import words
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot
@@ -66,4 +67,4 @@ def _candidates(drawn: Robot, rows: Measurements) -> Iterator[tuple[str, Floats]
         yield f"actuator values times {factor:g}", own * factor
     for rows_late in (*range(1, MOST_DELAY + 1), *range(-MOST_DELAY, 0)):
         word = "late" if rows_late > 0 else "early"
-        yield f"measurements that come {abs(rows_late)} rows {word}", np.roll(own, rows_late, axis=0)
+        yield f"measurements that come {words.counted(abs(rows_late), 'row')} {word}", np.roll(own, rows_late, axis=0)

@@ -106,8 +106,8 @@ class PathSolver:
             Waypoints, 0 = first, and shapes there, to begin with.
         """
         at = {station.waypoint: i for i, station in enumerate(self._stations) if station.is_waypoint}
-        for waypoint, knot in seeds:
-            self._add(at[waypoint], knot)
+        for waypoint, seed in seeds:
+            self._add(at[waypoint], seed)
         more = self._more_seeds()
         while True:
             way = self._proved_way()

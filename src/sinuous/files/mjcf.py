@@ -231,7 +231,7 @@ def model_element(driven: DrivenChain) -> Element:
         SubElement(equality, "joint", joint1=joint, joint2=leader, polycoef=f"0 {text(ratio)} 0 0 0", solref=STIFF)
     for held, constant in _held(driven.chain):
         SubElement(equality, "joint", held, polycoef=constant, solref=STIFF)
-    middle = [(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.segments]
+    middle = [(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.rows]
     still = robot.drive.coordinates.project(np.array(middle))
     rest = texts(driven.controls(still))
     free = robot.drive.coordinates.free
@@ -243,7 +243,7 @@ def model_element(driven: DrivenChain) -> Element:
 def _bodies(world: Element, driven: DrivenChain) -> None:
     chain = driven.chain
     robot = chain.robot
-    density = driven.mass / sum(segment.length[1] for segment in robot.segments)
+    density = driven.mass / sum(segment.length[1] for segment in robot.rows)
     body = SubElement(world, "body", {"name": "base", "childclass": "arm"} | _pose(robot.base))
     thin = THIN * robot.mean_length
     _shapes(body, chain.first, density, thin)

@@ -143,7 +143,7 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
     """
     if not finite(q):  # comparisons with NaN are false, also those that should find something wrong
         return t.FAILED, math.inf, math.inf, math.inf, math.inf, True, math.inf
-    forward(q, check.frames)
+    forward(problem.limits, q, check.frames)
     off, turn = target_errors(problem, check.frames)
     length, bend = excess(problem, q)
     bound = not (length <= ROUNDING * problem.unit and bend <= ROUNDING)

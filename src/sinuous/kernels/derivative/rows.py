@@ -4,7 +4,7 @@ import math
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.body.contacts import PosedBody
-from sinuous.kernels.body.pieces import evaluate_here, free_part, near
+from sinuous.kernels.body.pieces import backbone_of, evaluate_here, free_part, near
 from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS, pull_along, put_place_weights, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
@@ -263,8 +263,8 @@ def add_contacts(scene: Scene | None, problem: Problem, work: Workspace, first: 
     body = PosedBody(problem.limits, q, work.frames, problem.unit)
     shape = Shape(problem.limits, q, work.frames, work.spans)
     for k in range(q.shape[0]):
-        start, length, radius = free_part(q, k, mount), q[k, 2], problem.limits[k, t.RADIUS]
-        mount -= length
+        start, length, radius = free_part(problem.limits, q, k, mount), q[k, 2], problem.limits[k, t.RADIUS]
+        mount -= backbone_of(problem.limits, q, k)
         part = 1.0 - start
         if part <= 0.0:
             continue

@@ -60,7 +60,7 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     """
     longest = shortest = turning = 0.0
     for j in range(k + 1):
-        longest += problem.limits[j, t.MAX_LENGTH]
+        longest += problem.limits[j, t.MAX_LENGTH] + problem.limits[j, t.TAIL_LENGTH]
         shortest += problem.limits[j, t.MIN_LENGTH]
         turning += bend_cap(problem.limits, j, problem.limits[j, t.MAX_LENGTH])
     rotation, base = frame(problem.base, 0)
@@ -77,6 +77,8 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
         loose += problem.position_tolerance + slack
         if far - loose > longest:
             return True
+        if problem.limits[0, t.RIGID] != 0.0:  # what is said of curves below holds for none that begins with a joint
+            return False
         if turning < math.pi and far + loose < shortest * math.cos(0.5 * turning):
             return True
         if _beside(problem.limits, k, base, axis, place, loose, False):
@@ -86,7 +88,7 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
             swing = loose + min(2.0, problem.angle_tolerance + tilt) * (far + loose)
             if _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True):
                 return True
-    if asked == t.DIRECTION and turning < math.pi:
+    if asked == t.DIRECTION and turning < math.pi and problem.limits[0, t.RIGID] == 0.0:
         needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, t.GOAL)))))
         return bool(needed > turning + tilt + problem.angle_tolerance + 1e-7)
     return False
@@ -99,7 +101,8 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
         return False
     shortest = 0.0
     for j in range(k + 1):
-        shortest += problem.limits[j, t.MIN_LENGTH]
+        if problem.limits[j, t.RIGID] == 0.0:
+            shortest += problem.limits[j, t.MIN_LENGTH]
     if shortest <= (1.0 + MOUNT_ROUNDING) * problem.mount:
         return False
     place, loose = backbone_end(problem, i, k)

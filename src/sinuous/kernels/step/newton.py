@@ -3,7 +3,7 @@
 import math
 
 from sinuous.kernels.body.contacts import SOFTNESS, ContactSearch, PosedBody, contacts
-from sinuous.kernels.body.pieces import Scratch
+from sinuous.kernels.body.pieces import Scratch, backbone_of
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.body.self_contacts import PAIR_VALUE, self_contacts
@@ -100,7 +100,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     self-contacts only `with_self`. When the time is over, some are missing.
     """
     q, frames, rows = state.q, state.frames, state.rows
-    forward_with_columns(q, frames, state.columns)
+    forward_with_columns(problem.limits, q, frames, state.columns)
     off = turn = 0.0
     seen = math.inf
     mount = problem.mount
@@ -114,7 +114,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
         if number_of(problem.scene) > 0:
             at, least = contacts(body, problem.scene, k, mount, search, scratch, rows, at)
             seen = min(seen, least)
-            mount -= q[k, 2]
+            mount -= backbone_of(problem.limits, q, k)
         at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
     finish_rows(state, at)

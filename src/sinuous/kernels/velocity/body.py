@@ -66,13 +66,13 @@ of arcs, `tip` (6, 3 n) of rotation and place of the tool, `seen` (r, 3 n) of ro
 the greatest ones (t,)."""
 
 
-def move_body(control: Control, resting: RestingBody | None) -> bool:
+def move_body(limits: Array, control: Control, resting: RestingBody | None) -> bool:
     """Put the body where its drive `control.q` takes it: frames of ends of segments; say whether it is at rest there.
 
-    Of a rigid one also `columns`; of another all derivatives.
+    Of a rigid one also `columns`; of another all derivatives. `limits` (n, 34): rows of its segments.
     """
     if resting is None:
-        forward_with_columns(control.q, control.frames, control.columns)
+        forward_with_columns(limits, control.q, control.frames, control.columns)
         return True
     return _rest_at(control, resting)
 
@@ -89,7 +89,7 @@ def _rest_at(control: Control, own: RestingBody) -> bool:
     put_ends(own.sections, own.space.frames, control.frames)
     unroll(own.x, own.arcs.q)
     _derive_arcs(own)
-    forward_with_columns(own.arcs.q, own.arcs.frames, own.arcs.columns)
+    forward_with_columns(own.problem.limits, own.arcs.q, own.arcs.frames, own.arcs.columns)
     return True
 
 
@@ -227,10 +227,10 @@ def answer_weights(control: Control, resting: RestingBody | None, a: int, moved:
         _spread(control, resting, int(control.rows.start[moved.shape[0]]), False, moved)
 
 
-def measure_travel(control: Control, resting: RestingBody | None) -> float:
+def measure_travel(limits: Array, control: Control, resting: RestingBody | None) -> float:
     """How far any place of the body travels to where `control.trial` leads, at most; under load to first order."""
     if resting is None:
-        return float(measure_rates(control.q, control.trial, control.sweep.rates))
+        return float(measure_rates(limits, control.q, control.trial, control.sweep.rates))
     arcs = resting.arcs
     copy(arcs.q, arcs.trial)
     for j in range(resting.by_drive.shape[0]):
@@ -238,7 +238,7 @@ def measure_travel(control: Control, resting: RestingBody | None) -> float:
         for k in range(arcs.q.shape[0]):
             for i in range(3):
                 arcs.trial[k, i] += moved * resting.by_drive[j, k, i]
-    return float(measure_rates(arcs.q, arcs.trial, arcs.sweep.rates))
+    return float(measure_rates(resting.problem.limits, arcs.q, arcs.trial, arcs.sweep.rates))
 
 
 def add_resting_contacts(

@@ -32,8 +32,8 @@ from sinuous.kernels import packing, tables
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
 from sinuous.model.home import find_home
-from sinuous.model.joints import Joint, RigidRows, joint_list, rigid_rows, with_links
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
+from sinuous.model.joints import Joint, RigidRows, joint_list, rigid_rows, with_links
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number

@@ -124,13 +124,13 @@ class LeastSquares:
     def _jacobian(self, x: Floats, position: Floats, direction: Floats) -> Floats:
         zx, zy, zz = self._forward(x)[2:9:3].tolist()
         q = x.reshape(1, -1, 3)
-        batch.jacobians_of(q, self._frames, self._tool, len(self._robot) - 1, self._columns, self._twists)
+        batch.jacobians_of(self._robot.limits, q, self._frames, self._tool, len(self._robot) - 1, self._columns, self._twists)
         turn, move = self._twists[0, :3], self._twists[0, 3:]
         minus_cross = np.array([[0.0, zz, -zy], [-zz, 0.0, zx], [zy, -zx, 0.0]])
         return np.concatenate([move / self._unit, minus_cross @ turn])
 
     def _forward(self, x: Floats) -> Floats:
-        batch.frames_of(x.reshape(1, -1, 3), self._base, self._frames)
+        batch.frames_of(self._robot.limits, x.reshape(1, -1, 3), self._base, self._frames)
         tip: Floats = self._frames[0, -1]
         return tip
 

@@ -126,7 +126,7 @@ def six_axes() -> sn.Robot:
     rng = rng_of("six axes")
     joints: list[Joint] = []
     for i in range(6):
-        origin = sn.pose(rng.uniform(-0.1, 0.1, 3) + (0.0, 0.0, 0.2), direction=rng.normal(size=3))
+        origin = sn.pose(np.array((0.0, 0.0, 0.2)) + rng.uniform(-0.1, 0.1, 3), direction=rng.normal(size=3))
         kind = Prismatic if i == 2 else Revolute
         joints.append(kind(rng.normal(size=3), (-0.1, 0.3) if i == 2 else (-2.0, 2.5), origin))
     return sn.Robot([sn.Segment((0.08, 0.12), 2.0)] * 3, joints=joints)

@@ -2,6 +2,7 @@
 
 import math
 import zlib
+from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
@@ -127,12 +128,12 @@ def six_axes() -> sn.Robot:
     joints: list[Joint] = []
     for i in range(6):
         origin = sn.pose(np.array((0.0, 0.0, 0.2)) + rng.uniform(-0.1, 0.1, 3), direction=rng.normal(size=3))
-        kind = Prismatic if i == 2 else Revolute
+        kind: type[Revolute | Prismatic] = Prismatic if i == 2 else Revolute
         joints.append(kind(rng.normal(size=3), (-0.1, 0.3) if i == 2 else (-2.0, 2.5), origin))
     return sn.Robot([sn.Segment((0.08, 0.12), 2.0)] * 3, joints=joints)
 
 
-ROBOTS = {"panda": panda, "bronchoscope": bronchoscope, "six axes": six_axes}
+ROBOTS: dict[str, Callable[..., sn.Robot]] = {"panda": panda, "bronchoscope": bronchoscope, "six axes": six_axes}
 
 
 def made(name: str) -> sn.Robot:

@@ -26,7 +26,7 @@ from benchmarks.harness.machine import describe
 from benchmarks.harness.markdown import table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
-from benchmarks.judges.links import values_of, wrong_among
+from benchmarks.judges.links import wrong_among
 from benchmarks.judges.motions import samples, wrong_in
 from benchmarks.ways import timed
 from sinuous.base import checks
@@ -133,20 +133,25 @@ def continuum(problem: Problem) -> Asked:
 
 def panda(problem: Problem) -> Asked:
     """Put the Panda there, with the links that its joints move; it is asked for joint values."""
-    joints: list[Joint] = []
-    for (a, d, alpha), limits, body in zip(PANDA, LIMITS, CAPSULES, strict=True):
-        origin = np.eye(4)
-        origin[:3, :3] = Rotation.from_euler("x", alpha).as_matrix()
-        origin[:3, 3] = (a, 0.0, 0.0) + d * origin[:3, 2]
-        touches = [NEVER[1]] if len(joints) == NEVER[0] else []
-        joints.append(Revolute((0.0, 0.0, 1.0), limits, origin, body=body, touches=touches))
-    robot = sn.Robot(joints=[*joints, Fixed((0.0, 0.0, FLANGE))])
+    robot = sn.Robot(joints=[*panda_joints(CAPSULES), Fixed((0.0, 0.0, FLANGE))])
     rigid, ends = robot._rigid, []
     for end in ("start", "goal"):
         q = np.array([(0.0, 0.0, 0.5 * sum(row.length)) for row in robot.rows])
         q[rigid.values, rigid.columns] = problem[end]
         ends.append(q)
     return Asked(robot, sn.Scene([obstacle(each) for each in problem["obstacles"]]), *ends)
+
+
+def panda_joints(capsules: Sequence[Sequence[Any]]) -> list[Joint]:
+    """Return the joints of the Panda, with these capsules for the links that they move."""
+    joints: list[Joint] = []
+    for (a, d, alpha), limits, body in zip(PANDA, LIMITS, capsules, strict=True):
+        origin = np.eye(4)
+        origin[:3, :3] = Rotation.from_euler("x", alpha).as_matrix()
+        origin[:3, 3] = (a, 0.0, 0.0) + d * origin[:3, 2]
+        touches = [NEVER[1]] if len(joints) == NEVER[0] else []
+        joints.append(Revolute((0.0, 0.0, 1.0), limits, origin, body=body, touches=touches))
+    return joints
 
 
 ROBOTS: dict[str, Callable[[Problem], Asked]] = {"continuum": continuum, "panda": panda}
@@ -230,7 +235,7 @@ def _wrong(asked: Asked, motion: sn.Motion) -> str:
     if not isinstance(asked.start, sn.Target) and not isinstance(asked.goal, sn.Target):
         if not np.array_equal(motion.q[[0, -1]], np.stack([asked.start, asked.goal])):
             return "not at its ends"
-        return wrong_among(asked.robot, asked.scene, values_of(asked.robot, samples(motion.q)))
+        return wrong_among(asked.robot, asked.scene, samples(motion.q))
     ends = right(asked.robot, _targets(asked), motion.q[[0, -1]], sn.Tolerance())
     return wrong_in(asked.robot, asked.scene, motion.q) if ends.all() else "not at its ends"
 

@@ -406,8 +406,12 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
 def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
     if isinstance(values, list):
         return read_scene(values, None, Path(file).parent)
-    if isinstance(values, dict) and "segments" in values and "robot" not in values:
-        return read_robot(values)
+    if (
+        isinstance(values, dict)
+        and ("segments" in values or "joints" in values)
+        and not {"robot", "motion"} & {*values}
+    ):
+        return read_robot(values, Path(file).parent)
     checks.instance("file", values, dict, "a problem, a robot, a list of obstacles, or a motion")
     if "motion" in values:
         return _saved_motion(values, file)

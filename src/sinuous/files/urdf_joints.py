@@ -279,7 +279,7 @@ def _disabled(file: Path) -> set[frozenset[str]]:
 
 
 def _touching(groups: Sequence[_Group], disabled: Any) -> dict[int, list[int]]:
-    """Of each group, those farther towards the base that it may touch: where all of their links that have a body may."""
+    """Of each group those before it that it may touch: where all of their links that have a body may."""
     return {
         b: [
             a

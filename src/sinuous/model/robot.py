@@ -436,11 +436,12 @@ class Robot(NotebookMixin, Frozen):
 
     @property
     def _open_notes(self) -> tuple[str, ...]:
-        """What actuators that bend the robot move, but do not determine."""
+        """What actuators that bend the robot move, but do not determine; joints have motors of their own."""
         if not self.drive.jacobian.reshape(-1, len(self), 3)[..., :2].any():
             return ()
         lengths = {f"length of {name} (" for name in self._loose_lengths}
-        left = [each for each in self.undetermined if not any(each.startswith(name) for name in lengths)]
+        own = (f"joint {name}" for name in self.joint_names)
+        left = [each for each in self.undetermined if not each.startswith((*lengths, *own))]
         return (f"actuators alone do not determine {some_of(left)}",) if left else ()
 
     @property
@@ -453,6 +454,7 @@ class Robot(NotebookMixin, Frozen):
             own = self.drive.elastic.determined & self.drive.coordinates.stretches
             moved[self.drive.coordinates.owner[own]] = True
         low, high = self.drive.coordinates.lengths.T
+        moved[: len(self._rigid.rows)] = True
         return tuple(self.segment_names[k] for k in np.flatnonzero((low < high) & ~moved))
 
     def to_dict(self) -> dict[str, Any]:
@@ -822,7 +824,7 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def undetermined(self) -> tuple[str, ...]:
         """What no actuator determines, like `length of s2 (segment 2)`: `from_actuators` takes it from `initial`."""
-        return tuple(self._inverse.named(self.segment_names))
+        return tuple(self._inverse.named(self.segment_names, len(self._rigid.rows)))
 
     @cached_property
     def _inverse(self) -> Inverse:

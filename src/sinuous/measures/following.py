@@ -118,6 +118,6 @@ def backbones(robot: Robot, q: Floats, begin: Floats) -> tuple[Floats, Floats]:
         frame = frame * Rotation.from_rotvec(np.stack([-bend[:, 1], bend[:, 0], np.zeros(len(q))], axis=-1))
         row = robot.rows[k]
         if isinstance(row, RigidRow):
-            start = start + frame.apply(row.tail[:3, 3])
-            frame = frame * Rotation.from_matrix(row.tail[:3, :3])
+            start = start + frame.apply(np.array(row.tail[:3, 3]))
+            frame = frame * Rotation.from_matrix(np.array(row.tail[:3, :3]))
     return points, tangents

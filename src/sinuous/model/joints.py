@@ -262,8 +262,11 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
     """Return the rows of joints and their links."""
     names, may_touch = joint_names(joints), _may_touch(joints)
     drafts: list[dict[str, Any]] = []
-    values, columns, shifts = [], [], []
-    ahead, link = np.eye(4), 0
+    values: list[int] = []
+    columns: list[int] = []
+    shifts: list[float] = []
+    ahead: Floats = np.eye(4)
+    link = 0
 
     def add(begin: Floats, **own: Any) -> int:
         """Lay on a row that begins there, seen from the end of the one before; return its number."""

@@ -171,7 +171,7 @@ class _Build:
             if not isinstance(joint, Fixed):
                 i, moving = moving, moving + 1
                 own = robot.joint_names[i], isinstance(joint, Prismatic), tuple(joint.axis.tolist()), self.ahead
-                value = int(rigid.values[i]), int(rigid.columns[i]), 1.0, joint.limits, -float(rigid.shifts[i])
+                value = int(rigid.values[i]), int(rigid.columns[i]), 1.0, joint.limits, 0.0 - float(rigid.shifts[i])
                 self.join(ChainJoint(*own, *value, joint.rate))
             for capsule in joint.body:
                 self.link.add_capsule(capsule, self.ahead)

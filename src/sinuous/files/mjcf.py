@@ -134,7 +134,8 @@ class DrivenChain(Frozen):
             weights = chain.matrix[:, columns] @ (rows[i, columns] / squares[columns])
             joints = {chain.names[j]: float(weights[j]) for j in np.flatnonzero(weights)}
             turned = own_stiffness / gain[i] ** 2
-            constant, told = float(rows[i, still] @ fixed), (float(gain[i]), float(offset[i]))
+            constant = float(rows[i, still] @ fixed) - float(weights @ chain.offsets)
+            told = float(gain[i]), float(offset[i])
             drives.append(Drive(names[i], joints, constant, *told, limits[i], turned, of_stiffness * turned))
         armature = (chain.matrix != 0.0) @ np.divide(inertia, squares, out=np.zeros(len(squares)), where=squares > 0.0)
         self._set(chain=chain, mass=mass, drives=tuple(drives), armature=armature)

@@ -119,6 +119,7 @@ class Actuation(Frozen):
     _weights: Floats
     _sums: NDArray[np.intp]
     _matrix: Floats
+    _bent: NDArray[np.bool_]
 
     def __init__(self, segments: Sequence[Segment], linear: Actuators | None, curvatures: Sequence[float]) -> None:
         count = len(segments)
@@ -139,6 +140,7 @@ class Actuation(Frozen):
             "_weights": np.array([line.weights for line in lines], np.float64).reshape(-1, 3),
             "_sums": np.array(sums, np.intp),
             "_matrix": matrix,
+            "_bent": np.array([not segment.rigid for segment in segments]),
         }
         for array in arrays.values():
             array.flags.writeable = False
@@ -194,7 +196,8 @@ class Actuation(Frozen):
 
     def _sums_of(self, q: Floats) -> Floats:
         """Compute the same from sums over the segments, without a matrix whose size is that of the robot squared."""
-        both = np.concatenate([q, np.cumsum(q, axis=-2)], axis=-2)
+        seen = q if self._bent.all() else q * self._bent[:, None]  # no tendon runs through joints before the arm
+        both = np.concatenate([q, np.cumsum(seen, axis=-2)], axis=-2)
         lines = np.einsum("...lc,lc->...l", both[..., self._sums, :], self._weights)
         return np.concatenate([lines, flat(q) @ self._matrix.T], axis=-1)
 

@@ -351,8 +351,8 @@ class Robot(NotebookMixin, Frozen):
         name = [] if self.name is None else [text(self.name)]
         driven = [f"{len(self.drive)} actuators"] if len(self.drive) else []
         moved = [f"{len(self.joint_names)} joints"] if self.joints else []
-        segments = f"{len(self.segments)} segments"
-        return call("Robot", [*name, *moved, segments, f"total length {low:g} to {high:g}", *driven])
+        arcs = [f"{len(self.segments)} segments", f"total length {low:g} to {high:g}"] if self.segments else []
+        return call("Robot", [*name, *moved, *arcs, *driven])
 
     @property
     def mean_length(self) -> float:
@@ -440,7 +440,7 @@ class Robot(NotebookMixin, Frozen):
         if not self.drive.jacobian.reshape(-1, len(self), 3)[..., :2].any():
             return ()
         lengths = {f"length of {name} (" for name in self._loose_lengths}
-        own = (f"joint {name}" for name in self.joint_names)
+        own = tuple(f"joint {name}" for name in self.joint_names)
         left = [each for each in self.undetermined if not each.startswith((*lengths, *own))]
         return (f"actuators alone do not determine {some_of(left)}",) if left else ()
 

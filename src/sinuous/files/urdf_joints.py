@@ -31,6 +31,9 @@ CAPSULE = "sinuous:capsule"
 SKIPPED = ("visual", "transmission", "gazebo", "material")
 """Elements that say nothing of joints and bodies."""
 
+ALIKE = 1.005
+"""Up to this ratio a volume counts as the same."""
+
 SAME = 1e-12
 """A pose that is as near to none as this, in any entry, is left out."""
 
@@ -220,8 +223,8 @@ def _body(link: Any, folder: Path, meshes: bool) -> tuple[list[Shape], list[str]
     notes = [f"{left} of its shapes left out: meshes"] if left else []
     if shapes:
         capsules = [capsule for shape in shapes for capsule in shape.capsules]
-        own = math.fsum(shape.volume for shape in shapes)
-        larger = f" with {number(link_capsules.volume_of(capsules) / own, 3)} times its volume" if own > 0.0 else ""
+        own, volume = math.fsum(shape.volume for shape in shapes), link_capsules.volume_of(capsules)
+        larger = f", {number(volume / own, 3)} times the volume of its shapes" if volume > ALIKE * own > 0.0 else ""
         notes.append(f"{counted(len(capsules), 'capsule')}{larger}")
     return shapes, [f"link {link.name!r}: {note}" for note in notes]
 

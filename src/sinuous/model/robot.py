@@ -33,7 +33,7 @@ from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
 from sinuous.model.home import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
-from sinuous.model.joints import Joint, RigidRows, joined, joint_list, joint_names, rigid_rows, with_links
+from sinuous.model.joints import Joint, RigidRow, RigidRows, joined, joint_list, joint_names, rigid_rows, with_links
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, refuse_repeated, segment_number
@@ -355,6 +355,11 @@ class Robot(NotebookMixin, Frozen):
         return call("Robot", [*name, *moved, *arcs, *driven])
 
     @property
+    def body_radii(self) -> tuple[float, ...]:
+        """Radii of what has a body: capsules of links, and all segments."""
+        return tuple(row.radius for row in self.rows if not isinstance(row, RigidRow) or row.has_body)
+
+    @property
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
         length: float = 0.5 * sum(sum(segment.length) for segment in self.rows)
@@ -413,10 +418,10 @@ class Robot(NotebookMixin, Frozen):
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments too thick for their own limits, what `coordinate_notes` say, notes of joints."""
         thick = held_back(self.rows, self.self_radii, self.curvatures)
-        return (*thick, *self.coordinate_notes, *self._joint_notes)
+        return (*thick, *self.coordinate_notes, *self.joint_notes)
 
     @property
-    def _joint_notes(self) -> tuple[str, ...]:
+    def joint_notes(self) -> tuple[str, ...]:
         """What was decided where joints were read from a file, each with the name of its joint."""
         pairs = zip(joint_names(self.joints), self.joints, strict=True)
         return tuple(f"{name}: {note}" for name, joint in pairs for note in joint.notes)

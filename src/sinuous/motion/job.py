@@ -149,11 +149,11 @@ class Job(Frozen):
             for defect in obstacle.defects
         ]
         suspicious = all_suspicions(self.robot, self.scene.snapshot(), self.waypoints)
-        return (*defects, *suspicious, *self.robot.coordinate_notes)
+        return (*defects, *suspicious, *self.robot.coordinate_notes, *self.robot.joint_notes)
 
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
-        yield f"{len(self.robot)} segments"
+        yield f"{len(self.robot.segments)} segments"
         targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{sum(map(len, self.waypoints))} targets"
         yield "a goal" if self.goal is not None else targets
         yield f"{len(self.scene)} obstacles"

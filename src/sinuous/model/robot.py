@@ -464,10 +464,11 @@ class Robot(NotebookMixin, Frozen):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the robot as a problem file says it: plain values that make an equal robot."""
-        parts = described(self) | {"segments": counted([segment.to_dict() for segment in self.segments])}
-        if self.joints:
-            parts["joints"] = [joint.to_dict() for joint in self.joints]
-        return parts
+        own = {
+            "segments": counted([segment.to_dict() for segment in self.segments]),
+            "joints": [joint.to_dict() for joint in self.joints],
+        }
+        return {key: value for key, value in (described(self) | own).items() if value != []}
 
     def save(self, file: str | Path) -> None:
         """Write the robot into a file, JSON when it is called so, YAML otherwise; `sinuous.load` reads it.
@@ -576,7 +577,8 @@ class Robot(NotebookMixin, Frozen):
     def backbone(self, q: Batch, samples: Whole = 20, joints: Batch | None = None) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment.
 
-        Joints and capsules of links count as segments; the backbone of the arm alone is the last n * samples points.
+        Joints and capsules of links count as segments before them; the last n * samples points are those of the arm,
+        without the place where its first segment begins.
         """
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 

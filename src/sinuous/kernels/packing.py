@@ -146,7 +146,7 @@ def plain_rows(count: int) -> Floats:
 
 
 def fine_rows(rows: Floats, per: int) -> Floats:
-    """Return rows (n per, 34) of robots whose rows (n, 34) are cut into `per` equal parts: tails come after the last."""
+    """Return rows (n per, 34) of a robot whose rows (n, 34) are cut into `per` equal parts; tails come last."""
     fine: Floats = np.repeat(rows, per, axis=0)
     cut = np.arange(len(fine)) % per != per - 1
     fine[cut, t.RIGID] = fine[cut, t.TAIL_LENGTH] = 0.0

@@ -119,7 +119,7 @@ class Actuation(Frozen):
     _weights: Floats
     _sums: NDArray[np.intp]
     _matrix: Floats
-    _bent: NDArray[np.bool_]
+    _before: int
 
     def __init__(self, segments: Sequence[Segment], linear: Actuators | None, curvatures: Sequence[float]) -> None:
         count = len(segments)
@@ -140,13 +140,13 @@ class Actuation(Frozen):
             "_weights": np.array([line.weights for line in lines], np.float64).reshape(-1, 3),
             "_sums": np.array(sums, np.intp),
             "_matrix": matrix,
-            "_bent": np.array([not segment.rigid for segment in segments]),
         }
         for array in arrays.values():
             array.flags.writeable = False
         gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
         motors = Motors(gain, offset, tuple(each.unit for each in listed))
-        self._set(actuators=listed, motors=motors, **arrays)
+        before = sum(segment.rigid for segment in segments)
+        self._set(actuators=listed, motors=motors, _before=before, **arrays)
         stretching = list(_elastic(segments))
         rigid = np.array(self.limits)
         rigid[[place for place, _, _ in stretching]] = UNLIMITED
@@ -196,8 +196,8 @@ class Actuation(Frozen):
 
     def _sums_of(self, q: Floats) -> Floats:
         """Compute the same from sums over the segments, without a matrix whose size is that of the robot squared."""
-        seen = q if self._bent.all() else q * self._bent[:, None]  # no tendon runs through joints before the arm
-        both = np.concatenate([q, np.cumsum(seen, axis=-2)], axis=-2)
+        summed = np.cumsum(q[..., self._before :, :], axis=-2)
+        both = np.concatenate([q, q[..., : self._before, :], summed], axis=-2)
         lines = np.einsum("...lc,lc->...l", both[..., self._sums, :], self._weights)
         return np.concatenate([lines, flat(q) @ self._matrix.T], axis=-1)
 
@@ -218,7 +218,7 @@ class Actuation(Frozen):
         for i, (each, weights, (low, high)) in enumerate(lines):
             last = each.segment - 1
             if (math.isfinite(low) or math.isfinite(high)) and self.coordinates.sees(self.jacobian[i]):
-                yield actuator_row(0 if each.kind == "tendon" else last, last, weights, (low, high))
+                yield actuator_row(self._before if each.kind == "tendon" else last, last, weights, (low, high))
 
     def excess(self, q: Floats) -> Floats:
         """By how much actuators (..., m) are below or above their limits, in the length unit; negative within them."""

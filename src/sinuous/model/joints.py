@@ -301,7 +301,7 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
             begin = pose(capsule.start) @ (_frame(along / length, 2) if length > 0.0 else np.eye(4))
             one = {"name": f"{name}.body{c}", "length": length, "radius": capsule.radius, "has_body": True}
             add(ahead @ begin, **one)
-            ahead = np.linalg.inv(begin @ pose((0.0, 0.0, length)))
+            ahead = np.asarray(np.linalg.inv(begin @ pose((0.0, 0.0, length))), np.float64)
     if drafts:
         drafts[-1]["tail"] = ahead
     elif not np.array_equal(ahead, np.eye(4)):

@@ -264,6 +264,13 @@ class Robot(NotebookMixin, Frozen):
         needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
         own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
         curvatures = curvature_limits(chain, own, self_collision == "avoid")
+        if actuators is not None and given_joints:
+            wanted = "tendons, chambers and stages of segments, where the robot has joints"
+            raise InputError("actuators", "cannot be combined with joints", actuators, wanted)
+        if isinstance(away, tuple) or isinstance(apart, tuple):
+            for key, value in (("clearance", away), ("self_clearance", apart)):
+                if isinstance(value, tuple) and given_joints:
+                    raise InputError(key, "one for each segment, with joints", value, "one number")
         drive = Actuation(chain, actuators, curvatures)
         held = drive.coordinates
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, held)

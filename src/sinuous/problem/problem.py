@@ -250,7 +250,7 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
     Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
     within `bound_sway` of the straight line.
     """
-    if len(scene) == 0:
+    if len(scene) == 0 or robot.joints:
         return False
     reached, radius = 0.0, robot.needed_radii[0]
     ramps: list[Ramp] = []

@@ -30,7 +30,7 @@ from sinuous.kernels.maths.vectors import (
     vec_mat,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.actuation import is_equality, runs_through
+from sinuous.kernels.step.actuation import is_equality
 from sinuous.kernels.step.limits import (
     bend_cap,
     bends_in_plane,
@@ -220,7 +220,7 @@ def add_equalities(problem: Problem, work: Workspace, first: int) -> tuple[int, 
                 return at, v.TOO_MANY
             last = int(table[j, t.LAST_SEGMENT])
             _begin(work, at, ACTUATOR_LIMIT, last, j, 1, 0.0)
-            for k in range(0 if runs_through(table, j) else last, last + 1):
+            for k in range(int(table[j, t.FIRST_SEGMENT]), last + 1):
                 put_vec(work.rows, at, 3 * k, scale(-1.0, get_vec(table, j, t.WEIGHTS)))
             at += 1
     return at, 0
@@ -232,7 +232,7 @@ def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float
         if is_equality(table, j):
             continue
         last = int(table[j, t.LAST_SEGMENT])
-        begin = 0 if runs_through(table, j) else last
+        begin = int(table[j, t.FIRST_SEGMENT])
         weights = get_vec(table, j, t.WEIGHTS)
         value = square = 0.0
         for k in range(begin, last + 1):

@@ -83,6 +83,11 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         put_vec(q, k, 0, (ux, uy, own))
 
 
+def middle_length(limits: Array, k: int) -> float:
+    """Mean of the least and the largest length of row `k`."""
+    return 0.5 * float(limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
+
+
 def rigid_rows(limits: Array) -> int:
     """How many rows of joints and links stand before the first segment."""
     first = int(np.int64(0))
@@ -92,10 +97,11 @@ def rigid_rows(limits: Array) -> int:
 
 
 def _stand(limits: Array, frames: Array, q: Array) -> int:
-    """Put all joints where they are 0, or nearest to that, and return the first segment; `frames` lead there."""
+    """Put all joints in the middle of their ranges, and return the first segment; `frames` lead there."""
     first = rigid_rows(limits)
     for k in range(first):
-        put_vec(q, k, 0, project_segment(limits, k, 0.0, 0.0, limits[k, MIN_LENGTH]))
+        bend = 0.5 * (limits[k, LOW_BEND] + limits[k, HIGH_BEND])
+        put_vec(q, k, 0, (bend * limits[k, PLANE], bend * limits[k, PLANE + 1], middle_length(limits, k)))
     if first > 0:
         forward(limits[:first], q[:first], frames)
     return first

@@ -136,7 +136,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
     """The same, of what it takes: the limits of the segments (n, c), and the actuators (a, c), see `Problem`."""
     limits.release(table, work.root, work.mean, work.bound)
     bound = False
-    coupled = actuators.shape[0] > 0
+    coupled, sums_from = actuators.shape[0] > 0, actuation.sums_from(actuators)
     if coupled:
         actuation.release(state.rows)
         actuation.bind_equalities(actuators, state.q, state.rows)
@@ -149,10 +149,10 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
         if few:
             dense_step(jacobian, work.root, work.mean, state.rows, mu, system, work.step)
         else:
-            sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
-            sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
+            sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, sums_from)
+            sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, sums_from)
         if state.norms[s.PAIRS] > 0.0:
-            couple(state, work, mu, coupled)
+            couple(state, work, mu, sums_from)
         count = limits.bind(table, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
             count += actuation.bind(actuators, state.q, work.step, state.rows)

@@ -33,6 +33,7 @@ from sinuous.kernels.statics.drive import answer_drive, fill
 from sinuous.kernels.statics.equilibrium import LOAD_FACTOR, UNSTABLE, follow
 from sinuous.kernels.statics.sweeps import move, stiffness_of
 from sinuous.kernels.step import sweeps
+from sinuous.kernels.step.actuation import NO_SUMS
 from sinuous.kernels.step.coupling import reply
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.targets import end_pose
@@ -178,8 +179,8 @@ def _see(problem: Problem, control: Control, own: RestingBody) -> None:
 def move_freely(control: Control, resting: RestingBody | None, mu: float) -> None:
     """Fill `control.working.free` with the step of damping `mu` without any constraint."""
     if resting is None:
-        sweeps.forward(control.columns, control.root, control.none, control.rows, mu, False)
-        sweeps.backward(control.columns, control.root, control.none, control.rows, control.working.free, False)
+        sweeps.forward(control.columns, control.root, control.none, control.rows, mu, NO_SUMS)
+        sweeps.backward(control.columns, control.root, control.none, control.rows, control.working.free, NO_SUMS)
     else:
         _solve_freely(control, resting, mu)
 
@@ -219,7 +220,7 @@ def answer_weights(control: Control, resting: RestingBody | None, a: int, moved:
     """Fill `moved` (n, 3) with `H^-1 c` for the weights c of constraint `a`; see `active_set`."""
     weights = control.working.weights
     if resting is None:
-        reply(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, False)
+        reply(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, NO_SUMS)
     else:
         for k in range(moved.shape[0]):
             root = get_mat(control.root, k, 0)

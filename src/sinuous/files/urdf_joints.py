@@ -6,7 +6,7 @@ become capsules that contain them.
 
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ def read_joints(
         chain = _chain(model, root, tip)
         folder = file.parent
         groups = _groups(model, chain, lambda link: _body(link, folder, with_meshes))
-        allowed = _touching(groups, {} if srdf is None else _disabled(Path(srdf)))
+        allowed = _touching(groups, set() if srdf is None else _disabled(Path(srdf)))
         return list(_joints(groups, allowed, factor))
 
 
@@ -281,7 +281,7 @@ def _disabled(file: Path) -> set[frozenset[str]]:
     return {frozenset((one, other)) for one, other in pairs if one and other}
 
 
-def _touching(groups: Sequence[_Group], disabled: Any) -> dict[int, list[int]]:
+def _touching(groups: Sequence[_Group], disabled: Set[frozenset[str]]) -> dict[int, list[int]]:
     """Of each group those before it that it may touch: where all of their links that have a body may."""
     return {
         b: [

@@ -7,6 +7,7 @@ tail. So steps, limits, proofs and plans of segments hold for joints, too.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -63,7 +64,7 @@ class Joint(Noun):
     body : list of {from, to, radius}, optional
         Capsules of the link after the joint, in the frame of that link.
     touches : list of str, optional
-        Other joints whose links this one may touch. Neighbours always may.
+        Other joints whose links this one may touch. Neighbours always may, and links between which none has a body.
     rate, acceleration : float, optional
         Largest ones, per second and per second squared.
 
@@ -371,11 +372,13 @@ def _row(
 
 def _may_touch(joints: Sequence[Joint]) -> list[int]:
     """Return for each link the sum of `2 ** link` of those that it may touch."""
-    names, links, link = joint_names(joints), {}, 0
+    names, links, link, with_body = joint_names(joints), {}, 0, set()
     for joint, name in zip(joints, names, strict=True):
         link += not isinstance(joint, Fixed)
         links[name] = link
+        with_body |= {link} if joint.body else set()
     pairs = {(i, i) for i in range(link + 1)} | {(i, i + 1) for i in range(link + 1)}
+    pairs |= {*pairwise(sorted(with_body | {link + 1}))}  # the last is the first segment
     for k, (joint, name) in enumerate(zip(joints, names, strict=True)):
         for i, other in enumerate(joint.touches):
             if other not in links and other != "base":

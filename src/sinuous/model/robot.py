@@ -35,6 +35,7 @@ from sinuous.model.home import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
 from sinuous.model.joints import Joint, RigidRow, RigidRows, joined, joint_list, joint_names, rigid_rows, with_links
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
+from sinuous.model.link_overlaps import overlap_notes
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.model.poses import as_pose
@@ -427,11 +428,12 @@ class Robot(NotebookMixin, Frozen):
         thick = held_back(self.rows, self.self_radii, self.curvatures)
         return (*thick, *self.coordinate_notes, *self.joint_notes)
 
-    @property
+    @cached_property
     def joint_notes(self) -> tuple[str, ...]:
-        """What was decided where joints were read from a file, each with the name of its joint."""
+        """What was decided where joints were read from a file, by joint; and which links overlap nearly everywhere."""
         pairs = zip(joint_names(self.joints), self.joints, strict=True)
-        return tuple(f"{name}: {note}" for name, joint in pairs for note in joint.notes)
+        read = (f"{name}: {note}" for name, joint in pairs for note in joint.notes)
+        return (*read, *overlap_notes(self)) if self.joints else ()
 
     @cached_property
     def held_notes(self) -> tuple[str, ...]:

@@ -254,6 +254,12 @@ def joint_list(joints: Any) -> tuple[Joint, ...]:
     return listed
 
 
+def mean_reach(joints: Sequence[Joint]) -> float:
+    """Return how far joints reach from each to the next, prismatic ones in the middle of their range, all together."""
+    slides = sum(0.5 * abs(sum(joint.limits)) for joint in joints if isinstance(joint, Prismatic))
+    return slides + sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints)
+
+
 def joint_names(joints: Sequence[Joint]) -> tuple[str, ...]:
     """Names of all joints; by default `j1`, `j2`, ... from the base on."""
     return tuple(joint.name or f"j{i}" for i, joint in enumerate(joints, 1))

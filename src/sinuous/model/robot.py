@@ -33,7 +33,17 @@ from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
 from sinuous.model.home import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
-from sinuous.model.joints import Joint, RigidRow, RigidRows, joined, joint_list, joint_names, rigid_rows, with_links
+from sinuous.model.joints import (
+    Joint,
+    RigidRow,
+    RigidRows,
+    joined,
+    joint_list,
+    joint_names,
+    mean_reach,
+    rigid_rows,
+    with_links,
+)
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
 from sinuous.model.link_overlaps import overlap_notes
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
@@ -367,11 +377,10 @@ class Robot(NotebookMixin, Frozen):
         """Radii of what has a body: capsules of links, and all segments."""
         return tuple(row.radius for row in self.rows if not isinstance(row, RigidRow) or row.has_body)
 
-    @property
+    @cached_property
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
-        length: float = 0.5 * sum(sum(segment.length) for segment in self.rows)
-        return length + float(self.limits[:, tables.TAIL_LENGTH].sum())
+        return 0.5 * sum(sum(segment.length) for segment in self.segments) + mean_reach(self.joints)
 
     @cached_property
     def longest(self) -> float:
@@ -610,7 +619,7 @@ class Robot(NotebookMixin, Frozen):
         flat, frames, lead = self._frames(q)
         out = np.zeros((len(flat), 6, 3 * len(self)))
         batch.jacobians_of(
-            self.limits, flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out
+            self.limits.copy(), flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out
         )
         return out.reshape(*lead, 6, 3 * len(self))
 
@@ -622,7 +631,7 @@ class Robot(NotebookMixin, Frozen):
         lead = checked.shape[:-2]
         flat = np.array(checked.reshape(-1, len(self), 3))
         frames = np.empty((len(flat), len(self) + 1, 12))
-        batch.frames_of(self.limits, flat, packing.pose_row(self.base), frames)
+        batch.frames_of(self.limits.copy(), flat, packing.pose_row(self.base), frames)
         return flat, frames, lead
 
     def shape(self, q: Batch, load: Loads = ()) -> "sn.answer.Equilibrium":

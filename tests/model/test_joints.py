@@ -10,6 +10,7 @@ from scipy.linalg import expm
 import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint
+from sinuous.model.link_overlaps import segment_distances
 from tests.helpers import as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
 
 BODY = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
@@ -197,3 +198,29 @@ def test_what_a_robot_with_joints_shows() -> None:
         "fixed, 2 capsules",
     ]
     assert repr(sn.Prismatic((1, 0, 0), (0, 2), name="feed")) == "Prismatic(axis=(1, 0, 0), limits=(0, 2), name='feed')"
+
+
+def test_links_that_overlap_nearly_everywhere_are_noted() -> None:
+    ball = [((0, 0, 0), (0, 0, 0), 0.1)]
+    far, near = ((0, 0, 1), (0, 0, 0.01))
+
+    def robot(place: tuple[float, float, float], touches: tuple[str, ...] = ()) -> sn.Robot:
+        joints = [sn.Revolute((1, 0, 0), (-1, 1), place, body=ball) for _ in range(2)]
+        return sn.Robot(joints=[*joints, sn.Revolute(origin=place, body=ball, touches=touches)])
+
+    assert robot(far).notes == ()
+    said = "links of j1 and j3 overlap in 100 of 100 random configurations: `touches` of j3, or an SRDF, allows it"
+    assert robot(near).notes == (said,)
+    assert robot(near, ("j1",)).notes == ()
+
+
+def test_distances_of_segments_are_the_least_ones() -> None:
+    rng = np.random.default_rng(0)
+    a, b, c, d = rng.normal(size=(4, 40, 3))
+    b[:5], d[3:8] = a[:5], c[3:8]
+    d[10:15] = c[10:15] + 2.0 * (b - a)[10:15]
+    share = np.linspace(0.0, 1.0, 101)[:, None]
+    for i, found in enumerate(segment_distances(a, b, c, d).tolist()):
+        one, other = a[i] + share * (b - a)[i], c[i] + share * (d - c)[i]
+        least = float(np.linalg.norm(one[:, None] - other, axis=-1).min())
+        assert least - 0.05 < found <= least + 1e-12

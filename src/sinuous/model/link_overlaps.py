@@ -1,16 +1,11 @@
 """Links whose bodies overlap in nearly all configurations: capsules that are too thick, or links that are meant to."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.model.joints import Fixed, RigidRow
-from sinuous.model.segment import straight
-
-if TYPE_CHECKING:
-    from sinuous.model.robot import Robot
+from sinuous.model.joints import Fixed, Joint, RigidRows
 
 SAMPLES = 100
 """Configurations that are tried."""
@@ -19,9 +14,14 @@ NEARLY_ALL = 0.95
 """Share of them from which on it is told."""
 
 
-def overlap_notes(robot: "Robot") -> Iterator[str]:
-    """Yield a line for each pair of links that may not touch, and overlap nearly everywhere within the limits."""
-    rows = [(k, row) for k, row in enumerate(robot.rows) if isinstance(row, RigidRow) and row.has_body]
+def overlap_notes(
+    rigid: RigidRows, joints: Sequence[Joint], joint_names: Sequence[str], begins: Callable[[Floats], Floats]
+) -> Iterator[str]:
+    """Yield a line for each pair of links that may not touch, and overlap nearly everywhere within the limits.
+
+    `begins` tells of values (m, j) of the joints the poses (m, r, 4, 4) in which rows of joints and links begin.
+    """
+    rows = [(k, row) for k, row in enumerate(rigid.rows) if row.has_body]
     pairs: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for i, (_, one) in enumerate(rows):
         for j, (_, other) in enumerate(rows[:i]):
@@ -29,15 +29,13 @@ def overlap_notes(robot: "Robot") -> Iterator[str]:
                 pairs.setdefault((other.link, one.link), []).append((j, i))
     if not pairs:
         return
-    limits = np.array([joint.limits for joint in robot.joints if not isinstance(joint, Fixed)])
-    joints = np.random.default_rng(0).uniform(*limits.T, (SAMPLES, len(limits)))
-    ends = robot.forward(straight(robot.segments).reshape(-1, 3), joints)
-    begins = np.concatenate([np.broadcast_to(robot.base, (SAMPLES, 1, 4, 4)), ends[:, :-1]], axis=1)
+    limits = np.array([joint.limits for joint in joints if not isinstance(joint, Fixed)])
+    poses = begins(np.random.default_rng(0).uniform(*limits.T, (SAMPLES, len(limits))))
     capsules = []
     for k, row in rows:
-        start = begins[:, k, :3, 3]
-        capsules.append((start, start + row.length[1] * begins[:, k, :3, 2], row.radius))
-    names = ("base", *robot.joint_names)
+        start = poses[:, k, :3, 3]
+        capsules.append((start, start + row.length[1] * poses[:, k, :3, 2], row.radius))
+    names = ("base", *joint_names)
     for (a, b), own in pairs.items():
         overlap = np.zeros(SAMPLES, np.bool_)
         for i, j in own:

@@ -49,7 +49,7 @@ from sinuous.model.link_overlaps import overlap_notes
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.model.poses import as_pose
-from sinuous.model.segment import Locked, Segment, Stiffness, segment_names
+from sinuous.model.segment import Locked, Segment, Stiffness, segment_names, straight
 from sinuous.model.tension_rows import TensionRows
 
 
@@ -442,7 +442,12 @@ class Robot(NotebookMixin, Frozen):
         """What was decided where joints were read from a file, by joint; and which links overlap nearly everywhere."""
         pairs = zip(joint_names(self.joints), self.joints, strict=True)
         read = (f"{name}: {note}" for name, joint in pairs for note in joint.notes)
-        return (*read, *overlap_notes(self)) if self.joints else ()
+        return (*read, *overlap_notes(self._rigid, self.joints, self.joint_names, self._begins))
+
+    def _begins(self, joints: Floats) -> Floats:
+        """Poses (m, r, 4, 4) in which rows of joints and links begin, at these values (m, j)."""
+        ends = self.forward(straight(self.segments).reshape(-1, 3), joints)[:, : len(self._rigid.rows) - 1]
+        return np.concatenate([np.broadcast_to(self.base, (len(ends), 1, 4, 4)), ends], axis=1)
 
     @cached_property
     def held_notes(self) -> tuple[str, ...]:

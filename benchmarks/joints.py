@@ -121,8 +121,8 @@ def examine(family: Family, count: int, seed: int) -> Result:
         if not found.solved:
             continue
         seconds.append(min(each.seconds for each in runs))
-        why = wrong_among(robot, scene, found.q[None])
-        there = tip_of(robot, found.q[None])[0]
+        why = wrong_among(robot, scene, found.configuration[None])
+        there = tip_of(robot, found.configuration[None])[0]
         if not why and np.linalg.norm(there[:3, 3] - pose[:3, 3]) > 1.01 * (TOLERANCE.position or 0.0):
             why = "pose"
         if why:

@@ -218,7 +218,7 @@ def examine(robot: str, seed: int, given: tuple[str, Problem]) -> Trial:
         motions.append(timed(plan, asked.robot, start, asked.goal, asked.scene))
     motion = motions[0][0]
     wrong = _wrong(asked, motion) if motion.solved else ""
-    cost = float(distances(asked.robot, motion.q).sum())
+    cost = float(distances(asked.robot, motion.configuration).sum())
     return Trial(
         scenario, problem["problem"], str(motion.status), wrong, 1e-3 * median(spent for _, spent in motions), cost
     )
@@ -233,10 +233,10 @@ def _outside(asked: Asked) -> str:
 def _wrong(asked: Asked, motion: sn.Motion) -> str:
     """Say what is wrong with a motion; nothing where it is as was asked."""
     if not isinstance(asked.start, sn.Target) and not isinstance(asked.goal, sn.Target):
-        if not np.array_equal(motion.q[[0, -1]], np.stack([asked.start, asked.goal])):
+        if not np.array_equal(motion.configuration[[0, -1]], np.stack([asked.start, asked.goal])):
             return "not at its ends"
-        return wrong_among(asked.robot, asked.scene, samples(motion.q))
-    ends = right(asked.robot, _targets(asked), motion.q[[0, -1]], sn.Tolerance())
+        return wrong_among(asked.robot, asked.scene, samples(motion.configuration))
+    ends = right(asked.robot, _targets(asked), motion.configuration[[0, -1]], sn.Tolerance())
     return wrong_in(asked.robot, asked.scene, motion.q) if ends.all() else "not at its ends"
 
 

@@ -1,9 +1,11 @@
 """Robots with joints before the segments, judged by a kinematics of their own: exponentials of screws."""
 
+import json
 import math
 import zlib
 from collections.abc import Callable
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -184,8 +186,8 @@ def test_poses_that_are_reached_are_found(name: str) -> None:
         goal = links_of(robot, drawn(robot, rng))[1]
         found = solver.solve(sn.Target(goal[:3, 3], rotation=goal[:3, :3]))
         assert found.solved, found
-        assert robot.excess(found.q) <= 1e-9
-        there = links_of(robot, found.q)[1]
+        assert robot.excess(found.configuration) <= 1e-9
+        there = links_of(robot, found.configuration)[1]
         assert np.linalg.norm(there[:3, 3] - goal[:3, 3]) <= 1.01e-3 * robot.mean_length
         assert found.verify().ok
 
@@ -210,8 +212,8 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
             solved += 1
             assert found.clearance is not None
             assert found.self_clearance is not None
-            assert 0.0 < found.clearance <= clearance_of(robot, found.q, centers, 0.06) + 1e-3
-            assert 0.0 < found.self_clearance <= least_self_gap(robot, found.q) + 1e-2
+            assert 0.0 < found.clearance <= clearance_of(robot, found.configuration, centers, 0.06) + 1e-3
+            assert 0.0 < found.self_clearance <= least_self_gap(robot, found.configuration) + 1e-2
             assert found.verify().ok
     assert solved >= 3
 
@@ -227,7 +229,7 @@ def test_a_plan_moves_all_links_past_obstacles() -> None:
             ends.append(q)
     motion = sn.plan(robot, ends[0], ends[1], scene, time=5.0)
     assert motion.solved, motion
-    for one, other in zip(motion.q[:-1], motion.q[1:], strict=True):
+    for one, other in zip(motion.configuration[:-1], motion.configuration[1:], strict=True):
         for share in np.linspace(0.0, 1.0, 9):
             q = (1.0 - share) * one + share * other
             assert clearance_of(robot, q, centers, 0.05) > -1e-9
@@ -241,7 +243,8 @@ def test_links_that_overlap_are_not_solved_and_touching_ones_may_be_allowed() ->
 
     def arm(*touches: str) -> sn.Robot:
         first = Revolute((1.0, 0.0, 0.0), (-0.1, 0.1), name="a", body=body)
-        second = Revolute((1.0, 0.0, 0.0), (1.5, 1.65), (0.0, 0.0, 1.0), name="b")
+        knuckle = [((0.0, 0.0, 0.0), (0.0, 0.0, 0.05), 0.02)]
+        second = Revolute((1.0, 0.0, 0.0), (1.5, 1.65), (0.0, 0.0, 1.0), name="b", body=knuckle)
         third = Revolute((1.0, 0.0, 0.0), (1.5, 3.0), (0.0, 0.0, 0.1), name="c", body=body, touches=touches)
         return sn.Robot(joints=[first, second, third])
 
@@ -280,7 +283,7 @@ def test_limits_of_tendons_hold_behind_joints() -> None:
         goal = links_of(robot, q)[1]
         found = solver.solve(sn.Target(goal[:3, 3], direction=goal[:3, 2]))
         assert found.solved, found
-        assert np.abs(robot.to_actuators(found.q)).max() <= 1.5 + 1e-9
+        assert np.abs(robot.to_actuators(found.configuration)).max() <= 1.5 + 1e-9
 
 
 @pytest.mark.parametrize(
@@ -312,3 +315,33 @@ def test_bodies_are_checked(body: list[object], key: str) -> None:
 def test_a_name_in_touches_is_known() -> None:
     with pytest.raises(sn.InputError, match=r"touches\[0\].*no joint"):
         sn.Robot([sn.Segment(1.0)], joints=[Revolute(touches=["elbo"], name="elbow")])
+
+
+def test_answers_have_joints_beside_segments(tmp_path: Path) -> None:
+    robot = bronchoscope()
+    goal = links_of(robot, full(robot, (0.4, 20.0)))[1]
+    found = sn.solve(robot, sn.Target(goal[:3, 3], direction=goal[:3, 2]))
+    assert found.solved
+    assert found.q.shape == (3, 3)
+    assert found.joints.shape == (2,)
+    np.testing.assert_allclose(robot.tip(found.q, found.joints), found.tip, atol=1e-12)
+    pair = (found.joints, found.q)
+    assert sn.solve(robot, sn.Target(goal[:3, 3]), initial=pair).solved
+    read = sn.Solution.from_dict(json.loads(json.dumps(found.to_dict())), found.problem)
+    np.testing.assert_array_equal(read.configuration, found.configuration)
+    motion = sn.plan(robot, pair, (found.joints + np.array((0.3, 5.0)), found.q))
+    assert motion.solved
+    assert motion.joints.shape == (len(motion.times), 2)
+    assert motion.q.shape == (len(motion.times), 3, 3)
+    motion.to_csv(tmp_path / "motion.csv")
+    header = (tmp_path / "motion.csv").read_text().splitlines()[0].split(",")
+    assert header[:5] == ["time", "roll", "feed", "s1.bend_x", "s1.bend_y"]
+    motion.save(tmp_path / "motion.json")
+    again = sn.load(tmp_path / "motion.json")
+    np.testing.assert_array_equal(again.configuration, motion.configuration)
+    step = sn.Solver(robot).step(pair, (1.0, 0.0, 0.0), 0.1)
+    assert step.joints.shape == (2,)
+    assert step.q.shape == (3, 3)
+    many = sn.Solver(robot).solve_many([goal[:3, 3], goal[:3, 3]], initial=pair)
+    assert many.joints.shape == (2, 2)
+    assert many.q.shape == (2, 3, 3)

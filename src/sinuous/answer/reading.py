@@ -27,7 +27,9 @@ def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, UnknownOption
     result = Entries(values)
     status, start = result.choice("status", _STATUSES), result.choice("start", t.SOURCES)
     clearance = result.optional("clearance")
-    q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
+    robot, given = problem.robot, result.value("q")
+    whole = robot.configuration("q", given, result.value("joints")) if robot.joints else given
+    q = checks.array("q", whole, (len(robot), 3)).copy()
     outcome = t.Outcome(
         q,
         CODES.get(Status(status), t.FAILED),

@@ -159,9 +159,19 @@ class Solution(NotebookMixin):
         return self._status
 
     @property
-    def q(self) -> Floats:
-        """Configuration (n, 3), read-only."""
+    def configuration(self) -> Floats:
+        """Configuration (rows, 3) of joints and segments, read-only; see `Robot.configuration`."""
         return self._outcome.q
+
+    @property
+    def q(self) -> Floats:
+        """Of the segments: bend_x, bend_y (rad) and length of each, (n, 3), read-only; all of `configuration` where the robot has no joints."""
+        return self.problem.robot.segments_of(self.configuration)
+
+    @property
+    def joints(self) -> Floats:
+        """Values (j,) of the joints before the segments, in the order of `robot.joint_names`."""
+        return self.problem.robot.joints_of(self.configuration)
 
     @property
     def seconds(self) -> float:
@@ -253,7 +263,7 @@ class Solution(NotebookMixin):
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
         shape = self.shape
-        return read_only(self.problem.robot.tip(self.q) if shape is None else shape.tip)
+        return read_only(self.problem.robot.tip(self.configuration) if shape is None else shape.tip)
 
     @property
     def base(self) -> Floats:
@@ -265,7 +275,7 @@ class Solution(NotebookMixin):
         """Values of the motors by name, see `Robot.to_actuators`; `None` without any actuator."""
         robot = self.problem.robot
         names = [actuator.name for actuator in robot.actuators]
-        return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
+        return dict(zip(names, robot.to_actuators(self.configuration).tolist(), strict=True)) if names else None
 
     @property
     def tensions(self) -> dict[str, float] | None:
@@ -280,7 +290,7 @@ class Solution(NotebookMixin):
         if drive.elastic is None:
             return None
         names = [drive.actuators[place].name for place in drive.elastic.places]
-        return dict(zip(names, drive.elastic.balance(self.q).tensions.tolist(), strict=True))
+        return dict(zip(names, drive.elastic.balance(self.configuration).tensions.tolist(), strict=True))
 
     @property
     def reason(self) -> Reason | None:
@@ -305,8 +315,8 @@ class Solution(NotebookMixin):
         """Of a robot under load what its body misses, by segments of the robot."""
         problem = self.problem
         if not problem.robot.has_external_load or self.shape is None:
-            return find_worst(problem, self.q, self.status in _OVERLAPS)
-        asked = ask_body(problem.robot, self.q, problem.targets)
+            return find_worst(problem, self.configuration, self.status in _OVERLAPS)
+        asked = ask_body(problem.robot, self.configuration, problem.targets)
         body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
         return find_worst(body, asked.arcs, self.status in _OVERLAPS).on_robot(asked)
 
@@ -315,7 +325,7 @@ class Solution(NotebookMixin):
         """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
         from sinuous.statics.equilibrium import under_load  # noqa: PLC0415
 
-        return under_load(self.problem.robot, self.q)
+        return under_load(self.problem.robot, self.configuration)
 
     @property
     def binding(self) -> tuple[Binding, ...]:
@@ -360,8 +370,8 @@ class Solution(NotebookMixin):
         """
         seconds = checks.number("time", time, low=0.0)
         end = work_time() + seconds
-        given = self._given.reshape(-1, *self.q.shape)
-        own = self.problem, self.status, self.q, given[0] if len(given) else None
+        given = self._given.reshape(-1, *self.configuration.shape)
+        own = self.problem, self.status, self.configuration, given[0] if len(given) else None
         case = Case(*own, self.binding, self.reason, self._resolver, self.starts, self._within)
         return explain(case, self.sentence, end, seconds)
 
@@ -370,8 +380,8 @@ class Solution(NotebookMixin):
         if self.problem.robot.has_external_load:
             return ()
         if self._within is not None:
-            return rate_binding(self.problem, self.q, self._given[0], self._within)
-        found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)
+            return rate_binding(self.problem, self.configuration, self._given[0], self._within)
+        found = find_binding(self.problem, self.configuration, any_limit=self.status is Status.LIMIT_BOUND)
         reason = self.reason
         if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:
             return found
@@ -428,7 +438,7 @@ class Solution(NotebookMixin):
         if robot.has_external_load or not preferences:  # derivatives know nothing of the loaded body
             return None
         own = preferences.beyond(robot._least_clearances[0])
-        given = self._given.reshape(-1, *self.q.shape)
+        given = self._given.reshape(-1, *self.configuration.shape)
         return Wish(own, given[0] if len(given) else None, self._outcome.clearance - own.clearance)
 
     def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
@@ -458,7 +468,7 @@ class Solution(NotebookMixin):
 
     def verify(self) -> Verification:
         """Recompute everything by an independent, slow path; see `sinuous.answer.verification`."""
-        return verify(self.problem, self.q)
+        return verify(self.problem, self.configuration)
 
     def raise_for_status(self) -> "Solution":
         """Return this solution when it is solved.
@@ -493,7 +503,10 @@ class Solution(NotebookMixin):
         load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
         locked = {"locked": list(notes)} if (notes := self.problem.robot.held_notes) else {}
         return {
-            **result_of(self, f"status q base position_error angle_error {CLEARANCES}"),
+            **result_of(
+                self,
+                f"status{' joints' if self.problem.robot.joints else ''} q base position_error angle_error {CLEARANCES}",
+            ),
             "uncertainty": plain(self.problem.robot.uncertainty),
             **result_of(self, "actuators tensions"),
             **load,
@@ -530,7 +543,9 @@ class Solution(NotebookMixin):
             parts.append(f"  route          {self.route_class}")
         effort = f"{counted(self.iterations, 'iteration')} from {counted(self.starts, 'start')}"
         parts.append(f"  effort         {effort}, {duration(self.seconds)}")
-        parts.append("  q              " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 17))
+        parts.append(
+            "  q              " + np.array2string(self.configuration, precision=4, suppress_small=True, prefix=" " * 17)
+        )
         values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
         parts += [f"  {'' if i else 'actuators':<14} {line}" for i, line in enumerate(lines)]

@@ -125,9 +125,19 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         return Solution(self._problems.problem(i), outcome, outcome.seconds, self._resolver, given)
 
     @property
-    def q(self) -> Floats:
-        """Configurations (m, n, 3), read-only."""
+    def configuration(self) -> Floats:
+        """Configurations (m, rows, 3) of joints and segments, read-only."""
         return self._answers[:, t.RECORD_WIDTH :].reshape(len(self), len(self._problems.robot), 3)
+
+    @property
+    def q(self) -> Floats:
+        """Of the segments: (m, n, 3), read-only; all of `configuration` where the robot has no joints."""
+        return self._problems.robot.segments_of(self.configuration)
+
+    @property
+    def joints(self) -> Floats:
+        """Values (m, j) of the joints before the segments, in the order of `robot.joint_names`."""
+        return self._problems.robot.joints_of(self.configuration)
 
     @property
     def status(self) -> Objects:
@@ -188,7 +198,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         """Values (m,) of every actuator, by its name; `None` without any."""
         robot = self._problems.robot
         names = [actuator.name for actuator in robot.actuators]
-        return dict(zip(names, robot.to_actuators(self.q).T, strict=True)) if names else None
+        return dict(zip(names, robot.to_actuators(self.configuration).T, strict=True)) if names else None
 
     def to_csv(self, file: str | Path, actuators: Sequence[str] | None = None) -> None:
         """Write the values of the motors as CSV: one row a target, in the order of the targets.
@@ -219,7 +229,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
             checks.choice(f"actuators[{i}]", name, own)
             if name in names[:i]:
                 raise InputError(f"actuators[{i}]", "given twice", name, "each name once")
-        values = robot.to_actuators(self.q)[:, [own.index(name) for name in names]].tolist()
+        values = robot.to_actuators(self.configuration)[:, [own.index(name) for name in names]].tolist()
         each = zip(self.status.tolist(), values, strict=True)
         rows = ([number, str(status), *row] for number, (status, row) in enumerate(each, 1))
         write_table(file, ["target", "status", *names], rows)
@@ -259,7 +269,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         chooses, robot = self._resolver.chooses, self._problems.robot
         clear = self._answers[:, t.CLEARANCE].tolist()
         liked = {i: self._one(i)._wish() for i, each in enumerate(clear) if chooses(robot, each)}
-        return derivatives_of(self._problems, self.q, self.solved, liked, read_wrt(wrt))
+        return derivatives_of(self._problems, self.configuration, self.solved, liked, read_wrt(wrt))
 
     def raise_for_status(self) -> "Solutions":
         """Return these solutions when all are solved.

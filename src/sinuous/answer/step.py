@@ -138,9 +138,19 @@ class Step:
         return _restored, (self._wanted, np.array(self.initial), np.array(self._answer), self.observed)
 
     @property
-    def q(self) -> Floats:
-        """Configuration (n, 3) to go to, read-only."""
+    def configuration(self) -> Floats:
+        """Configuration (rows, 3) of joints and segments to go to, read-only."""
         return self._q
+
+    @property
+    def q(self) -> Floats:
+        """Of the segments: (n, 3), read-only; all of `configuration` where the robot has no joints."""
+        return self._wanted.robot.segments_of(self._q)
+
+    @property
+    def joints(self) -> Floats:
+        """Values (j,) of the joints before the segments, in the order of `robot.joint_names`."""
+        return self._wanted.robot.joints_of(self._q)
 
     @property
     def dt(self) -> float:
@@ -155,7 +165,7 @@ class Step:
     @property
     def velocity(self) -> Floats:
         """Derivative (n, 3) of the configuration: rad/s, and length unit/s."""
-        return np.asarray((self.q - self.initial) / self.dt)
+        return np.asarray((self.configuration - self.initial) / self.dt)
 
     @property
     def twist(self) -> Floats:
@@ -271,7 +281,7 @@ class Step:
         return value + self._wanted.robot._least_clearances[row]
 
     def _find_active(self) -> tuple[Active, ...]:
-        first = t.CONFIGURATION + self.q.size
+        first = t.CONFIGURATION + self.configuration.size
         rows = self._answer[first : first + t.ACTIVE_WIDTH * int(self._answer[t.ACTIVE])].reshape(-1, t.ACTIVE_WIDTH)
         ordered = rows[np.argsort(-rows[:, 0], kind="stable"), 1:].astype(np.int64).tolist()
         return tuple(dict.fromkeys(Active.of(row, self.scene, self._wanted.limited) for row in ordered))

@@ -111,8 +111,8 @@ def _class(solution: Solution, classes: dict[int, RouteClass]) -> list[str]:
 def _cells(solution: Solution) -> list[str]:
     """All bends (rad) and lengths together, proved clearance, errors, and the kind of start."""
     numbers = (
-        float(np.hypot(solution.q[:, 0], solution.q[:, 1]).sum()),
-        float(solution.q[:, 2].sum()),
+        float(np.hypot(solution.configuration[:, 0], solution.configuration[:, 1]).sum()),
+        float(solution.configuration[:, 2].sum()),
         solution.clearance,
         solution.position_error,
         solution.angle_error,
@@ -532,7 +532,7 @@ def _track(
 
 def _in_time(motion: Motion, problem: Job, timed: Timed) -> Motion:
     """Pass a motion as fast as rates and accelerations allow, where that is asked for."""
-    if not timed.timed or len(motion.q) < 2:
+    if not timed.timed or len(motion.configuration) < 2:
         return motion
     with checks.in_file(problem.file):
         return motion.timed(problem.rates, timed.blend or 0.0).as_motion()

@@ -332,7 +332,7 @@ def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -
     joints : array_like (..., j), optional
         Where `q` is that of the segments alone.
     """
-    if joints is None and _is_pair(q):
+    if joints is None and is_pair(q):
         with checks.inside(key):
             return joined(rigid, count, "q", q[1], q[0])
     moving, rows = len(rigid.values), len(rigid.rows) + count
@@ -347,7 +347,7 @@ def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -
     return rigid.with_joints(arcs, values)
 
 
-def _is_pair(value: Any) -> bool:
+def is_pair(value: Any) -> bool:
     """Whether a value is a pair of joints (..., j) and q (..., n, 3), rather than an array."""
     if not isinstance(value, tuple) or len(value) != 2:
         return False

@@ -559,6 +559,12 @@ class Robot(NotebookMixin, Frozen):
             return checks.stack(key, q, (len(self), 3))
         return joined(self._rigid, len(self.segments), key, q, joints)
 
+    def one_configuration(self, key: str, given: Any) -> Floats:
+        """Check one configuration (rows, 3), or a pair of joints (j,) and q (n, 3); limits are not looked at."""
+        return checks.array(
+            key, joined(self._rigid, len(self.segments), key, given) if self.joints else given, (len(self), 3)
+        )
+
     def with_joints(self, q: Batch | None, joints: Batch) -> Floats:
         """Configurations (..., rows, 3) of the segments' q (..., n, 3) and the values (..., j) of the joints.
 
@@ -570,6 +576,14 @@ class Robot(NotebookMixin, Frozen):
             When the shapes are others, or do not fit each other.
         """
         return self.configuration("q", q, joints)
+
+    def segments_of(self, configuration: Floats) -> Floats:
+        """Return the rows (..., n, 3) of the segments, of configurations (..., rows, 3): a view."""
+        return configuration[..., len(self._rigid.rows) :, :] if self._rigid.rows else configuration
+
+    def joints_of(self, configuration: Floats) -> Floats:
+        """Return the values (..., j) of the joints, of configurations (..., rows, 3)."""
+        return self._rigid.split(configuration)[0]
 
     def split(self, configuration: Batch) -> tuple[Floats, Floats]:
         """Values (..., j) of the joints and q (..., n, 3) of the segments, of configurations (..., rows, 3)."""

@@ -192,7 +192,7 @@ def curve_from_base(robot: Robot, curve: Rows | Curve | Solution) -> Curve:
 def _backbone(solution: Solution) -> Floats:
     """Points (k, 3) of a body, under load of the loaded one, without those where a segment has no length."""
     robot = solution.problem.robot
-    body, arcs = bodies_at(robot, solution.q[None])
+    body, arcs = bodies_at(robot, solution.configuration[None])
     points = body.backbone(arcs[0])
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9 * robot.mean_length
     return points[np.append(True, apart)]
@@ -246,7 +246,7 @@ class _Leader:
         if len(failed):
             kept = int(failed[0])
             self.ended = found[kept]
-        return depths[:kept], found.q[:kept], clear[:kept], found
+        return depths[:kept], found.configuration[:kept], clear[:kept], found
 
     def _off(self) -> Floats:
         """How far the tip is off the curve at `LOOKS` places of every step, at most (t - 1,)."""

@@ -75,7 +75,7 @@ class LeaderQuestion(NamedTuple):
         tolerance = Tolerance(EXACT * self.robot.mean_length)
         solver = Solver(self.robot, tolerance=tolerance, max_starts=1, routes=False)
         found = solver.solve_many(positions=self.path.at(self.depths), initial=fitted, workers=1)
-        return np.where(found.solved[:, None, None], found.q, np.nan)
+        return np.where(found.solved[:, None, None], found.configuration, np.nan)
 
 
 class LeaderDerivative(ByGroups[LeaderParameter]):

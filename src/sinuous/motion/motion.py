@@ -115,7 +115,7 @@ class Motion(NotebookMixin, Frozen):
 
     robot: Robot
     scene: Snapshot
-    q: Floats
+    configuration: Floats
     times: Floats
     steps: Steps
     solutions: tuple[Solution, ...]
@@ -165,8 +165,18 @@ class Motion(NotebookMixin, Frozen):
     def _put_together(
         self, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, found: Report
     ) -> None:
-        self._set(robot=robot, scene=scene, q=q, times=times, steps=steps)
+        self._set(robot=robot, scene=scene, configuration=q, times=times, steps=steps)
         self._set(**{PRIVATE.get(name, name): value for name, value in vars(found).items()})
+
+    @property
+    def q(self) -> Floats:
+        """Of the segments: (T, n, 3), read-only; all of `configuration` where the robot has no joints."""
+        return self.robot.segments_of(self.configuration)
+
+    @property
+    def joints(self) -> Floats:
+        """Values (T, j) of the joints before the segments, in the order of `robot.joint_names`."""
+        return self.robot.joints_of(self.configuration)
 
     @property
     def status(self) -> Status:
@@ -214,7 +224,9 @@ class Motion(NotebookMixin, Frozen):
         """How the tip left lines on the way to the waypoints where it was reconfigured."""
         numbers = set(self.reconfigured)
         legs = (leg for leg in self._legs() if numbers.intersection(range(leg.waypoints[0] + 1, leg.waypoints[1] + 1)))
-        return find_departure(self.robot, self.q, legs, self._deviation, tip_poses) if numbers else Departure()
+        return (
+            find_departure(self.robot, self.configuration, legs, self._deviation, tip_poses) if numbers else Departure()
+        )
 
     def _legs(self) -> Iterator[Leg]:
         return legs_between(self.solutions, self.waypoint_knots)
@@ -258,9 +270,9 @@ class Motion(NotebookMixin, Frozen):
     @property
     def largest_step(self) -> tuple[float, float]:
         """Largest change of a bending vector (rad) and of a length between neighbouring knots."""
-        if len(self.q) < 2:
+        if len(self.configuration) < 2:
             return 0.0, 0.0
-        steps = np.diff(self.q, axis=0)
+        steps = np.diff(self.configuration, axis=0)
         return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
 
     @property
@@ -271,12 +283,12 @@ class Motion(NotebookMixin, Frozen):
     @property
     def tips(self) -> Floats:
         """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
-        return tip_poses(self.robot, self.q)
+        return tip_poses(self.robot, self.configuration)
 
     @property
     def actuators(self) -> Floats:
         """Values (T, m) of all actuators at the knots, in the order of `robot.actuators`."""
-        return self.robot.to_actuators(self.q)
+        return self.robot.to_actuators(self.configuration)
 
     def at(self, t: Number | Stack) -> Floats:
         """Return the configuration at a time (n, 3), or at many times (..., n, 3).
@@ -287,13 +299,13 @@ class Motion(NotebookMixin, Frozen):
             When a time is before the first knot or after the last one.
         """
         when = checks.stack("t", t, ())
-        if not len(self.q):
+        if not len(self.configuration):
             raise InputError("t", "the motion has no knots", t, "a motion with knots")
         outside = (when < self.times[0]) | (when > self.times[-1])
         if outside.any():
             wrong = when if when.ndim == 0 else when[outside][0]
             raise InputError("t", "", float(wrong), f"times from {self.times[0]:g} to {self.times[-1]:g}")
-        return tables.interpolate(self.times, self.q, when)
+        return tables.interpolate(self.times, self.configuration, when)
 
     def timed(self, rates: "Rates", blend: Number = 0.0) -> "sn.Trajectory":
         """Pass the same way as fast as rates and accelerations allow, from rest to rest.
@@ -327,16 +339,16 @@ class Motion(NotebookMixin, Frozen):
         all of it is proved anew, and it has no solutions.
         """
         times = self.times[:1] + (self.times[-1:] - self.times[::-1])  # begins at the same time, to the last digit
-        if self.scene.moves and len(self.q) > 1:
-            return type(self)(self.robot, self.q[::-1], self.scene, times)
-        last, tried = len(self.q) - 1, len(self.solutions)
+        if self.scene.moves and len(self.configuration) > 1:
+            return type(self)(self.robot, self.configuration[::-1], self.scene, times)
+        last, tried = len(self.configuration) - 1, len(self.solutions)
         found = self._report(
             blocking=None if self._blocking is None else self._blocking.at_times(self.times[::-1], times),
             solutions=self.solutions[::-1],
             waypoint_knots=tuple(None if knot is None else last - knot for knot in self.waypoint_knots[::-1]),
             reconfigured=tuple(tried + 2 - number for number in self.reconfigured[::-1] if 1 < number <= tried),
         )
-        return self.made(self.robot, self.scene, self.q[::-1].copy(), times, self.steps.reversed(), found)
+        return self.made(self.robot, self.scene, self.configuration[::-1].copy(), times, self.steps.reversed(), found)
 
     def _report(self, **changed: Any) -> Report:
         """How it was found, with other values of some fields."""
@@ -346,19 +358,19 @@ class Motion(NotebookMixin, Frozen):
     def with_waypoints(self, other: "Motion", waypoint_knots: tuple[int | None, ...]) -> Self:
         """Return the same motion with the waypoints of another one, at these knots."""
         found = other._report(waypoint_knots=waypoint_knots)
-        return self.made(self.robot, self.scene, self.q, self.times, self.steps, found)
+        return self.made(self.robot, self.scene, self.configuration, self.times, self.steps, found)
 
     def with_notes(self, notes: tuple[str, ...]) -> Self:
         """Return the same motion with other notes; itself where there are none."""
         if not notes:
             return self
-        return self.made(self.robot, self.scene, self.q, self.times, self.steps, self._report(notes=notes))
+        return self.made(self.robot, self.scene, self.configuration, self.times, self.steps, self._report(notes=notes))
 
     def with_times(self, times: Floats, ended: Status | None = None) -> Self:
         """Return the same motion at other times (T,), among obstacles that stand still; perhaps ended otherwise."""
         blocking = None if self._blocking is None else self._blocking.at_times(self.times, times)
         found = self._report(ended=self._ended if ended is None else ended, blocking=blocking)
-        return self.made(self.robot, self.scene, self.q, times, self.steps, found)
+        return self.made(self.robot, self.scene, self.configuration, times, self.steps, found)
 
     def resampled(self, rate: Number) -> Self:
         """Return the motion through configurations at an even rate (Hz), the last knot included.
@@ -371,7 +383,7 @@ class Motion(NotebookMixin, Frozen):
             When the rate is not greater than 0, or there are fewer than two knots.
         """
         times = tables.sample_times(self.times, checks.number("rate", rate, above=0.0))
-        q = tables.interpolate(self.times, self.q, times) if len(self.q) else self.q
+        q = tables.interpolate(self.times, self.configuration, times) if len(self.configuration) else self.configuration
         if len(q) < 2:
             raise InputError("motion", "has less than two knots", self, "a motion with steps")
         steps = lines_between(self.robot, self.scene, self.times, self.steps, times, q)
@@ -393,9 +405,9 @@ class Motion(NotebookMixin, Frozen):
 
         self._refuse_empty()
         count = checks.integer("between", between, 0, 10_000) + 1
-        at = np.arange((len(self.q) - 1) * count + 1) / count
-        when = np.interp(at, np.arange(len(self.q)), self.times)
-        body, q = bodies_at(self.robot, tables.interpolate(self.times, self.q, when))
+        at = np.arange((len(self.configuration) - 1) * count + 1) / count
+        when = np.interp(at, np.arange(len(self.configuration)), self.times)
+        body, q = bodies_at(self.robot, tables.interpolate(self.times, self.configuration, when))
         return deviation(body, q, line_in_front(self.robot, curve))
 
     def derivative(
@@ -428,7 +440,7 @@ class Motion(NotebookMixin, Frozen):
         when = checks.increasing("depths", depths, None)
         if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
             raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
-        q = tables.interpolate(self.times, self.q, when)
+        q = tables.interpolate(self.times, self.configuration, when)
         return LeaderDerivative(LeaderQuestion.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
 
     def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
@@ -454,7 +466,7 @@ class Motion(NotebookMixin, Frozen):
             When the rate is not greater than 0, or the file cannot be written.
         """
         written = self._at_rate(rate)
-        tables.write_motion(file, self.robot, written.times, written.q)
+        tables.write_motion(file, self.robot, written.times, written.configuration)
         written.warn_of_corners(self, "lines")
         return written
 
@@ -489,19 +501,19 @@ class Motion(NotebookMixin, Frozen):
         """
         written = self._at_rate(rate)
         self._refuse_empty()
-        tables.write_ros(file, self.robot, written.times, written.q, None, of, joints_per_segment)
+        tables.write_ros(file, self.robot, written.times, written.configuration, None, of, joints_per_segment)
         written.warn_of_corners(self, "lines")
         return written
 
     def warn_of_corners(self, motion: "Motion", way: str) -> None:
         """Warn where a motion is proved, and this, which was written of it, is not."""
         if motion.between == "proved" and self.between == "unproved":
-            count, whole = len(self.unproved_steps), len(self.q) - 1
+            count, whole = len(self.unproved_steps), len(self.configuration) - 1
             text = f"{count} of {whole} {way} between rows are not proved clear, as the motion is: a higher rate helps"
             warn_of([f"rate: {text}"])
 
     def _refuse_empty(self) -> None:
-        if not len(self.q):
+        if not len(self.configuration):
             raise InputError("motion", "has no knots", self, "a motion with knots")
 
     def _at_rate(self, rate: Number | None) -> Self:
@@ -509,7 +521,7 @@ class Motion(NotebookMixin, Frozen):
         if rate is None:
             return self
         often = checks.number("rate", rate, above=0.0)
-        return self if len(self.q) < 2 else self.resampled(often)
+        return self if len(self.configuration) < 2 else self.resampled(often)
 
     def verify(self) -> "MotionVerification":
         """Recompute every waypoint, and look at every step between knots densely, by an independent, slow path.
@@ -527,14 +539,16 @@ class Motion(NotebookMixin, Frozen):
 
         waypoints = [solution.verify() for solution in self.solutions]
         return MotionVerification(
-            waypoints + verify_steps(self.robot, self.q, self.scene, self.times), self._seen_to_leave()
+            waypoints + verify_steps(self.robot, self.configuration, self.scene, self.times), self._seen_to_leave()
         )
 
     def _seen_to_leave(self) -> tuple[int, ...]:
         """Numbers of the steps in which the tip is off a line that it has to follow, by the slow path."""
         if self.reconfigure == "allow":
             return ()
-        return find_departure(self.robot, self.q, self._legs(), self._deviation, measured_tips, np.inf).steps
+        return find_departure(
+            self.robot, self.configuration, self._legs(), self._deviation, measured_tips, np.inf
+        ).steps
 
     def raise_for_status(self) -> Self:
         """Return this motion when it is solved.
@@ -603,6 +617,7 @@ class Motion(NotebookMixin, Frozen):
             "largest_deviation": dict(zip(("position", "angle"), self.largest_deviation, strict=True)),
             "largest_step": {"bend": bend, "length": length},
             **result_of(self, "remaining times"),
+            **({"joints": self.joints.tolist()} if self.robot.joints else {}),
             "knots": self.q.tolist(),
             **result_of(self, "waypoint_knots"),
             "waypoints": waypoints,
@@ -637,7 +652,7 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When the file cannot be written.
         """
-        tables.write_npz(file, self.robot, self.times, self.q, self.steps.proved)
+        tables.write_npz(file, self.robot, self.times, self.configuration, self.steps.proved)
 
     @classmethod
     def from_npz(cls, file: str | Path, robot: Robot, scene: SceneLike | Snapshot | None = None) -> "Motion":
@@ -678,7 +693,7 @@ class Motion(NotebookMixin, Frozen):
     def _shown(self) -> Iterator[str]:
         yield str(self.status)
         yield from (reached_in_words(self),) if self.solutions else ()
-        yield f"{len(self.q)} knots"
+        yield f"{len(self.configuration)} knots"
         yield duration(self.seconds)
 
     def __str__(self) -> str:
@@ -690,17 +705,17 @@ def _text(motion: Motion) -> str:
     bend, length = motion.largest_step
     parts = [f"Motion: {motion.status} ({_sentence(motion)})"]
     if motion.clearance is not None:
-        where = "all the way" if motion.between == "proved" and len(motion.q) > 1 else "at the waypoints"
+        where = "all the way" if motion.between == "proved" and len(motion.configuration) > 1 else "at the waypoints"
         parts.append(f"  clearance  {motion.clearance:.3g} {where}")
     if motion.between != "proved":
         seen = f", but are at {SAMPLES} shapes of each" if motion.between == "sampled" else ""
         parts.append(
-            f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear{seen}"
+            f"  between    {len(motion.unproved_steps)} of {len(motion.configuration) - 1} steps are not proved clear{seen}"
         )
     if motion.left_steps:
         parts.append(f"  left       {left_in_words(motion)}")
-    if len(motion.q) > 1:
-        parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots")
+    if len(motion.configuration) > 1:
+        parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.configuration)} knots")
     parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
     parts.append(f"  effort     {duration(motion.seconds)}{_median(motion)}")
     return "\n".join(parts)
@@ -731,7 +746,7 @@ def _sentence(motion: Motion) -> str:
         which = f"waypoint {failed + 1}: " if len(motion.solutions) + motion.remaining > 1 else ""
         return f"{reached_in_words(motion)}; {which}{solution.worst or solution.sentence}"
     begun = reached_in_words(motion) if motion.solutions else motion.status.sentence
-    if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
+    if motion.status is Status.RATE_BOUND and len(motion.configuration) > 1:
         return f"{begun}; the times that were asked for are too short for the rates"
     if motion.status is Status.LEFT_PATH:
         return f"{begun}; {left_in_words(motion)}"

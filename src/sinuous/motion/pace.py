@@ -41,16 +41,16 @@ def pace_motion(motion: Motion, rates: Rates | None, duration: float | None = No
         and the motion is `rate_bound`. Where obstacles move, which were looked at in these times, they stay in any
         case. By default a motion is as fast as rates allow, and what nothing limits takes as long as it did.
     """
-    if not rates or len(motion.q) < 2:
+    if not rates or len(motion.configuration) < 2:
         return motion
-    least = 1.0 / largest(motion.robot, rates.spread(motion.robot), np.diff(motion.q, axis=0))
+    least = 1.0 / largest(motion.robot, rates.spread(motion.robot), np.diff(motion.configuration, axis=0))
     given = np.diff(motion.times)
     fixed = asked or duration is not None or motion.scene.moves
     durations = given if asked or motion.scene.moves else np.where(least > 0.0, least, given)
     if duration is not None and not motion.scene.moves:
         durations = durations * (duration / durations.sum())
     factor = max(1.0, float((least / durations).max()))
-    factor = max(factor, _slower(motion.robot, motion.q, durations, rates))
+    factor = max(factor, _slower(motion.robot, motion.configuration, durations, rates))
     late = fixed and factor > 1.0 + ROUNDING
     times = motion.times
     if not motion.scene.moves:

@@ -285,7 +285,7 @@ class PathSolver:
 
     @staticmethod
     def _knot(found: Solution) -> Knot:
-        return Knot(found.q, None, found.problem.targets, found)
+        return Knot(found.configuration, None, found.problem.targets, found)
 
     def _near(self, q: Floats) -> Floats:
         """Draw a configuration near one (n, 3)."""

@@ -252,7 +252,7 @@ class Planner:
             solution = solver.solve(cast(list[Target], end), begin)
             if not solution.solved:
                 return made(_of_waypoint(solution))
-            goals, goal = TargetGoals(solver, list(solution.problem.targets), [solution]), solution.q
+            goals, goal = TargetGoals(solver, list(solution.problem.targets), [solution]), solution.configuration
         still, pace = Query(self._robot, scene, begin, goals, self._options.seed, deadline), self._pace
         query = still.in_time(prover, pace.begin, pace.begin, duration is None, pace.rates)
         query = replace(query, end=pace.end(scene, query.soonest(goal - begin)))
@@ -269,8 +269,8 @@ class Planner:
     def _again(self, solution: Solution, scene: Snapshot) -> Solution:
         """Return the same solution, solved again among all that is there when the motion ends."""
         solver = Solver._of_checked(self._robot, Scene.of(scene), self._options)
-        again = solver.solve(list(solution.problem.targets), solution.q)
-        return again if np.array_equal(again.q, solution.q) else solution
+        again = solver.solve(list(solution.problem.targets), solution.configuration)
+        return again if np.array_equal(again.configuration, solution.configuration) else solution
 
     def _blocked(
         self, begin: Floats, end: Floats | list[Target], prover: Prover, prover_there: Prover
@@ -289,7 +289,8 @@ class Planner:
         return Solver._of_checked(self._robot, self._scene, self._options)
 
     def _configuration(self, key: str, given: Initial) -> Floats:
-        return checks.array(key, given.q if isinstance(given, Solution) else given, (len(self._robot), 3))
+        own = given.configuration if isinstance(given, Solution) else given
+        return self._robot.one_configuration(key, own)
 
     def _made(
         self, scene: Snapshot, deadline: Deadline, start: Floats, report: Report, path: ProvedPath | None = None

@@ -90,7 +90,9 @@ def read(
     solutions = _read_waypoints(values, problems, place is None, count)
     robot, around = place or (problems[0].robot, scene or problems[0].scene)
     robot = demanding(robot, *(values.get(key) for key in ("demanded_clearance", "demanded_self_clearance")))
-    q = checks.rows("knots", entries.value("knots"), len(robot), 3)
+    given = entries.value("knots")
+    whole = robot.configuration("knots", given, entries.value("joints")) if robot.joints and len(given) else given
+    q = checks.rows("knots", whole, len(robot), 3)
     times = checks.increasing("times", entries.value("times"), len(q))
     clearance, own = (entries.optional(key) for key in ("clearance", "self_clearance"))
     wrong = _read_numbers(values, "unproved_steps", len(q) - 1)

@@ -158,7 +158,7 @@ def slide(steps: TipSteps, begin: Knot, end: Knot, targets: tuple[Target, ...]) 
             knot = steps.step(before, end.solution, line, (0.0, 1.0))
         elif size < far:
             found = steps.meet(targets, before.q + size / far * (end.q - before.q))
-            if found is not None and left(found.q) < far - GAIN * size:
+            if found is not None and left(found.configuration) < far - GAIN * size:
                 knot = steps.step(before, found, line, (0.0, 1.0))
         if knot is not None:
             knots.append(knot)

@@ -34,8 +34,9 @@ def sample_times(times: Floats, rate: float) -> Floats:
 
 
 def columns(robot: Robot) -> list[str]:
-    """Names of the numbers: `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, then the names of all actuators."""
-    return [*coordinate_names(robot.segment_names), *(actuator.name for actuator in robot.actuators)]
+    """Names of the numbers: joints, `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, then all actuators."""
+    own = robot.segment_names[len(robot) - len(robot.segments) :]
+    return [*robot.joint_names, *coordinate_names(own), *(actuator.name for actuator in robot.actuators)]
 
 
 def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:
@@ -47,7 +48,7 @@ def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:
         When the file cannot be written.
     """
     robot = solutions[0].problem.robot
-    numbers = _numbers(robot, np.stack([solution.q for solution in solutions]))
+    numbers = _numbers(robot, np.stack([solution.configuration for solution in solutions]))
     rows = ([i, str(each.status), *row] for i, (each, row) in enumerate(zip(solutions, numbers, strict=True), 1))
     write_table(file, ["solution", "status", *columns(robot)], rows)
 
@@ -65,8 +66,9 @@ def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> No
 
 
 def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
-    """Configurations and actuators (T, 3 n + m)."""
-    return np.concatenate([q.reshape(len(q), 3 * len(robot)), robot.to_actuators(q)], axis=-1).tolist()
+    """Joints, segments and actuators (T, j + 3 n + m)."""
+    own = robot.segments_of(q).reshape(len(q), 3 * len(robot.segments))
+    return np.concatenate([robot.joints_of(q), own, robot.to_actuators(q)], axis=-1).tolist()
 
 
 def write_ros(

@@ -132,7 +132,7 @@ class TipSteps:
     ) -> Knot | None:
         """Return the knot at a solution with the proof of the step that leads there; `None` where it is not proved."""
         self.look_at(found)
-        knot = Knot(found.q, None, found.problem.targets, found, line, shares, time=when)
+        knot = Knot(found.configuration, None, found.problem.targets, found, line, shares, time=when)
         proof = self.prove(before, knot)
         return None if proof is None else knot._replace(proof=proof)
 

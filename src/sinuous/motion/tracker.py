@@ -195,7 +195,7 @@ class Tracker:
         when = self._when()
         self._look_at(solution)
         if not self._knots:
-            self._knots.append(Knot(solution.q, None, solution.problem.targets, solution, time=when))
+            self._knots.append(Knot(solution.configuration, None, solution.problem.targets, solution, time=when))
         elif self._timetable is None and self._stays(solution):
             self._approaches = False  # the robot is at its first waypoint already
         else:
@@ -218,7 +218,7 @@ class Tracker:
 
     def _stays(self, solution: Solution) -> bool:
         """Whether a robot that is at its start is at the first waypoint already."""
-        return len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q)
+        return len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.configuration)
 
     def _go_straight(self, solution: Solution) -> Solution | None:
         """Lead the tip straight to a waypoint; see `TipSteps.lead`."""
@@ -245,15 +245,15 @@ class Tracker:
         goals = TargetGoals(self._solver, list(solution.problem.targets), [solution])
         path = self._find_path(last, when, goals)
         if path is None:
-            proof = self._steps.prover.prove(self._steps.two(last.q, solution.q), SLACK, times=times)
-            self._knots.append(Knot(solution.q, proof, solution.problem.targets, solution, time=when))
+            proof = self._steps.prover.prove(self._steps.two(last.q, solution.configuration), SLACK, times=times)
+            self._knots.append(Knot(solution.configuration, proof, solution.problem.targets, solution, time=when))
             return solution
         steps = np.split(path.answers, len(path.answers))
         at = np.zeros(len(path.q)) if path.times is None else path.times
         between = zip(path.q[1:-1], steps[:-1], at[1:-1].tolist(), strict=True)
         self._knots += [Knot(q, proof, time=t) for q, proof, t in between]
         reached = goals.solution_at(path.q[-1])
-        self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached, time=when))
+        self._knots.append(Knot(reached.configuration, steps[-1], reached.problem.targets, reached, time=when))
         return reached
 
     def _find_path(self, last: Knot, when: float, goals: TargetGoals) -> ProvedPath | None:
@@ -295,7 +295,7 @@ class Tracker:
         if self._timetable is not None:
             self._timetable.look_at(knot.time)
         found = self._steps.meet(knot.targets, q)
-        return None if found is None else knot._replace(q=found.q, proof=None, solution=found)
+        return None if found is None else knot._replace(q=found.configuration, proof=None, solution=found)
 
     def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""

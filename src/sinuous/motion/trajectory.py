@@ -99,7 +99,7 @@ class Trajectory(NotebookMixin, Frozen):
         waypoints are where it comes nearest to those.
         """
         knots = [knot for knot in self.motion.waypoint_knots if knot is not None]
-        passed = [self._passes(self.motion.q[knot]) for knot in knots]
+        passed = [self._passes(self.motion.configuration[knot]) for knot in knots]
         times = np.unique(np.concatenate([self.times, passed]))
         far = np.diff(times) > TOGETHER * self.duration
         times = times[np.concatenate([[True], far[:-1] | np.isin(times[1:-1], self.times), [True]])]
@@ -143,7 +143,7 @@ class Trajectory(NotebookMixin, Frozen):
             not, as the motion is, there is a warning.
         """
         written = self._through(self._samples(rate))
-        tables.write_motion(file, self.robot, written.times, written.q)
+        tables.write_motion(file, self.robot, written.times, written.configuration)
         written.warn_of_corners(self.motion, "lines")
         return written
 
@@ -171,9 +171,9 @@ class Trajectory(NotebookMixin, Frozen):
         lines = self._through(self._samples(rate))
         velocities = self.velocity(lines.times)
         velocities[-1] = 0.0
-        tables.write_ros(file, self.robot, lines.times, lines.q, velocities, of, joints_per_segment)
-        steps = splines_between(self.robot, lines.times, lines.q, velocities, lines.steps)
-        written = lines.made(self.robot, lines.scene, lines.q, lines.times, steps, Report())
+        tables.write_ros(file, self.robot, lines.times, lines.configuration, velocities, of, joints_per_segment)
+        steps = splines_between(self.robot, lines.times, lines.configuration, velocities, lines.steps)
+        written = lines.made(self.robot, lines.scene, lines.configuration, lines.times, steps, Report())
         written.warn_of_corners(self.motion, "splines")
         return written
 
@@ -214,7 +214,7 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     most = checks.number("blend", blend, low=0.0)
     if most > 0.0 and accelerations is None:
         raise InputError("blend", "rates have no acceleration, and so no corner asks for one", most, "0")
-    legs = legs_of(motion.robot, motion.q, motion.steps)
+    legs = legs_of(motion.robot, motion.configuration, motion.steps)
     if not len(legs.sizes):
         raise InputError("motion", "stands still", motion, "a motion that moves")
     if accelerations is not None and most > 0.0 and len(legs.sizes) > 1:

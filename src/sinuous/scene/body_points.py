@@ -37,7 +37,11 @@ def body_filter(shape: "sn.Solution | Equilibrium | tuple[Robot, Rows]", margin:
     if isinstance(shape, Equilibrium):
         body, arcs = shape.body, shape.arcs
     else:
-        pair = shape if isinstance(shape, tuple) else (getattr(shape, "robot", None), getattr(shape, "q", None))
+        pair = (
+            shape
+            if isinstance(shape, tuple)
+            else (getattr(shape, "robot", None), getattr(shape, "configuration", getattr(shape, "q", None)))
+        )
         if len(pair) != 2 or not isinstance(pair[0], Robot):
             raise InputError("ignore_robot", "", shape, "a solution, robot.shape(q), or a robot and its configuration")
         with checks.inside("ignore_robot"):

@@ -14,6 +14,7 @@ from sinuous.base.errors import InputError
 from sinuous.kernels.compile import cores
 from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, STARTS, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.method import Prepared, as_outcomes
+from sinuous.model.joints import is_pair
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target_sets import ManyProblems
@@ -140,7 +141,7 @@ def read_initial(robot: Robot, count: int, initial: Any) -> Floats:
     n = len(robot)
     if initial is None:
         return np.broadcast_to(np.empty((1, 0, n, 3)), (count, 0, n, 3))
-    given = _listed(robot, initial)
+    given = _listed(robot, robot.configuration("initial", initial) if is_pair(initial) else initial)
     if given.ndim == 2:
         return np.broadcast_to(checks.array("initial", given, (n, 3)), (count, 1, n, 3))
     each = checks.rows("initial", given, n, 3)
@@ -152,12 +153,12 @@ def read_initial(robot: Robot, count: int, initial: Any) -> Floats:
 def _listed(robot: Robot, initial: Any) -> Any:
     """Initial configurations as an array, which is not checked yet."""
     if isinstance(initial, Solution | Solutions):
-        return initial.q
+        return initial.configuration
     if isinstance(initial, np.ndarray):
         return initial
     if not np.iterable(initial):
         raise InputError("initial", "", initial, "configurations")
-    listed = [each.q if isinstance(each, Solution) else each for each in initial]
+    listed = [each.configuration if isinstance(each, Solution) else each for each in initial]
     if listed and np.ndim(listed[0]) == 1:  # rows of one for all
         return checks.array("initial", listed, (len(robot), 3))
     return np.array(

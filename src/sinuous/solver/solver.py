@@ -615,13 +615,14 @@ class Solver:
 
     def configuration(self, key: str, initial: Initial) -> Floats:
         """Check what is called `key`: a solution, or a configuration (n, 3) of this robot; return the configuration."""
-        return checks.array(key, initial.q if isinstance(initial, Solution) else initial, (len(self.robot), 3))
+        given = initial.configuration if isinstance(initial, Solution) else initial
+        return self.robot.one_configuration(key, given)
 
     def _given(self, initial: Initial | None) -> Floats:
         if initial is None:
             return self._no_initial
-        if type(initial) is Solution and initial.q.shape == self._shape:  # checked when it was found
-            return initial.q[None].copy()
+        if type(initial) is Solution and initial.configuration.shape == self._shape:  # checked when it was found
+            return initial.configuration[None].copy()
         return self.configuration("initial", initial).reshape(1, len(self.robot), 3).copy()
 
 

@@ -93,7 +93,7 @@ class LocalPlanner:
                 self._solvers[room, loose] = self._prepared(room, loose)
         solver = self._solvers[room, loose]
         solution = solver.solve(target, begin, time=max(0.0, self.deadline.left()))
-        return np.array(solution.q) if solution.solved else None
+        return np.array(solution.configuration) if solution.solved else None
 
     def _prepared(self, room: float, loose: float) -> Solver:
         """A solver that goes to one target from one configuration, or not at all."""

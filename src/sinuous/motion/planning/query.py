@@ -101,24 +101,24 @@ class TargetGoals:
         if not solution.solved:
             return None
         self.solutions.append(solution)
-        return solution.q
+        return solution.configuration
 
     def __call__(self, reached: Floats) -> Floats:
         """Return all goals (g, n, 3), after looking for more from some of what is reached (m, n, 3)."""
         if len(reached) > 1 and len(self.solutions) < MOST_GOALS:
             for i in np.unique(np.linspace(0, len(reached) - 1, GOALS_AT_ONCE).round().astype(np.intp)):
                 solution = self._solver.solve(self.targets, reached[i])
-                if solution.solved and self._is_new(solution.q):
+                if solution.solved and self._is_new(solution.configuration):
                     self.solutions.append(solution)
-        return np.stack([solution.q for solution in self.solutions])
+        return np.stack([solution.configuration for solution in self.solutions])
 
     def solution_at(self, q: Floats) -> Solution:
         """Return the solution whose configuration (n, 3) this is."""
-        return next(solution for solution in self.solutions if np.array_equal(solution.q, q))
+        return next(solution for solution in self.solutions if np.array_equal(solution.configuration, q))
 
     def _is_new(self, q: Floats) -> bool:
         robot = self._solver.robot
-        apart = (float(distances(robot, np.stack([q, other.q]))[0]) for other in self.solutions)
+        apart = (float(distances(robot, np.stack([q, other.configuration]))[0]) for other in self.solutions)
         return min(apart) > APART * robot.mean_length
 
 

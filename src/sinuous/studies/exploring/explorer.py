@@ -118,7 +118,7 @@ class Explorer:
             solution = self._solvers[0].solve(Target(target), time=ATTEMPT_SECONDS)
         else:
             solution = self._solvers[1].solve(Target(target), begin, time=ATTEMPT_SECONDS)
-        return np.array(solution.q) if solution.solved else None
+        return np.array(solution.configuration) if solution.solved else None
 
     def _moved(self, work: PlanWork, begin: Floats, seed: int) -> Floats | None:
         """Move a shape towards a random one, as far as that is proved."""

@@ -90,7 +90,9 @@ class Meet(Frozen):
     def do(self, solver: Solver, start: Floats | None = None, explained: bool = True) -> Done:
         """Solve it, from a configuration where one is known; what holds it back takes longest to find."""
         found = solver.solve(self.targets, start)
-        return _done(found, float(found.solved), None, binds_of([found]) if explained else None, found.q[None])
+        return _done(
+            found, float(found.solved), None, binds_of([found]) if explained else None, found.configuration[None]
+        )
 
 
 class _Several(Frozen):
@@ -133,7 +135,7 @@ class Follow(_Several):
             )
         share = sum(solution.solved for solution in motion.solutions) / len(self.targets)
         duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
-        return _done(motion, share, duration, binds_of(motion.solutions), motion.q)
+        return _done(motion, share, duration, binds_of(motion.solutions), motion.configuration)
 
 
 class Cover(_Several):
@@ -164,7 +166,7 @@ class Cover(_Several):
             _least(solved.clearance) if len(solver.scene) else None,
             _least(solved.self_clearance) if solver.robot.avoids_itself else None,
         )
-        shapes = solved.q if status == SOLVED else None
+        shapes = solved.configuration if status == SOLVED else None
         return Done(status, share, *proved, float(found.seconds.sum()), None, binds_of(found), shapes)
 
 
@@ -202,7 +204,7 @@ class Move(Frozen):
             motion = plan(solver.robot, start, list(self.goal), solver.scene, **vars(solver.options))
         duration = float(motion.times[-1] - motion.times[0]) if motion.solved else None
         worst = None if motion.worst is None else motion.worst.obstacle or motion.worst.constraint
-        return _done(motion, float(motion.solved), duration, binds_of(motion.solutions) or worst, motion.q)
+        return _done(motion, float(motion.solved), duration, binds_of(motion.solutions) or worst, motion.configuration)
 
 
 def _start(start: Rows | None) -> Floats | None:
@@ -225,7 +227,7 @@ def binds_of(solutions: Iterable[Solution]) -> str | None:
     failed = [found for found in listed if not found.solved]
     names: Counter[str] = Counter()
     for found in failed or listed:
-        near = found.binding[:1] if failed else nearest_limits(found.problem, found.q, 1)
+        near = found.binding[:1] if failed else nearest_limits(found.problem, found.configuration, 1)
         names.update(_word(each) for each in near)
         if failed and not near and found.reason is not None:
             names.update([found.reason.obstacle or found.reason.bound])

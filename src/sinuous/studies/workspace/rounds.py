@@ -61,7 +61,7 @@ class Calls:
 
         def make() -> Arrays:
             found = solver.solve_many(workers=self._workers, **goals)
-            return {"codes": verdicts_of(found), "q": found.q.astype(np.float32)}
+            return {"codes": verdicts_of(found), "q": found.configuration.astype(np.float32)}
 
         call = self._checkpoint.once(next(self._numbers), make)
         return call["codes"], call["q"]

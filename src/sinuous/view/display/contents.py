@@ -367,7 +367,7 @@ def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: It
 
 def _add_solution(contents: Contents, solution: Solution) -> None:
     problem = solution.problem
-    _add_arm(contents, problem.robot, solution.q, solution.solved, problem.targets)
+    _add_arm(contents, problem.robot, solution.configuration, solution.solved, problem.targets)
     contents.answers.append(solution)
     contents.add_obstacles(problem.scene.obstacles)
     if solution.route is not None:
@@ -386,10 +386,10 @@ def _add_motion(contents: Contents, motion: Motion) -> None:
     """Take a motion; of one with a single knot the last shape that was found, of one with none a straight robot."""
     contents.answers.append(motion)
     contents.add_obstacles(motion.scene.obstacles)
-    if len(motion.q) > 1:
-        contents.add_way(motion.robot, motion.q, motion.times, motion.solved)
+    if len(motion.configuration) > 1:
+        contents.add_way(motion.robot, motion.configuration, motion.times, motion.solved)
     else:
-        q = motion.solutions[-1].q if motion.solutions else _middle(motion.robot)
+        q = motion.solutions[-1].configuration if motion.solutions else _middle(motion.robot)
         contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):

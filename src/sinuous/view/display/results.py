@@ -55,15 +55,15 @@ def describe_solutions(solutions: Sequence[Solution]) -> list[str]:
     It says how much a body bends in all, how long it is where lengths differ, its clearance, and where its middle is
     when another line would be the same.
     """
-    lengths = [f"{solution.q[:, 2].sum():.3g}" for solution in solutions]
+    lengths = [f"{solution.configuration[:, 2].sum():.3g}" for solution in solutions]
     lines = []
     for solution, length in zip(solutions, lengths, strict=True):
-        bends = f"bends {np.hypot(solution.q[:, 0], solution.q[:, 1]).sum():.3g} rad"
+        bends = f"bends {np.hypot(solution.configuration[:, 0], solution.configuration[:, 1]).sum():.3g} rad"
         clear = format_number(solution.clearance, before="clearance ")
         lines.append(", ".join(filter(None, [bends, f"length {length}" if len({*lengths}) > 1 else "", clear])))
     found = []
     for i, (solution, line) in enumerate(zip(solutions, lines, strict=True), 1):
-        body = solution.problem.robot.backbone(solution.q, 2)
+        body = solution.problem.robot.backbone(solution.configuration, 2)
         x, y, z = body[len(body) // 2]
         found.append(f"{i}: {line}" + (f", by ({x:.3g}, {y:.3g}, {z:.3g})" if lines.count(line) > 1 else ""))
     return found
@@ -105,9 +105,9 @@ def _tensions(solution: Solution) -> str:
 
 
 def _of_motion(motion: Motion) -> dict[str, str]:
-    moves, (bend, length) = len(motion.q) > 1, motion.largest_step
+    moves, (bend, length) = len(motion.configuration) > 1, motion.largest_step
     between = f"{motion.between} clear" if motion.between == "proved" else motion.between
-    times = f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots" if moves else ""
+    times = f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.configuration)} knots" if moves else ""
     return {
         "target": reached_in_words(motion) if motion.solutions else "",
         "worst": "" if motion.worst is None else str(motion.worst),
@@ -173,13 +173,15 @@ class Curves(NamedTuple):
 
 def bends_of(motion: Motion) -> Curves:
     """How much each segment is bent."""
-    values = np.hypot(motion.q[..., 0], motion.q[..., 1])
+    values = np.hypot(motion.configuration[..., 0], motion.configuration[..., 1])
     return Curves("bends of the segments", motion.times, values, motion.robot.segment_names, "rad")
 
 
 def lengths_of(motion: Motion) -> Curves:
     """How long each segment is."""
-    return Curves("lengths of the segments", motion.times, motion.q[..., 2], motion.robot.segment_names, "length unit")
+    return Curves(
+        "lengths of the segments", motion.times, motion.configuration[..., 2], motion.robot.segment_names, "length unit"
+    )
 
 
 def actuators_of(motion: Motion) -> Curves:
@@ -192,7 +194,7 @@ def actuators_of(motion: Motion) -> Curves:
 
 def speeds_of(motion: Motion, rates: Rates) -> Curves:
     """What share of the rates each step takes, of what is nearest to its own: even within a step."""
-    steps = np.diff(motion.q, axis=0) / np.diff(motion.times)[:, None, None]
+    steps = np.diff(motion.configuration, axis=0) / np.diff(motion.times)[:, None, None]
     shares = 100.0 / largest(motion.robot, rates.spread(motion.robot), steps)
     return Curves(
         "speed", np.repeat(motion.times, 2)[1:-1], np.repeat(shares, 2)[:, None], ("speed",), "% of the rates"

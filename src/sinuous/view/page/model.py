@@ -311,7 +311,7 @@ class PageModel:
         """Show the answer to a question; return whether it was still asked."""
         if number != self.number or self.by_hand:
             return False
-        self.answer, self.q = solution, solution.q
+        self.answer, self.q = solution, solution.configuration
         return True
 
     def accept_beside(self, number: int, solution: Solution | None) -> bool:
@@ -320,7 +320,7 @@ class PageModel:
             return False
         self.beside = solution
         if solution is not None:
-            self._q_beside = solution.q
+            self._q_beside = solution.configuration
         return True
 
     def _change(self, **parts: Any) -> None:
@@ -541,7 +541,7 @@ class PageModel:
     def choose(self, index: int) -> None:
         """Show one of the distinct solutions."""
         solution = self.ghosts[checks.integer("solution", index, 0, len(self.ghosts) - 1)]
-        self.answer, self.q, self.by_hand = solution, solution.q, False
+        self.answer, self.q, self.by_hand = solution, solution.configuration, False
 
     def forget_ghosts(self) -> None:
         """Take the distinct solutions from the page."""
@@ -560,7 +560,7 @@ class PageModel:
         InputError
             When it goes nowhere.
         """
-        if len(motion.q) < 2:
+        if len(motion.configuration) < 2:
             raise InputError("motion", "goes nowhere", str(motion.status), "one with at least two knots")
         self.motion, self.time = motion, float(motion.times[0])
 
@@ -694,7 +694,9 @@ def problem_text(model: PageModel) -> str:
 def motion_table(model: PageModel) -> str:
     """Return the motion on the page as CSV, or the shape as a single row; columns as of `Motion.to_csv`."""
     q, times = (
-        (model.shown[None], np.array([model.time])) if model.motion is None else (model.motion.q, model.motion.times)
+        (model.shown[None], np.array([model.time]))
+        if model.motion is None
+        else (model.motion.configuration, model.motion.times)
     )
     with TemporaryDirectory() as folder:
         file = Path(folder) / "motion.csv"

@@ -115,8 +115,8 @@ class Scenery:
         yield "body", nodes.BodyStyle(span, pieces), body, self._colours(body, pieces)
         others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
         if model.beside is not None and model.motion is None:
-            others["second"] = arms_of(robot, model.beside.q, model.beside.solved, 1)[0]
-        shapes = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
+            others["second"] = arms_of(robot, model.beside.configuration, model.beside.solved, 1)[0]
+        shapes = {f"ghosts/{i}": each.configuration for i, each in enumerate(model.ghosts) if each is not model.answer}
         if model.job.goal is not None:
             shapes["goal"] = model.job.goal
         others |= {name: arms_of(robot, q, number=i)[0] for i, (name, q) in enumerate(shapes.items(), 1)}

@@ -222,7 +222,7 @@ class Session(ABC):
         if isinstance(answer, Motion):
             self.model.show_motion(answer)
         elif answer is not None:
-            self.model.q = answer.q
+            self.model.q = answer.configuration
         self.playing = False
         self.explaining = False
         self.axes = True

@@ -83,7 +83,7 @@ def diagrams_of(answer: Solution | Motion) -> list[str]:
     if isinstance(answer, Solution):
         return [*near, *(["convergence"] if _counts_iterations(answer) else [])]
     times = ["times"] if answer.solutions else []
-    if len(answer.q) < 2:
+    if len(answer.configuration) < 2:
         return times
     driven = ["actuators"] if answer.robot.actuators else []
     return [*near, *(["clearance map"] if near else []), *driven, "bends", "lengths", *times]
@@ -116,8 +116,8 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
 def _draw_along(axes: Any, solution: Solution) -> None:
     """Draw clearance along the body, under the colours that its segments have in pictures."""
     problem = solution.problem
-    clearance = clearances_along(problem.robot, problem.scene, solution.q, PLACES_PER_SEGMENT)
-    along = lengths_along(solution.q, PLACES_PER_SEGMENT)
+    clearance = clearances_along(problem.robot, problem.scene, solution.configuration, PLACES_PER_SEGMENT)
+    along = lengths_along(solution.configuration, PLACES_PER_SEGMENT)
     colours = arm_tones(solution.solved)
     for k in range(len(problem.robot)):
         part = slice(k * PLACES_PER_SEGMENT, (k + 1) * PLACES_PER_SEGMENT + 1)
@@ -157,7 +157,7 @@ def _errors(solution: Solution) -> tuple[Floats, Floats]:
     again = solution._resolver
     assert isinstance(again, KeptOptions)
     options: Any = options_of(again.options.method)
-    given = solution._given.reshape(-1, *solution.q.shape)
+    given = solution._given.reshape(-1, *solution.configuration.shape)
     found: list[tuple[float | None, float | None]] = []
     for count in range(1, min(options.iterations, MOST_ITERATIONS) + 1):
         method = replace(options, iterations=count)

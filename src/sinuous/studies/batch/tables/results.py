@@ -94,9 +94,9 @@ class Layout:
     def fill(self, block: Arrays, rows: Any, found: Solutions, robot: Robot) -> None:
         """Put what was found into rows of a block, by their numbers or all of them (a slice)."""
         block["status"][rows] = places_of(found._answers)
-        block["q"][rows] = found.q
+        block["q"][rows] = found.configuration
         if self.actuators:
-            block["actuators"][rows] = _actuators(robot, found.q)
+            block["actuators"][rows] = _actuators(robot, found.configuration)
         for name in (*ERRORS, *EFFORTS):
             block[name][rows] = getattr(found, name)
 

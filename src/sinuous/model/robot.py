@@ -336,7 +336,7 @@ class Robot(NotebookMixin, Frozen):
         driven = [f"{len(self.drive)} actuators"] if len(self.drive) else []
         return call("Robot", [*name, f"{len(self)} segments", f"total length {low:g} to {high:g}", *driven])
 
-    @property
+    @cached_property
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
         return 0.5 * sum(sum(segment.length) for segment in self.segments)
@@ -355,6 +355,11 @@ class Robot(NotebookMixin, Frozen):
     def _least_clearances(self) -> tuple[float, float]:
         """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
         return float(np.min(self.clearance)), float(np.min(self.self_clearance))
+
+    @cached_property
+    def _group(self) -> Floats:
+        """The robot as kernels read it, whatever loads it: to be copied."""
+        return packing.robot_group(self.limits, self.actuation, self.base, self.tool, self.avoids_itself)
 
     @cached_property
     def _demands_clearance(self) -> bool:
@@ -756,7 +761,7 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     robot._refuse_load()
-    return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
+    return robot._group.copy()
 
 
 def same_body(one: Robot, other: Robot) -> bool:

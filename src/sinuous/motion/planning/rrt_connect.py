@@ -38,12 +38,15 @@ NARROW = 0.1875
 
 
 class RRTConnect:
-    """The memory of both trees, for one plan after the other of a robot in a scene."""
+    """The memory of both trees, for one plan after the other of a robot in a scene.
 
-    def __init__(self, robot: Robot, scene: Snapshot) -> None:
+    `prover`: of the same robot and scene, where there is one.
+    """
+
+    def __init__(self, robot: Robot, scene: Snapshot, prover: Prover | None = None) -> None:
         n = len(robot)
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
-        self._scene, self._robot = scene, robot
+        self._scene, self._robot, self._given_prover = scene, robot, prover
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
 
@@ -112,7 +115,7 @@ class RRTConnect:
 
     @cached_property
     def _prover(self) -> Prover:
-        return Prover(self._robot, self._scene)
+        return self._given_prover or Prover(self._robot, self._scene)
 
     def _proved(self, q: Floats, answers: Floats, deadline: Deadline) -> ProvedPath:
         """Prove edges again that took too long to prove with a tight bound: that they are clear, without a bound.

@@ -242,6 +242,17 @@ class Solver:
             self._strategy.learn(outcome.q[None], None if starts is given else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
+    def descend(self, target: Target, q: Floats, seconds: float) -> Floats | None:
+        """Follow one configuration (n, 3) to one that meets a target of the tip; `None` where that fails.
+
+        It is what `solve` does where `max_starts` is 1 and nothing is searched for, without a solution around it. Not
+        under load.
+        """
+        problem = Problem.prepared(self.robot, (target,), self.scene.snapshot(), self.tolerance)
+        given = np.array(q[None], order="C")
+        outcome = self._prepared.run(problem, given, (0, 0, self.options.seed, seconds), given[0])
+        return outcome.q if outcome.code == SOLVED else None
+
     def _solve_under_load(
         self,
         load: LoadCorrection,

@@ -52,7 +52,7 @@ class LocalPlanner:
 
     def __init__(self, query: Query) -> None:
         self.deadline = query.deadline
-        self.robot = query.robot.changed(tool=None)
+        self.robot = query.robot if np.array_equal(query.robot.tool, np.eye(4)) else query.robot.changed(tool=None)
         self._scene = query.scene
         self._prover = Prover(query.robot, query.scene, FINEST)
         self._close_prover = Prover(query.robot, query.scene, CLOSE)
@@ -91,9 +91,7 @@ class LocalPlanner:
         if (room, loose) not in self._solvers:
             with self.deadline.paused():  # compiling is no planning
                 self._solvers[room, loose] = self._prepared(room, loose)
-        solver = self._solvers[room, loose]
-        solution = solver.solve(target, begin, time=max(0.0, self.deadline.left()))
-        return np.array(solution.q) if solution.solved else None
+        return self._solvers[room, loose].descend(target, begin, max(0.0, self.deadline.left()))
 
     def _prepared(self, room: float, loose: float) -> Solver:
         """A solver that goes to one target from one configuration, or not at all."""

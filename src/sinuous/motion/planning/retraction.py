@@ -12,16 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.packing import scales_of, turns_of
-from sinuous.model.robot import Robot
-from sinuous.motion.configurations import lever_metric, within_limits
+from sinuous.kernels.planning.sliding import slide_back, sliding_size
+from sinuous.model.robot import Robot, robot_group
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect, lead_on, shortened
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.target import Target
-from sinuous.solver.polylines import lengths_along, points_at
+from sinuous.solver.polylines import lengths_along
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
@@ -37,9 +37,6 @@ MOST_STEPS = 100_000
 
 OF_CURVE = 20
 """Points of the curve on each segment."""
-
-DAMPING = 1e-3
-"""Of the motion with which a body slides back, as a share of the mean diagonal entry of its normal matrix."""
 
 DRAWS, MOST_DRAWS = 256, 2**20
 """Draws of the trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
@@ -170,41 +167,21 @@ class Retraction:
         return slid_back(robot, q, by, weights, share * (self._other - q))
 
     def _target(self, along: float, kind: RetractionKind) -> Target:
-        place = points_at(self._points, self._along, np.array([along]))[0]
-        if not kind.points:
-            return Target(place)
         i = int(np.clip(np.searchsorted(self._along, along), 1, len(self._along) - 1))
-        return Target(place, direction=self._points[i] - self._points[i - 1])
+        before, piece = self._points[i - 1], self._points[i] - self._points[i - 1]
+        place = before + (along - self._along[i - 1]) / (self._along[i] - self._along[i - 1]) * piece
+        return Target(place, direction=piece) if kind.points else Target(place)
 
 
 def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Floats) -> Floats:
     """Return the configuration (n, 3) whose ends of segments have gone back along their tangents, as far as they can.
 
-    To first order, within the limits of segments, by damped least squares; each end counts by its weight (n,). What
-    that leaves free changes by `wished` (n, 3).
+    See `kernels.planning.sliding.slide_back`.
     """
-    n, unit = len(robot), robot.mean_length
-    scale, turns = np.tile([1.0, 1.0, unit / n], n) * (scales_of(robot.limits).ravel() > 0.0), turns_of(robot.limits)
-    ends = robot.forward(q)[-n:]
-    jacobian = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n)
-    jacobian = (jacobian @ turns) * (scale / unit)
-    asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()
-    normal = jacobian.T @ jacobian
-    damping = DAMPING * np.trace(normal) / len(normal)
-    normal[np.diag_indices_from(normal)] += damping
-    free = np.divide(wished.ravel() @ turns, scale, out=np.zeros(3 * n), where=scale > 0.0)
-    change = turns @ (scale * np.linalg.solve(normal, jacobian.T @ asked + damping * free))
-    return within_limits(robot, (q + change.reshape(n, 3))[None])[0]
-
-
-def _moved_ends(robot: Robot, q: Floats, ends: Floats) -> Floats:
-    """Derivatives (n, 3, 3 n) of the ends of segments (n, 3): each coordinate moves what lies beyond as one body."""
-    n = len(robot)
-    turn, move = np.split(robot.jacobian(q, n), 2)
-    arms = ends - ends[-1]
-    moved = move + np.cross(turn, arms[:, :, None], axisa=0, axisb=1, axisc=1)
-    before: Floats = np.where(np.arange(n)[:, None] >= np.arange(3 * n) // 3, 1.0, 0.0)
-    return np.asarray(moved * before[:, None])
+    workspace, back = np.empty(sliding_size(len(robot))), np.empty((len(robot), 3))
+    begin = np.array(q, order="C")
+    slide_back(robot_group(robot), begin, by, weights, wished, robot.mean_length, workspace, back)
+    return back
 
 
 def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:

@@ -359,7 +359,8 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def _group(self) -> Floats:
         """The robot as kernels read it, whatever loads it: to be copied."""
-        return packing.robot_group(self.limits, self.actuation, self.base, self.tool, self.avoids_itself)
+        tables = self.limits, self.actuation, self.base, self.tool
+        return checks.closed(packing.robot_group(*tables, self.avoids_itself))
 
     @cached_property
     def _demands_clearance(self) -> bool:

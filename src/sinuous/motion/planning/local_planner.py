@@ -5,7 +5,7 @@ obstacle, for a proof or for a tree to leave it, is solved again with a thicker 
 """
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -37,6 +37,9 @@ WISHED = 0.02
 
 FINEST = 3e-4
 """Length below which the proof of an edge gives up, in robot lengths: another edge is tried sooner than that."""
+
+KEPT = 64
+"""Thicker robots that are kept in memory."""
 
 CLOSE = 1e-6
 """The same for an edge from the end of a path to where there is room: it may begin in contact."""
@@ -149,6 +152,8 @@ def roots_of(start: Chain, goals: list[Chain]) -> Floats:
     return np.stack([start[-1], *(chain[-1] for chain in goals)])
 
 
+@lru_cache(maxsize=KEPT)
 def with_radii(robot: Robot, share: float) -> Robot:
     """Return a robot whose segments have a share of their radii, less or more than all of it."""
-    return robot.changed(segments=[segment.changed(radius=share * segment.radius) for segment in robot.segments])
+    changed = {segment: segment.changed(radius=share * segment.radius) for segment in dict.fromkeys(robot.segments)}
+    return robot.changed(segments=[changed[segment] for segment in robot.segments])

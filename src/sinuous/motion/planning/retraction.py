@@ -38,6 +38,9 @@ MOST_STEPS = 100_000
 OF_CURVE = 20
 """Points of the curve on each segment."""
 
+FIRST_DRAWS = 64
+"""Draws of the trees that grow to a goal that was drawn back a little, in the first turn of all."""
+
 DRAWS, MOST_DRAWS = 256, 2**20
 """Draws of the trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
 
@@ -126,10 +129,15 @@ class Retraction:
         self.left = float(self._along[-1])
         self.knots = [q]
 
-    def run(self, steps: int = MOST_STEPS) -> bool:
-        """Draw the body back by so many more steps, also such as fail, while there is time; say whether it is done."""
+    def run(self, steps: int = MOST_STEPS, shortest: float = 0.0) -> bool:
+        """Draw the body back by so many more steps, also such as fail, while there is time; say whether it is done.
+
+        It stops where steps would be shorter than `shortest` (robot lengths).
+        """
         unit = self._local.robot.mean_length
         for _ in range(steps):
+            if self._step < shortest * unit:
+                return False
             if self.left <= ENOUGH * unit or self._stuck == WAYS or self._local.deadline.left() <= 0.0:
                 return True
             if self._goes_to(max(0.0, self.left - self._step)):
@@ -191,8 +199,10 @@ def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:
     contact-retraction trees join what is known. See `planners.find_path`.
     """
     join = _Join(query, ends)
-    if not ends.narrow:
-        yield from (None for _ in range(TURNS_BEFORE))
+    path = join.begin()
+    if path is not None or not ends.narrow:
+        yield path
+        yield from (None for _ in range(TURNS_BEFORE - 1))
     for turn in count():
         yield from join.draw_back(turn)
         path = join.grow(turn)
@@ -208,6 +218,15 @@ class _Join:
         self._retracted = ContactRetractionTrees(ends.local, query.seed)
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
+
+    def begin(self) -> ProvedPath | None:
+        """Draw back the first goal a little, from where it is, and let straight trees grow from the start to there."""
+        query = self._query
+        made = Retraction(self._ends.local, query.goals(query.start[None])[0], 0, query.start)
+        made.run(FIRST_STEPS, FIRST)
+        roots = roots_of([query.start], [[q] for q in self._some(made.knots, query.start)])
+        path = self._trees.grow(roots, query.seed, (0, FIRST_DRAWS), query.deadline)
+        return None if path is None else lead_on(query, self._trees, [query.start], path, [made.knots])
 
     def draw_back(self, turn: int) -> Iterator[None]:
         """Draw back a goal, or the start; `None` where a turn ends before that does."""

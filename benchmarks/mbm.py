@@ -1,9 +1,9 @@
 """`python -m benchmarks mbm FOLDER`: problems of MotionBenchMaker, planned by robots at the place of the Panda.
 
 The folder holds a file for each scenario, a problem in each line: obstacles, and the joint values of the Panda at the
-start and at the goal. What counts is the CPU time of one call of `sn.plan`, from a start that is solved, in a scene that
-no plan has seen before; a plan is valid where the judges find all of it clear, and both ends where they were asked to
-be.
+start and at the goal. What counts is the CPU time of one call of `sn.plan`, from a start that is solved, in a scene in
+which nothing was planned before; a plan is valid where the judges find all of it clear, and both ends where they were
+asked to be.
 """
 
 import gzip

@@ -117,6 +117,16 @@ class TargetGoals:
                     self.solutions.append(solution)
         return np.stack([solution.q for solution in self.solutions])
 
+    def with_simplest(self) -> Floats:
+        """Return all goals (g, n, 3), after looking for one from no configuration, but from the arc to the target.
+
+        What is solved from the start keeps its turns and folds; a body without them is often reached straight.
+        """
+        solution = self._solver.solve(self.targets)
+        if solution.solved and self._is_new(solution.q):
+            self.solutions.append(solution)
+        return self(solution.q[None])
+
     def solution_at(self, q: Floats) -> Solution:
         """Return the solution whose configuration (n, 3) this is."""
         return next(solution for solution in self.solutions if np.array_equal(solution.q, q))

@@ -220,9 +220,9 @@ class _Join:
         self._ins: list[Chain] = []
 
     def begin(self) -> ProvedPath | None:
-        """Draw back the first goal a little, from where it is, and let straight trees grow from the start to there."""
+        """Draw back the last goal a little, from where it is, and let straight trees grow from the start to there."""
         query = self._query
-        made = Retraction(self._ends.local, query.goals(query.start[None])[0], 0, query.start)
+        made = Retraction(self._ends.local, query.goals(query.start[None])[-1], 0, query.start)
         made.run(FIRST_STEPS, FIRST)
         roots = roots_of([query.start], [[q] for q in self._some(made.knots, query.start)])
         path = self._trees.grow(roots, query.seed, (0, FIRST_DRAWS), query.deadline)

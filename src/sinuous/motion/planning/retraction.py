@@ -38,6 +38,9 @@ MOST_STEPS = 100_000
 OF_CURVE = 20
 """Points of the curve on each segment."""
 
+FIRST_GOALS = 2
+"""Goals that are drawn back a little in the first turn of all."""
+
 FIRST_DRAWS = 64
 """Draws of the trees that grow to a goal that was drawn back a little, in the first turn of all."""
 
@@ -220,13 +223,19 @@ class _Join:
         self._ins: list[Chain] = []
 
     def begin(self) -> ProvedPath | None:
-        """Draw back the last goal a little, from where it is, and let straight trees grow from the start to there."""
-        query = self._query
-        made = Retraction(self._ends.local, query.goals(query.start[None])[-1], 0, query.start)
-        made.run(FIRST_STEPS, FIRST)
-        roots = roots_of([query.start], [[q] for q in self._some(made.knots, query.start)])
-        path = self._trees.grow(roots, query.seed, (0, FIRST_DRAWS), query.deadline)
-        return None if path is None else lead_on(query, self._trees, [query.start], path, [made.knots])
+        """Draw back the first goals a little, from where they are, and let straight trees grow from the start to there.
+
+        The last one first: what was solved without the start has fewer folds.
+        """
+        query, path = self._query, None
+        for goal in query.goals(query.start[None])[FIRST_GOALS - 1 :: -1]:
+            if path is None and query.deadline.left() > 0.0:
+                made = Retraction(self._ends.local, goal, 0, query.start)
+                made.run(FIRST_STEPS, FIRST)
+                roots = roots_of([query.start], [[q] for q in self._some(made.knots, query.start)])
+                path = self._trees.grow(roots, query.seed, (0, FIRST_DRAWS), query.deadline)
+                path = None if path is None else lead_on(query, self._trees, [query.start], path, [made.knots])
+        return path
 
     def draw_back(self, turn: int) -> Iterator[None]:
         """Draw back a goal, or the start; `None` where a turn ends before that does."""

@@ -142,8 +142,9 @@ def load_trees(robot: Robot, scene: Snapshot) -> None:
 def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[ProvedPath | None]:
     """Yield the path that straight trees find, or `None` after each round; see `planners.find_path`.
 
-    Straight lines to goals are tried first. In the first round the trees grow from the ends as they are, then from configurations near them that have room.
-    Where an end is in a narrow place, others have two turns for one of trees that are planted anew.
+    Straight lines to goals are tried first. In the first round the trees grow from the ends as they are, then from
+    configurations near them that have room. Where an end is in a narrow place, others have two turns for one of trees
+    that are planted anew.
     """
     seed, deadline = query.seed, query.deadline
     goals, first, last = query.goals(query.start[None]), 0, ROUNDS[0]

@@ -62,8 +62,8 @@ def plan(
 
     The straight line in the space of configurations is tried first, then trees of configurations that grow towards each
     other from the start and from the goals (RRT-Connect, Kuffner & LaValle 2000). What can be left out of the way that
-    is found is left out. With a target as goal, it is solved from the start first, and more configurations that meet
-    it become goals while the trees grow.
+    is found is left out. With a target as goal, it is solved from the start first, then from no configuration, and
+    more configurations that meet it become goals while the trees grow.
 
     Where obstacles are `Moving`, the way is one through space and time: the straight line and ways past what stands
     still are paced, on, waiting or back (Kant & Zucker 1986), then a tree grows forwards in time (LaValle & Kuffner

@@ -145,7 +145,7 @@ def slide_back(
     system, step = shaped(workspace[b:c], (3 * n, 3 * n + 1)), shaped(workspace[c : c + 3 * n], (n, 3))
     rotation, position = frame(own.base, 0)
     put_frame(frames, 0, rotation, position)
-    forward_with_columns(q, frames, columns)
+    forward_with_columns(own.limits, q, frames, columns)
     _scale_columns(own.limits, columns, unit)
     damping = DAMPING * _fill_system(frames, columns, weights, by, system) / (3 * n)
     if damping > 0.0 and math.isfinite(damping):

@@ -180,7 +180,8 @@ class Retraction:
     def _target(self, along: float, kind: RetractionKind) -> Target:
         i = int(np.clip(np.searchsorted(self._along, along), 1, len(self._along) - 1))
         before, piece = self._points[i - 1], self._points[i] - self._points[i - 1]
-        place = before + (along - self._along[i - 1]) / (self._along[i] - self._along[i - 1]) * piece
+        length = float(self._along[i] - self._along[i - 1])
+        place = before + ((along - self._along[i - 1]) / length if length > 0.0 else 0.0) * piece
         return Target(place, direction=piece) if kind.points else Target(place)
 
 

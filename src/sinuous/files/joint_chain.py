@@ -170,9 +170,20 @@ class _Build:
             self.ahead = self.ahead @ joint.origin
             if not isinstance(joint, Fixed):
                 i, moving = moving, moving + 1
-                own = robot.joint_names[i], isinstance(joint, Prismatic), tuple(joint.axis.tolist()), self.ahead
-                value = int(rigid.values[i]), int(rigid.columns[i]), 1.0, joint.limits, 0.0 - float(rigid.shifts[i])
-                self.join(ChainJoint(*own, *value, joint.rate))
+                self.join(
+                    ChainJoint(
+                        robot.joint_names[i],
+                        isinstance(joint, Prismatic),
+                        (float(joint.axis[0]), float(joint.axis[1]), float(joint.axis[2])),
+                        self.ahead,
+                        segment=int(rigid.values[i]),
+                        coordinate=int(rigid.columns[i]),
+                        weight=1.0,
+                        limits=joint.limits,
+                        offset=0.0 - float(rigid.shifts[i]),
+                        rate=joint.rate,
+                    )
+                )
             for capsule in joint.body:
                 self.link.add_capsule(capsule, self.ahead)
 

@@ -8,7 +8,7 @@ solid is within the hull of the surface there.
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -68,8 +68,8 @@ def sphere_shape(pose: Floats, radius: float) -> Shape:
 
 def capsule_shape(pose: Floats, radius: float, length: float) -> Shape:
     """A capsule about z, without its balls of this length."""
-    ends = (pose[:3, 3] + 0.5 * sign * length * pose[:3, 2] for sign in (-1.0, 1.0))
-    return Shape((LinkCapsule(*ends, radius),), _volume(length, radius))
+    half = 0.5 * length * pose[:3, 2]
+    return Shape((LinkCapsule(pose[:3, 3] - half, pose[:3, 3] + half, radius),), _volume(length, radius))
 
 
 def cylinder_shape(pose: Floats, radius: float, length: float) -> Shape:
@@ -174,7 +174,7 @@ def _smallest(points: Floats) -> LinkCapsule:
     def volume(parameters: Floats) -> float:
         return _volume(*_around(outer, draft.frame, parameters)[:2])
 
-    options = {"maxfev": MOST_TRIALS, "xatol": 1e-4, "fatol": 1e-5}
+    options: Any = {"maxfev": MOST_TRIALS, "xatol": 1e-4, "fatol": 1e-5}
     found = minimize(volume, draft.parameters, method="Nelder-Mead", options=options)
     _, radius, begin, end = _around(local, draft.frame, found.x)
     return LinkCapsule(middle + size * begin, middle + size * end, size * max(radius, THINNEST) * (1.0 + SLACK))

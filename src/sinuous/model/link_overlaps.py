@@ -29,8 +29,8 @@ def overlap_notes(
                 pairs.setdefault((other.link, one.link), []).append((j, i))
     if not pairs:
         return
-    limits = np.array([joint.limits for joint in joints if not isinstance(joint, Fixed)])
-    poses = begins(np.random.default_rng(0).uniform(*limits.T, (SAMPLES, len(limits))))
+    low, high = np.array([joint.limits for joint in joints if not isinstance(joint, Fixed)]).T
+    poses = begins(np.random.default_rng(0).uniform(low, high, (SAMPLES, len(low))))
     capsules = []
     for k, row in rows:
         start = poses[:, k, :3, 3]

@@ -259,8 +259,8 @@ class Robot(NotebookMixin, Frozen):
         chain = (*rigid.rows, *listed)
         names = segment_names(chain)
         if given_joints:
-            own = [(f"segments[{k}].name", name) for k, name in enumerate(names[len(rigid.rows) :])]
-            refuse_repeated([*((f"joints[{k}].name", each) for k, each in enumerate(joint_names(given_joints))), *own])
+            kinds = ("joints", joint_names(given_joints)), ("segments", names[len(rigid.rows) :])
+            refuse_repeated((f"{kind}[{k}].name", each) for kind, all_of in kinds for k, each in enumerate(all_of))
         carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
         checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")

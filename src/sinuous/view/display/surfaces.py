@@ -363,7 +363,8 @@ class BodySurface:
         else:
             size = max(2.0 * least, _thickness(self.robot, row.link, radii))
             if row.length[1] > 0.0:
-                end = self._turn(begin + self.per_segment, np.linalg.inv(row.tail))
+                back: Floats = np.linalg.inv(row.tail)
+                end = self._turn(begin + self.per_segment, back)
                 rings = [
                     Ring(at, size * ROD_RADII * wide, 0.0) for at, wide in ((begin, 0), (begin, 1), (end, 1), (end, 0))
                 ]
@@ -382,7 +383,7 @@ class BodySurface:
         rows = [row for row in self.robot.rows if isinstance(row, RigidRow)]
         with_body = {row.link for row in rows if row.has_body}
         for k, row in enumerate(rows):
-            back = np.linalg.inv(row.tail)
+            back: Floats = np.linalg.inv(row.tail)
             length = float(np.linalg.norm(back[:3, 3]))
             if row.link not in with_body and length > 0.0:
                 towards = np.eye(4)

@@ -165,7 +165,7 @@ class Solution(NotebookMixin):
 
     @property
     def q(self) -> Floats:
-        """Of the segments: bend_x, bend_y (rad) and length of each, (n, 3), read-only; all of `configuration` where the robot has no joints."""
+        """Of the segments: bend_x, bend_y (rad), length (n, 3), read-only; `configuration` where there are no joints."""
         return self.problem.robot.segments_of(self.configuration)
 
     @property
@@ -503,10 +503,8 @@ class Solution(NotebookMixin):
         load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
         locked = {"locked": list(notes)} if (notes := self.problem.robot.held_notes) else {}
         return {
-            **result_of(
-                self,
-                f"status{' joints' if self.problem.robot.joints else ''} q base position_error angle_error {CLEARANCES}",
-            ),
+            **result_of(self, "status joints" if self.problem.robot.joints else "status"),
+            **result_of(self, f"q base position_error angle_error {CLEARANCES}"),
             "uncertainty": plain(self.problem.robot.uncertainty),
             **result_of(self, "actuators tensions"),
             **load,

@@ -131,7 +131,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
 
     @property
     def q(self) -> Floats:
-        """Of the segments: (m, n, 3), read-only; all of `configuration` where the robot has no joints."""
+        """Of the segments: (m, n, 3), read-only; `configuration` where there are no joints."""
         return self._problems.robot.segments_of(self.configuration)
 
     @property

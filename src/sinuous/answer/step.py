@@ -144,7 +144,7 @@ class Step:
 
     @property
     def q(self) -> Floats:
-        """Of the segments: (n, 3), read-only; all of `configuration` where the robot has no joints."""
+        """Of the segments: (n, 3), read-only; `configuration` where there are no joints."""
         return self._wanted.robot.segments_of(self._q)
 
     @property

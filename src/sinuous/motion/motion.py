@@ -170,7 +170,7 @@ class Motion(NotebookMixin, Frozen):
 
     @property
     def q(self) -> Floats:
-        """Of the segments: (T, n, 3), read-only; all of `configuration` where the robot has no joints."""
+        """Of the segments: (T, n, 3), read-only; `configuration` where there are no joints."""
         return self.robot.segments_of(self.configuration)
 
     @property
@@ -710,7 +710,7 @@ def _text(motion: Motion) -> str:
     if motion.between != "proved":
         seen = f", but are at {SAMPLES} shapes of each" if motion.between == "sampled" else ""
         parts.append(
-            f"  between    {len(motion.unproved_steps)} of {len(motion.configuration) - 1} steps are not proved clear{seen}"
+            f"  between    {len(motion.unproved_steps)} of {len(motion.times) - 1} steps are not proved clear{seen}"
         )
     if motion.left_steps:
         parts.append(f"  left       {left_in_words(motion)}")

@@ -165,7 +165,7 @@ class Solution(NotebookMixin):
 
     @property
     def q(self) -> Floats:
-        """Of the segments: bend_x, bend_y (rad), length (n, 3), read-only; `configuration` where there are no joints."""
+        """Of the segments: bend_x, bend_y, length (n, 3), read-only; `configuration` where there are no joints."""
         return self.problem.robot.segments_of(self.configuration)
 
     @property

@@ -110,16 +110,16 @@ PIECES = (
     ),
     Piece(
         "trees of meshes, clouds and grids",
-        1,
-        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose"),
+        2,
+        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose", "kernels.fields.triangle_pairs.gather_pairs"),
         most=FEW,
     ),
     Piece(
         "sampling of meshes, clouds and grids",
         3,
         (
-            "kernels.fields.solids.enclose",
-            "kernels.fields.solids.sample",
+            "kernels.fields.samples.enclose",
+            "kernels.fields.samples.sample",
             "kernels.fields.candidates.list_candidates",
         ),
         most=0,

@@ -106,7 +106,7 @@ def plan(
 
 
 @dataclass(eq=False)
-class Workspace:
+class PlanWork:
     """Memory for plans of a robot in a scene: what proves motions, what grows trees, and what walks in a memory."""
 
     scene: Snapshot
@@ -125,13 +125,13 @@ class Workspaces:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._free: list[Workspace] = []
+        self._free: list[PlanWork] = []
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._robot,)
 
     @contextmanager
-    def lent(self, scene: Snapshot) -> Iterator[Workspace]:
+    def lent(self, scene: Snapshot) -> Iterator[PlanWork]:
         """Lend a workspace for a scene in which nothing moves: one that was given back, or a new one."""
         work = self._take(scene)
         try:
@@ -139,7 +139,7 @@ class Workspaces:
         finally:
             self._free.append(work)
 
-    def _take(self, scene: Snapshot) -> Workspace:
+    def _take(self, scene: Snapshot) -> PlanWork:
         while self._free:
             try:
                 work = self._free.pop()
@@ -147,7 +147,7 @@ class Workspaces:
                 break
             if work.scene is scene:
                 return work
-        return Workspace(scene, Prover(self._robot, scene), RRTConnect(self._robot, scene))
+        return PlanWork(scene, Prover(self._robot, scene), RRTConnect(self._robot, scene))
 
 
 class Planner:
@@ -206,7 +206,7 @@ class Planner:
         with self._workspaces.lent(scene) as work:
             return self._plan_still(work, deadline, begin, end).with_notes(notes + more)
 
-    def _plan_still(self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]) -> Motion:
+    def _plan_still(self, work: PlanWork, deadline: Deadline, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that stand still: along motions that a memory holds, or by trees."""
         report = self._blocked(begin, end, work.prover, work.prover)
         if report is not None:

@@ -47,7 +47,7 @@ def distances(robot: Robot, q: Floats) -> Floats:
 
 def lever_metric(robot: Robot) -> Floats:
     """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
-    return _levers_of(robot.segments)
+    return _levers_of(robot.rows)
 
 
 @lru_cache(maxsize=KEPT)
@@ -67,7 +67,7 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
 
     In a plane bends are drawn evenly between their limits.
     """
-    low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
+    low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.rows]).T
     angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
     drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
     for k, line in enumerate(robot.drive.coordinates.bends):

@@ -250,12 +250,12 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
     Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
     within `bound_sway` of the straight line.
     """
-    if len(scene) == 0:
+    if len(scene) == 0 or robot.joints:
         return False
     reached, radius = 0.0, robot.needed_radii[0]
     ramps: list[Ramp] = []
     if robot.mount > 0.0:
-        of_each = robot.segments, robot.needed_radii, robot.curvatures, robot.largest_bends
+        of_each = robot.rows, robot.needed_radii, robot.curvatures, robot.largest_bends
         for segment, own, curvature, bend in zip(*of_each, strict=True):
             # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
             radius = min(radius, own)

@@ -42,7 +42,7 @@ FULL_TURN = 2.0 * math.pi
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
-    thick = held_back(robot.segments, robot.self_radii, robot.curvatures)
+    thick = held_back(robot.rows, robot.self_radii, robot.curvatures)
     return [*_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick, *_of_obstacles(robot, scene)]
 
 
@@ -52,15 +52,15 @@ def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[T
 
 
 def _longest(robot: Robot) -> float:
-    return sum(segment.length[1] for segment in robot.segments)
+    return robot.longest
 
 
 def _of_angles(robot: Robot) -> Iterator[str]:
-    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.segments, 1)}):
+    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.rows, 1) if not s.rigid}):
         if most > FULL_TURN * (1.0 + 1e-9):
             which = words.segments(numbers, len(robot))
             yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
-    for k, segment in enumerate(robot.segments, 1):
+    for k, segment in enumerate(robot.rows, 1):
         if float(np.hypot(*segment.rest)) > FULL_TURN * (1.0 + 1e-9):
             yield f"rest of segment {k} is more than a full turn; is it in degrees?"
         for key in ("tendons", "chambers"):
@@ -79,16 +79,16 @@ def _of_lengths(robot: Robot) -> Iterator[str]:
     ask = "are both in one length unit?"
     for key, radii, most in (
         ("radius", [segment.radius for segment in robot.segments], 1.0),
-        ("radius of the tendons", [s.tendons.radius for s in robot.segments if s.tendons is not None], 1.0),
+        ("radius of the tendons", [s.tendons.radius for s in robot.rows if s.tendons is not None], 1.0),
     ):
         odd = [radius for radius in radii if radius > most * length or length / LINE < radius < length / THIN]
         if odd:
             yield f"the {key} is {odd[0]:.4g}, the robot {length:.4g} long; {ask}"
     tool = float(np.linalg.norm(robot.tool[:3, 3]))
-    segment_length = max(segment.length[1] for segment in robot.segments)
+    segment_length = max((segment.length[1] for segment in robot.segments), default=length)
     if tool > LONG_TOOL * length or segment_length / NO_TOOL < tool < segment_length / SHORT_TOOL:
         yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
-    for k, segment in enumerate(robot.segments, 1):
+    for k, segment in enumerate(robot.rows, 1):
         if segment.tendons is None or segment.max_bend == 0.0:
             continue
         limits = np.abs(segment.tendons.displacements)
@@ -102,10 +102,10 @@ def _of_loads(robot: Robot) -> Iterator[str]:
     """Compare what a robot carries with what bends it by a radian: a thousandth or thousandfold is another unit."""
     if robot.gravity is None and robot.payload:
         yield "the payload weighs nothing without gravity; gravity=(0, 0, -9.81) is that of the earth, for lengths in m"
-    soft = [segment.stiffness.bend for segment in robot.segments if segment.stiffness is not None]
+    soft = [segment.stiffness.bend for segment in robot.rows if segment.stiffness is not None]
     if robot.gravity is None or not soft:
         return
-    masses = [segment.mass * segment.length[1] for segment in robot.segments] + [each.mass for each in robot.payload]
+    masses = [segment.mass * segment.length[1] for segment in robot.rows] + [each.mass for each in robot.payload]
     length = _longest(robot)
     bent = sum(masses) * float(np.linalg.norm(robot.gravity)) * length**2 / min(soft)
     if bent > ODD or 0.0 < bent < 1.0 / ODD**2:

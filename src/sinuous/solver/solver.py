@@ -686,7 +686,7 @@ class KeptOptions(SolveAgain):
 
 
 def _warm_solve(solver: Solver) -> None:
-    solver.solve(_beyond_reach(solver), straight(solver.robot.segments), time=0.0)
+    solver.solve(_beyond_reach(solver), straight(solver.robot.rows), time=0.0)
     solver._strategy.load(anew=True)
 
 
@@ -695,7 +695,7 @@ def _warm_many(solver: Solver) -> None:
 
 
 def _warm_step(solver: Solver) -> None:
-    solver.step(straight(solver.robot.segments), (0.0,) * 6, 1.0)
+    solver.step(straight(solver.robot.rows), (0.0,) * 6, 1.0)
 
 
 READY: dict[str, Callable[[Solver], None]] = {

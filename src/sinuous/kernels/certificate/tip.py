@@ -11,12 +11,13 @@ from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, sub
 from sinuous.kernels.problem import read_robot
+from sinuous.kernels.tables import TAIL_LENGTH
 
 TIP_PIECES = 8
 """Pieces of a step between whose ends the tip's way is examined, where the bound alone is not enough."""
 
 
-def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
+def tip_acceleration(limits: Array, q0: Array, q1: Array, lever: float) -> float:
     """Bound of the tip's acceleration in a motion that takes a unit of time; `lever`: how far the tool is off."""
     total = turning = 0.0
     for k in range(q0.shape[0]):
@@ -24,6 +25,7 @@ def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
         turning += math.hypot(q1[k, 0] - q0[k, 0], q1[k, 1] - q0[k, 1])
         total += max(q0[k, 2], q1[k, 2]) * (before * before + before * turning + turning * turning) / 3.0
         total += abs(q1[k, 2] - q0[k, 2]) * (before + turning)
+        total += limits[k, TAIL_LENGTH] * turning * turning
     return total + lever * turning * turning
 
 
@@ -43,7 +45,7 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     """
     own = read_robot(robot)
     offset, shift = frame(own.tool, 0)
-    acceleration = tip_acceleration(ends[0], ends[1], norm(shift))
+    acceleration = tip_acceleration(own.limits, ends[0], ends[1], norm(shift))
     if acceleration <= 8.0 * enough:
         return acceleration / 8.0
     rotation, position = frame(own.base, 0)
@@ -52,7 +54,7 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     along, far = sub(get_vec(line, 1, 0), begin), 0.0
     for i in range(TIP_PIECES + 1):
         at_time(ends[0], ends[1], i / TIP_PIECES, q)
-        forward(q, frames)
+        forward(own.limits, q, frames)
         rotation, position = frame(frames, q.shape[0])
         far = max(far, _distance(compose(rotation, position, offset, shift)[1], begin, along))
     return far + acceleration / (8.0 * TIP_PIECES * TIP_PIECES)

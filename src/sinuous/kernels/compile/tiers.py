@@ -136,6 +136,7 @@ PIECES = (
             "kernels.certificate.query.certify_motions",
             "kernels.certificate.courses.fill_drifts",
             "kernels.certificate.tip.leave_line",
+            "kernels.certificate.tip.turn_off",
         ),
     ),
     Piece(

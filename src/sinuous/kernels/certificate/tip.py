@@ -85,7 +85,7 @@ def turn_off(robot: Array, ends: Array, line: Array, turn: Array, q: Array, fram
     most = 0.0
     for i in range(1, TIP_PIECES):
         at_time(ends[0], ends[1], i / TIP_PIECES, q)
-        forward(q, frames)
+        forward(own.limits, q, frames)
         rotation, position = frame(frames, q.shape[0])
         columns, place = compose(rotation, position, offset, shift)
         x, y, z = transpose(columns)

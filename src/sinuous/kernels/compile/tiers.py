@@ -142,7 +142,12 @@ PIECES = (
     Piece(
         "plans",
         10,
-        ("kernels.planning.query.plan", "kernels.planning.query.tighten", "kernels.planning.walk.walk"),
+        (
+            "kernels.planning.query.plan",
+            "kernels.planning.query.tighten",
+            "kernels.planning.sliding.slide_back",
+            "kernels.planning.walk.walk",
+        ),
     ),
     Piece(
         "shapes under load",

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels.fields import samples
+from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.blocks import EDGE
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
 from sinuous.scene import parts, sampling
@@ -71,7 +71,7 @@ def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPa
     def interrupted(_name: str, _share: float) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(samples, "sample", slab)
+    monkeypatch.setattr(solids, "sample", slab)
     with pytest.raises(KeyboardInterrupt):
         Scene([Mesh(*shapes.ball(2))]).prepare(interrupted)
     assert len(computed) < sampling.SLABS // 2

@@ -158,7 +158,7 @@ def _compute(
     The time of compiling or interpreting does not count: otherwise small arrays would be kept, too.
     An interrupt waits for the slabs that are under way, and not for the others.
     """
-    from sinuous.kernels.fields import samples  # noqa: PLC0415
+    from sinuous.kernels.fields import solids  # noqa: PLC0415
     from sinuous.kernels.fields.blocks import EDGE, WORKSPACE  # noqa: PLC0415
     from sinuous.kernels.fields.discs import DISC_SIZE  # noqa: PLC0415
 
@@ -166,14 +166,14 @@ def _compute(
     table = row.reshape(1, -1).copy()
     discs = np.empty((2 << int(row[LEVELS]) if row[ITEM_KIND] == TRIANGLES else 0, DISC_SIZE))
     if len(discs):
-        samples.enclose(table, store, discs)
-    samples.sample(table, store, discs, np.empty(WORKSPACE), 0, 0, values)  # compiled, or loaded, and nothing sampled
+        solids.enclose(table, store, discs)
+    solids.sample(table, store, discs, np.empty(WORKSPACE), 0, 0, values)  # compiled, or loaded, and nothing sampled
     began = work_time()
     steps = np.linspace(0, shape[0], SLABS + 1).astype(int)
     cuts = np.unique([*(steps[:-1] // EDGE * EDGE), shape[0]]).tolist()
     with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
         slabs = [
-            threads.submit(samples.sample, table, store, discs, np.empty(WORKSPACE), first, last, values)
+            threads.submit(solids.sample, table, store, discs, np.empty(WORKSPACE), first, last, values)
             for first, last in itertools.pairwise(cuts)
         ]
         try:

@@ -118,8 +118,8 @@ PIECES = (
         "sampling of meshes, clouds and grids",
         3,
         (
-            "kernels.fields.samples.enclose",
-            "kernels.fields.samples.sample",
+            "kernels.fields.solids.enclose",
+            "kernels.fields.solids.sample",
             "kernels.fields.candidates.list_candidates",
         ),
         most=0,

@@ -87,7 +87,7 @@ def _rows(noun: Any) -> dict[str, str]:
 
 
 def _of_robot(robot: Robot) -> dict[str, str]:
-    low, high = (sum(segment.length[i] for segment in robot.segments) for i in (0, 1))
+    low, high = (sum(segment.length[i] for segment in robot.rows) for i in (0, 1))
     rows = {
         "segments": str(len(robot)),
         "length": span((low, high)),

@@ -142,14 +142,14 @@ def frames_of(q: Floats, base: Floats | None = None) -> Floats:
     frames = np.zeros((len(q) + 1, 12))
     pose = np.eye(4) if base is None else base
     frames[0] = [*pose[:3, :3].ravel(), *pose[:3, 3]]
-    chain.forward(q, frames)
+    chain.forward(packing.plain_rows(len(q)), q, frames)
     return frames
 
 
 def columns_of(q: Floats, base: Floats | None = None) -> Floats:
     """Columns (n, 18) of a configuration, about its base, by the kernel."""
     frames, columns = frames_of(q, base), np.full((len(q), 18), np.nan)
-    chain.forward_with_columns(q, frames, columns)
+    chain.forward_with_columns(packing.plain_rows(len(q)), q, frames, columns)
     return columns
 
 

@@ -217,3 +217,19 @@ def test_a_blended_way_does_not_jump(longer: float) -> None:
     t = np.linspace(0.0, timed.duration, 20_001)
     steps = np.hypot(*np.moveaxis(np.diff(timed.at(t), axis=0)[:, 0, :2], -1, 0))
     assert (steps <= timed.duration / 20_000 * 1.0 * (1.0 + 1e-7)).all()
+
+
+@with_each("seed", range(6))
+def test_a_blend_never_takes_longer_than_stops(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    motion = sn.Motion(ARM, rng.uniform(-0.6, 0.6, (6, 3, 3)) * (1.0, 1.0, 8.0) + (0.0, 0.0, 57.0), [FAR])
+    stops = motion.timed(BOTH).duration
+    for blend in (0.3, 2.0, 20.0):
+        assert motion.timed(BOTH, blend).duration <= stops
+
+
+def test_it_is_saved_like_a_motion(tmp_path: Path) -> None:
+    timed = smooth(4).timed(BOTH)
+    assert timed.save(tmp_path / "way.json").equals(sn.Motion.load(tmp_path / "way.json"))
+    timed.to_npz(tmp_path / "way.npz")
+    np.testing.assert_array_equal(sn.Motion.load(tmp_path / "way.npz", ARM, [FAR]).q, timed.as_motion().q)

@@ -70,7 +70,7 @@ def _picture(noun: Any) -> str:
 def _figure(noun: Any) -> Any:
     if isinstance(noun, Reach):
         return draw_map(noun)
-    drawn = noun.motion if isinstance(noun, Trajectory) else noun[:MOST_DRAWN] if isinstance(noun, Solutions) else noun
+    drawn = noun[:MOST_DRAWN] if isinstance(noun, Solutions) else noun
     return draw_still(gather([drawn]), INCHES, DPI, head=0.0)
 
 
@@ -87,7 +87,7 @@ def _rows(noun: Any) -> dict[str, str]:
 
 
 def _of_robot(robot: Robot) -> dict[str, str]:
-    low, high = (sum(segment.length[i] for segment in robot.segments) for i in (0, 1))
+    low, high = (sum(segment.length[i] for segment in robot.rows) for i in (0, 1))
     rows = {
         "segments": str(len(robot)),
         "length": span((low, high)),

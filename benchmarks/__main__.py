@@ -47,6 +47,9 @@ KNOWN = {
         "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
         "motion.experiment",
     ),
+    "seams": Known(
+        "welds, seams and other paths: how many are followed whole, and whether the tip stays on them", "motion.seams"
+    ),
     "limits": Known(
         "limits of tension in control steps and motions of elastic arms, with and without load", "motion.limits"
     ),

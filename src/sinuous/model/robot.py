@@ -412,6 +412,12 @@ class Robot(NotebookMixin, Frozen):
         return float(np.min(self.clearance)), float(np.min(self.self_clearance))
 
     @cached_property
+    def _group(self) -> Floats:
+        """The robot as kernels read it, whatever loads it: to be copied."""
+        tables = self.limits, self.actuation, self.base, self.tool
+        return checks.closed(packing.robot_group(*tables, self.avoids_itself))
+
+    @cached_property
     def _demands_clearance(self) -> bool:
         """Whether any clearance is demanded."""
         return bool(np.any(self.clearance) or np.any(self.self_clearance))
@@ -874,7 +880,7 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     robot._refuse_load()
-    return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
+    return robot._group.copy()
 
 
 def same_body(one: Robot, other: Robot) -> bool:

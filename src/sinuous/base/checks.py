@@ -301,6 +301,20 @@ def needed(package: str, extra: str, key: str, value: object = None, name: str =
         raise InputError(key, f"needs {name or package}", value, wanted) from None
 
 
+def names_of(key: str, value: Any, known: Sequence[str]) -> list[str]:
+    """Check names that are known, each given once; by default all of them."""
+    if value is None:
+        return list(known)
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise InputError(key, "", value, "a list of names")
+    names = list(value)
+    for i, name in enumerate(names):
+        choice(f"{key}[{i}]", name, known)
+        if name in names[:i]:
+            raise InputError(f"{key}[{i}]", "given twice", name, "each name once")
+    return names
+
+
 def choice(key: str, value: Any, words: Sequence[Word]) -> Word:
     """Check that a value is one of some words."""
     found = next((word for word in words if isinstance(value, str) and word == value), None)

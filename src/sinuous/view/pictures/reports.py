@@ -70,7 +70,7 @@ def _picture(noun: Any) -> str:
 def _figure(noun: Any) -> Any:
     if isinstance(noun, Reach):
         return draw_map(noun)
-    drawn = noun.motion if isinstance(noun, Trajectory) else noun[:MOST_DRAWN] if isinstance(noun, Solutions) else noun
+    drawn = noun[:MOST_DRAWN] if isinstance(noun, Solutions) else noun
     return draw_still(gather([drawn]), INCHES, DPI, head=0.0)
 
 

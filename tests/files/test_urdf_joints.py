@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.base.checks import Floats
@@ -112,25 +113,21 @@ def test_limits_rates_and_notes_are_those_of_the_file(six: Path) -> None:
 def test_capsules_contain_the_shapes_of_links(six: Path) -> None:
     _, j1, j2, j3, _ = sn.read_joints(six, "tool0")
     rng = np.random.default_rng(0)
-    box = rng.uniform(-0.5, 0.5, (2000, 3)) * (0.1, 0.12, 0.4) @ rotation_x(0.1).T + (0, 0, 0.2)
+    box = rng.uniform(-0.5, 0.5, (2000, 3)) * (0.1, 0.12, 0.4) @ Rotation.from_euler("x", 0.1).as_matrix().T + (
+        0,
+        0,
+        0.2,
+    )
     assert within(j1.body, box).all()
     assert j2.body[2].start.tolist() == [0.0, 0.2, 0.0]
     tool = trimesh.load_mesh(six.parent / "meshes" / "tool.stl").sample(3000) * 0.1
-    placed = tool @ rotation_y(0.7).T + (0, 0, 0.1)
+    placed = tool @ Rotation.from_euler("y", 0.7).as_matrix().T + (0, 0, 0.1)
     assert within(j3.body, placed).all()
     scaled = sn.read_joints(six, "tool0", scale=1000)
     np.testing.assert_allclose(scaled[2].body[0].radius, 80.0)
     pose = sn.Robot(joints=scaled).tip(None, [0.3, -0.4, 200.0])
     own = sn.Robot(joints=[sn.read_joints(six, "tool0")[0], j1, j2, j3, sn.read_joints(six, "tool0")[-1]])
     np.testing.assert_allclose(pose[:3, 3], 1000 * own.tip(None, [0.3, -0.4, 0.2])[:3, 3])
-
-
-def rotation_x(angle: float) -> Floats:
-    return np.asarray(trimesh.transformations.rotation_matrix(angle, (1, 0, 0))[:3, :3])
-
-
-def rotation_y(angle: float) -> Floats:
-    return np.asarray(trimesh.transformations.rotation_matrix(angle, (0, 1, 0))[:3, :3])
 
 
 @with_each("size", [(1, 1, 1), (1, 1, 8), (4, 4, 1), (10, 1, 0.1), (1, 0, 3), (2, 0, 0), (0, 0, 0)])
@@ -145,18 +142,15 @@ def test_a_capsule_of_a_box_is_not_much_larger(size: tuple[float, float, float])
 
 
 def test_a_bent_shape_gets_several_capsules() -> None:
-    parts = [trimesh.creation.box((1, 1, 6)), trimesh.creation.box((6, 1, 1), transform=translation(2.5, 0, 3.5))]
-    elbow = trimesh.boolean.union(parts)
+    upright, across = trimesh.creation.box((1, 1, 6)), trimesh.creation.box((6, 1, 1))
+    across.apply_translation((2.5, 0, 3.5))
+    elbow = trimesh.boolean.union([upright, across])
     edges = np.asarray(elbow.vertices)[elbow.edges_unique]
     shape = link_capsules.solid_shape(np.asarray(elbow.vertices), float(elbow.volume), edges)
     assert len(shape.capsules) > 1
     assert within(shape.capsules, trimesh.sample.volume_mesh(elbow, 3000)).all()
     alone = link_capsules.solid_shape(np.asarray(elbow.vertices)).capsules
     assert link_capsules.volume_of(shape.capsules) < link_capsules.volume_of(alone)
-
-
-def translation(x: float, y: float, z: float) -> Floats:
-    return np.asarray(trimesh.transformations.translation_matrix((x, y, z)))
 
 
 def test_links_that_may_touch_are_those_of_the_srdf(six: Path) -> None:

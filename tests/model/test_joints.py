@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from sinuous.model.joints import Fixed, Joint
 from sinuous.model.link_overlaps import segment_distances
 from tests.helpers import as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
 
-BODY = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
+BODY: list[Any] = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
 
 PANDA = [  # a_{i-1}, d_i, alpha_{i-1}: modified Denavit-Hartenberg (Craig)
     (0.0, 0.333, 0.0),
@@ -59,7 +60,7 @@ def robots(count: int = 6) -> Iterator[tuple[sn.Robot, Floats, Floats]]:
         joints: list[Joint] = []
         for _ in range(5):
             origin, axis = random_pose(rng), random_unit(rng)
-            body = BODY if rng.random() < 0.5 else ()
+            body = BODY if rng.random() < 0.5 else []
             low, high = np.sort(rng.uniform(-2.0, 2.0, 2)).tolist()
             kind = rng.integers(3)
             if kind == 2:
@@ -224,3 +225,9 @@ def test_distances_of_segments_are_the_least_ones() -> None:
         one, other = a[i] + share * (b - a)[i], c[i] + share * (d - c)[i]
         least = float(np.linalg.norm(one[:, None] - other, axis=-1).min())
         assert least - 0.05 < found <= least + 1e-12
+
+
+def test_segments_are_locked_beside_joints() -> None:
+    locked = ARM.locked({"s2": (0.1, 0.2, None), 1: (None, None, 1.0)})
+    assert [segment.locked for segment in locked.segments] == [(None, None, 1.0), (0.1, 0.2, None)]
+    refused("coordinates", lambda: ARM.locked({"roll": None}), "no segment is called 'roll'")

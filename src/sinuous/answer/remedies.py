@@ -21,6 +21,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import degrees, listed, number, rounded, rounded_up, segments
 from sinuous.model.actuators import Actuators
+from sinuous.model.joints import RigidRow, joints_with
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.problem import Problem
@@ -77,6 +78,8 @@ class Widening(NamedTuple):
         """What is widened: `max_bend of all segments`, `actuators.limits of pan and tilt`."""
         if self.key == COUPLED:
             return f"{self.key} of {listed(_linear(robot).names[i] for i in self.shared)}"
+        if robot.rows[self.shared[0] - 1].rigid:
+            return f"limits of {listed(robot.segment_names[place - 1] for place in self.shared)}"
         return f"{self.key} of {segments(self.shared, len(robot))}"
 
     def by(self, amount: float) -> Limits:
@@ -90,9 +93,10 @@ class Widening(NamedTuple):
         """Return the robot with this limit wider by this much."""
         limits = self.by(amount)
         if self.key != COUPLED:
-            numbered = enumerate(robot.rows, 1)
+            numbered = enumerate(robot.segments, len(robot) - len(robot.segments) + 1)
             changed = [_segments_with(s, self.key, limits) if k in self.shared else s for k, s in numbered]
-            return robot.changed(segments=changed)
+            joints = joints_with(robot.joints, robot._rigid, dict.fromkeys(self.shared, limits))
+            return robot.changed(segments=changed, joints=joints)
         linear = _linear(robot)
         own = [limits if i in self.shared else each for i, each in enumerate(linear.limits)]
         return robot.changed(actuators=linear.changed(limits=own))
@@ -127,6 +131,8 @@ def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
         return _linear(robot).limits[place]
     group, _, name = key.rpartition(".")
     segment = robot.rows[place - 1]
+    if isinstance(segment, RigidRow) and not segment.is_limited_by(key):
+        return None
     owner = getattr(segment, group) if group else segment
     if owner is None or key in OF_THICKNESS or key in HELD or segment.locked is not None:
         return None
@@ -397,10 +403,10 @@ def _nearest(trials: Trials, case: Case, key: str) -> Iterator[Remedy]:
     by, reached = least
     size = float(np.linalg.norm(by))
     if size <= tolerance:  # nothing has to be changed: the target itself is met from there
-        found = trials.quick(problem, reached.q)
+        found = trials.quick(problem, reached.configuration)
         if found is not None:
             given = None if case.given is None else case.given.tolist()
-            yield Remedy("start", given, found.q.tolist(), problem=problem)
+            yield Remedy("start", given, found.configuration.tolist(), problem=problem)
         return
     loose = rounded_up(tolerance + size)
     looser = _looser(problem, **{of: loose})
@@ -412,7 +418,7 @@ def _nearest(trials: Trials, case: Case, key: str) -> Iterator[Remedy]:
         note = f"{number(size)} away" if key == "position" else f"turned by {degrees(size)}"
         note += f" about {number(farther / size, 3)}" if key == "rotation" else ""
         tries.append((changed(farther), Remedy(f"target {key}", before.tolist(), after.tolist(), note)))
-    yield from _offered(trials, tries, reached.q)
+    yield from _offered(trials, tries, reached.configuration)
 
 
 def _offered(trials: Trials, tries: Sequence[tuple[Problem, Remedy]], q: Floats) -> Iterator[Remedy]:
@@ -424,7 +430,7 @@ def _offered(trials: Trials, tries: Sequence[tuple[Problem, Remedy]], q: Floats)
     problem, remedy = tries[0]
     found = trials.quick(problem, q)
     if found is not None:
-        yield replace(remedy, start=found.q.tolist(), problem=problem)
+        yield replace(remedy, start=found.configuration.tolist(), problem=problem)
 
 
 def _moved(key: str, before: Floats, by: Floats, tolerance: float) -> Floats:
@@ -446,7 +452,7 @@ def _firsts(trials: Trials, case: Case, key: str) -> Iterator[Floats]:
     ends = [case.q]
     if sum(value is not None for value in (target.position, target.direction, target.rotation)) > 1:
         found = trials.quick(_with(problem, **{key: None}))
-        ends += [] if found is None else [found.q]
+        ends += [] if found is None else [found.configuration]
     for q in ends:
         yield _change_to(key, before, _end(problem, q))
 
@@ -459,7 +465,7 @@ def _nearby(trials: Trials, case: Case) -> Iterator[Floats]:
     while off < 4.0 * problem.robot.mean_length and trials.left > 0.0:
         found = trials.quick(_looser(problem, position=off))
         if found is not None:
-            yield _change_to("position", before, _end(problem, found.q))
+            yield _change_to("position", before, _end(problem, found.configuration))
         off *= 2.0
 
 
@@ -515,12 +521,12 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     if free is None:
         trials.obstacles_matter = trials.left <= 0.0
         return
-    met = [each.obstacle for each in contacts_of(case.problem, free.q, 0.0)]
+    met = [each.obstacle for each in contacts_of(case.problem, free.configuration, 0.0)]
     held = [None if case.reason is None else case.reason.obstacle, *(each.obstacle for each in case.binding)]
     names = [name for name in dict.fromkeys([*held, *met]) if name is not None][:MOST_OBSTACLES]
     alone = {name: found for name in names if (found := helped([name])) is not None}
     for name, found in alone.items():
-        note = _giving_way(case.problem, name, found.q)
+        note = _giving_way(case.problem, name, found.configuration)
         yield Remedy(f"obstacle {name}", "in the scene", None, note, problem=cleared([name]))
     together = [name for name in every if name in met]
     if not alone and 1 < len(together) <= MOST_OBSTACLES and helped(together) is not None:

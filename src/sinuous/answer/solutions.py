@@ -223,7 +223,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         if not own:
             raise InputError("robot", "has no actuators", robot, "one with tendons, chambers or actuators")
         names = checks.names_of("actuators", actuators, own)
-        values = robot.to_actuators(self.q)[:, [own.index(name) for name in names]].tolist()
+        values = robot.to_actuators(self.configuration)[:, [own.index(name) for name in names]].tolist()
         each = zip(self.status.tolist(), values, strict=True)
         rows = ([number, str(status), *row] for number, (status, row) in enumerate(each, 1))
         write_table(file, ["target", "status", *names], rows)

@@ -18,8 +18,8 @@ class FoundSolution(Protocol):
         ...
 
     @property
-    def q(self) -> Floats:
-        """Configuration (n, 3)."""
+    def configuration(self) -> Floats:
+        """Configuration (rows, 3) of joints and segments."""
         ...
 
 

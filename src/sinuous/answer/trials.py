@@ -175,7 +175,7 @@ class Trials:
         low = 0.0
         while high - low > FINE * high and high > NOTHING * most and self.may_refine():
             middle = max(high / SMALLER, 0.5 * (low + high)) if low > 0.0 else high / SMALLER
-            tried = self.quick(vary(middle), found.q)
+            tried = self.quick(vary(middle), found.configuration)
             if tried is None:
                 low = middle
             else:
@@ -212,7 +212,7 @@ class Trials:
                     SHORTER * (np.cos(angle) * best[0] + np.sin(angle) * np.linalg.norm(best[0]) * across)
                     for across in _across(best[0], plane)
                 )
-                tried = ((shift, self.quick(vary(shift), best[1].q)) for shift in beside)
+                tried = ((shift, self.quick(vary(shift), best[1].configuration)) for shift in beside)
                 better = next(((shift, found) for shift, found in tried if found is not None), None)
                 if better is not None:
                     best = self._shorten(vary, better, least)
@@ -229,7 +229,7 @@ class Trials:
         size = float(np.linalg.norm(whole))
         while high - low > FINE * high and high * size > least and self.may_refine():
             middle = high - min(step, 0.5 * (high - low))
-            found = self.quick(vary(middle * whole), best[1].q)
+            found = self.quick(vary(middle * whole), best[1].configuration)
             if found is None:
                 low, step = middle, 1.0
             else:

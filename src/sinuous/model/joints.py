@@ -201,6 +201,10 @@ class RigidRow(Segment):
     has_body: bool
     joint: int
 
+    def is_limited_by(self, key: str) -> bool:
+        """Whether a limit of segments is that of a joint: `max_bend` of one that turns, `length` of one that slides."""
+        return self.joint >= 0 and key == ("length" if self.plane is None else "max_bend")
+
 
 class RigidRows(NamedTuple):
     """Joints and links as rows.
@@ -315,6 +319,16 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
         drafts.append({"name": "origin", "link": 0, "tail": ahead})
     rows = tuple(_row(may_touch, **draft) for draft in drafts)
     return RigidRows(rows, np.array(values, np.intp), np.array(columns, np.intp), np.array(shifts, np.float64))
+
+
+def joints_with(joints: Sequence[Joint], rigid: RigidRows, limits: Mapping[int, Any]) -> list[Joint]:
+    """Return joints of which some have other limits: by the numbers of their rows, 1 = first, as rows have them."""
+    row_of, result = iter(rigid.values.tolist()), []
+    for joint in joints:
+        own = None if isinstance(joint, Fixed) else limits.get(next(row_of) + 1)
+        low = joint.limits[0] if isinstance(joint, Prismatic) else 0.0
+        result.append(joint if own is None else joint.changed(limits=(low + own[0], low + own[1])))
+    return result
 
 
 def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -> Floats:

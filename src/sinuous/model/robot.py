@@ -18,6 +18,7 @@ from sinuous.base.arguments import (
     OneEach,
     Rows,
     SelfCollision,
+    Stack,
     Vector,
     Which,
     Whole,
@@ -89,6 +90,9 @@ class Uncertainty(Frozen):
 if TYPE_CHECKING:
     import sinuous as sn
 
+
+JointsAndBatch = Batch | tuple[Stack, Batch | None]
+"""Configurations of all rows, or a pair of joints and q of the segments."""
 
 LIMIT_ROUNDING = 1e-11
 """By how much rounding may exceed a limit: rad, or mean lengths of the robot."""
@@ -352,7 +356,7 @@ class Robot(NotebookMixin, Frozen):
         checks.instance("coordinates", coordinates, Mapping, "a mapping from segments to (bend_x, bend_y, length)")
         segments = list(self.segments)
         for which, held in coordinates.items():
-            number = segment_number("coordinates", which, self.segment_names)
+            number = segment_number("coordinates", which, self.segment_names[len(self._rigid.rows) :])
             with checks.inside(f"coordinates.{which}"):
                 segments[number - 1] = segments[number - 1].changed(locked=held)
         return self.changed(segments=segments)
@@ -550,7 +554,7 @@ class Robot(NotebookMixin, Frozen):
         door("files.mjcf").write_mjcf(file, driven)
         return driven
 
-    def configuration(self, key: str, q: Any, joints: Batch | None = None) -> Floats:
+    def configuration(self, key: str, q: Any, joints: Stack | None = None) -> Floats:
         """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
         Parameters
@@ -571,7 +575,15 @@ class Robot(NotebookMixin, Frozen):
             key, joined(self._rigid, len(self.segments), key, given) if self.joints else given, (len(self), 3)
         )
 
-    def with_joints(self, q: Batch | None, joints: Batch) -> Floats:
+    def arm_at(self, configuration: Batch) -> tuple["Robot", Floats]:
+        """Return the segments alone, on the joints as they stand in a configuration (rows, 3), and their q (n, 3)."""
+        whole = self.one_configuration("configuration", configuration)
+        if not self.joints:
+            return self, whole
+        base = self.forward(whole)[len(self._rigid.rows) - 1]
+        return self.changed(joints=(), base=base), np.array(self.segments_of(whole))
+
+    def with_joints(self, q: Batch | None, joints: Stack) -> Floats:
         """Configurations (..., rows, 3) of the segments' q (..., n, 3) and the values (..., j) of the joints.
 
         `q` may be `None` for a robot without segments.
@@ -600,7 +612,7 @@ class Robot(NotebookMixin, Frozen):
         """Names of the joints that move, in the order of their values; by default `j1`, `j2`, ..."""
         return tuple(self.segment_names[row] for row in self._rigid.values)
 
-    def forward(self, q: Batch, joints: Batch | None = None) -> Floats:
+    def forward(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
         """Poses (..., rows, 4, 4) of the ends of all rows in the world; the tool is not applied.
 
         Rows are the joints and the capsules of their links, if there are any, then the n segments. The end of a joint
@@ -613,11 +625,11 @@ class Robot(NotebookMixin, Frozen):
         poses[..., 3, 3] = 1.0
         return poses[:, 1:].reshape(*lead, len(self), 4, 4)
 
-    def tip(self, q: Batch, joints: Batch | None = None) -> Floats:
+    def tip(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
         return self.forward(q, joints)[..., -1, :, :] @ self.tool
 
-    def backbone(self, q: Batch, samples: Whole = 20, joints: Batch | None = None) -> Floats:
+    def backbone(self, q: JointsAndBatch | None, samples: Whole = 20, joints: Stack | None = None) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment.
 
         Joints and capsules of links count as segments before them; the last n * samples points are those of the arm,
@@ -648,7 +660,7 @@ class Robot(NotebookMixin, Frozen):
         )
         return out.reshape(*lead, 6, 3 * len(self))
 
-    def _frames(self, q: Batch, joints: Batch | None = None) -> tuple[Floats, Floats, tuple[int, ...]]:
+    def _frames(self, q: JointsAndBatch | None, joints: Stack | None = None) -> tuple[Floats, Floats, tuple[int, ...]]:
         """Configurations (m, n, 3), the frames (m, n + 1, 12) of base and ends of segments, and axes in front."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
@@ -681,8 +693,8 @@ class Robot(NotebookMixin, Frozen):
         InputError
             When nothing has a stiffness, or no equilibrium was found for all of the load.
         """
-        checked = checks.array("q", q, (len(self), 3))
-        return self._rest(load_list("load", load, self.segment_names), "q", checked, None)
+        arm, checked = self.arm_at(q)
+        return arm._rest(load_list("load", load, arm.segment_names), "q", checked, None)
 
     def equilibrium(
         self,

@@ -91,4 +91,4 @@ def _thinner(robot: Robot, share: float) -> Robot:
 def _proved(motion: "Motion", robot: Robot, obstacles: list[Obstacle] | None) -> bool:
     """Whether the motion of another robot, or among other obstacles, is proved."""
     scene = motion.scene if obstacles is None else Scene(obstacles)
-    return type(motion)(robot, motion.q, scene, motion.times).solved
+    return type(motion)(robot, motion.configuration, scene, motion.times).solved

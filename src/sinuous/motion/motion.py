@@ -470,7 +470,7 @@ class Motion(NotebookMixin, Frozen):
             When the rate is not greater than 0, a column is not known, or the file cannot be written.
         """
         written = self._at_rate(rate)
-        tables.write_motion(file, self.robot, written.times, written.q, columns)
+        tables.write_motion(file, self.robot, written.times, written.configuration, columns)
         written.warn_of_corners(self, "lines")
         return written
 

@@ -37,7 +37,7 @@ def read_motion(file: str | Path, robot: Robot | None, scene: SceneLike | Snapsh
         if ending == ".npz":
             return Motion.from_npz(file, own, scene)
         with checks.in_file(file):
-            return _proved(own, *_read_table(read_text(file), own), scene)
+            return _proved(own, *_read_table(read_text(Path(file)), own), scene)
     values = _values(file)
     if isinstance(values, dict) and "motion" in values:
         if robot is not None:
@@ -48,7 +48,10 @@ def read_motion(file: str | Path, robot: Robot | None, scene: SceneLike | Snapsh
         if isinstance(values, dict) and "joint_names" in values:
             return _proved(own, *_read_ros(values, own), scene)
         if isinstance(values, dict) and "knots" in values:
-            knots = checks.rows("knots", values["knots"], len(own), 3)
+            joined = (
+                own.configuration("knots", values["knots"], values.get("joints")) if own.joints else values["knots"]
+            )
+            knots = checks.rows("knots", joined, len(own), 3)
             return _proved(own, knots, checks.increasing("times", values.get("times"), len(knots)), scene)
         expected = "a motion, a result with knots, or a JointTrajectory (joint_names, points)"
         raise InputError("file", "holds no motion", sorted(values) if isinstance(values, dict) else values, expected)

@@ -149,7 +149,7 @@ class Trajectory(NotebookMixin, Frozen):
             not, as the motion is, there is a warning.
         """
         written = self._through(self._samples(rate))
-        tables.write_motion(file, self.robot, written.times, written.q, columns)
+        tables.write_motion(file, self.robot, written.times, written.configuration, columns)
         written.warn_of_corners(self.motion, "lines")
         return written
 

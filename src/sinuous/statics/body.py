@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels import packing
 from sinuous.kernels.statics import layout as t
 from sinuous.model.loads import Force, Load
@@ -132,7 +133,16 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=KEPT)
 def body_of(robot: "Robot") -> Body:
-    """Return the body of a robot."""
+    """Return the body of a robot.
+
+    Raises
+    ------
+    InputError
+        When it has joints.
+    """
+    if robot.joints:
+        wanted = "none, or robot.arm_at(configuration): the segments on the joints as they stand"
+        raise InputError("gravity", "shapes under load are not known here for a robot with joints", None, wanted)
     segments = robot.rows
     counts = np.array([segment.arcs for segment in segments], np.intp)
     gravity = np.zeros(3) if robot.gravity is None else robot.gravity

@@ -123,7 +123,8 @@ def _draw(robot: Robot, count: int, rng: np.random.Generator) -> Floats:
     columns = t.MIN_LENGTH, t.MAX_LENGTH, t.MAX_BEND, t.MAX_CURVATURE
     low, high, bend, curvature = (robot.limits[:, column] for column in columns)
     lengths = rng.uniform(low, high, (count, len(robot)))
-    cap = np.minimum(np.minimum(bend, curvature * lengths), LARGEST_BEND)
+    with np.errstate(invalid="ignore"):  # a joint has no length, and no limit of curvature
+        cap = np.minimum(np.fmin(bend, curvature * lengths), LARGEST_BEND)
     size, angle = cap * np.sqrt(rng.random(lengths.shape)), rng.uniform(0.0, 2.0 * math.pi, lengths.shape)
     drawn = np.stack([size * np.cos(angle), size * np.sin(angle), lengths], axis=-1)
     return drawn if robot.drive.coordinates.free else robot.drive.coordinates.project(drawn)

@@ -397,8 +397,8 @@ def _add_motion(contents: Contents, motion: Motion, way: tuple[Floats, Floats] |
     """
     contents.answers.append(motion)
     contents.add_obstacles(motion.scene.obstacles)
-    if len(motion.q) > 1:
-        q, times = (motion.q, motion.times) if way is None else way
+    if len(motion.configuration) > 1:
+        q, times = (motion.configuration, motion.times) if way is None else way
         contents.add_way(motion.robot, q, times, motion.solved)
     else:
         q = motion.solutions[-1].configuration if motion.solutions else _middle(motion.robot)

@@ -363,15 +363,14 @@ class BodySurface:
         else:
             size = max(2.0 * least, _thickness(self.robot, row.link, radii))
             if row.length[1] > 0.0:
-                back: Floats = np.linalg.inv(row.tail)
+                back = np.asarray(np.linalg.inv(row.tail), np.float64)
                 end = self._turn(begin + self.per_segment, back)
                 rings = [
                     Ring(at, size * ROD_RADII * wide, 0.0) for at, wide in ((begin, 0), (begin, 1), (end, 1), (end, 0))
                 ]
             else:
-                about = self._turn(
-                    begin, np.eye(4)[[0, 2, 1, 3]] * (1.0, -1.0, 1.0, 1.0)
-                )  # its z axis is the y axis here
+                turned = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # z is the y axis here
+                about = self._turn(begin, turned)
                 ends = ((-1.0, 0.0), (-1.0, 1.0), (1.0, 1.0), (1.0, 0.0))
                 rings = [Ring(about, size * DRUM_RADII[0] * wide, size * DRUM_RADII[1] * ahead) for ahead, wide in ends]
         self._add(k, rings)
@@ -383,7 +382,7 @@ class BodySurface:
         rows = [row for row in self.robot.rows if isinstance(row, RigidRow)]
         with_body = {row.link for row in rows if row.has_body}
         for k, row in enumerate(rows):
-            back: Floats = np.linalg.inv(row.tail)
+            back = np.asarray(np.linalg.inv(row.tail), np.float64)
             length = float(np.linalg.norm(back[:3, 3]))
             if row.link not in with_body and length > 0.0:
                 towards = np.eye(4)

@@ -116,7 +116,11 @@ def map_robot(name: str, plan: Plan) -> Iterator[Line]:
     """Hold the maps of a robot, of positions and within a cone, against solves at random places."""
     robot, count = _robot(name), plan.count(PLACES, 300)
     spacing = None if not plan.quick else 0.12 * robot.mean_length
-    for what, cone in (("positions", {}), ("tip within 20 degrees of z", {"directions": (0, 0, 1), "within": WITHIN})):
+    cones: dict[str, dict[str, Any]] = {
+        "positions": {},
+        "tip within 20 degrees of z": {"directions": (0, 0, 1), "within": WITHIN},
+    }
+    for what, cone in cones.items():
         found = sn.studies.reach(robot, _obstacles(robot), spacing, progress=False, **cone)
         volume = found.volume(dexterous=bool(cone))
         sampled, unsure = _sampled(robot, found, plan, count // (4 if cone else 1))

@@ -213,18 +213,22 @@ def roundoff(corners: Floats, more: float = 0.0) -> float:
     return ROUNDOFF * (float(np.abs(corners).max(axis=0).sum()) + more)
 
 
-def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
-    """Return the group of a scene; places in the rows count from the start of the obstacle's own store."""
-    table = np.array(rows, np.float64).reshape(-1, t.OBSTACLE_WIDTH)
-    at = 0
-    for row, store in zip(table, stores, strict=True):
-        if row[t.KIND] >= t.TREE:
-            for column in (t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL):
-                if row[column] >= 0.0:
-                    row[column] += at
-        at += len(store)
+STORE_PLACES = [t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL]
+"""Columns of a row that say where something begins in the store."""
+
+
+def scene_group(rows: Floats, stores: Sequence[Floats], hierarchy: Floats) -> Floats:
+    """Return the group of a scene of rows (m, 33) and its hierarchy (h,), empty where there is none.
+
+    Places in the rows count from the start of the obstacle's own store.
+    """
+    table = rows.copy()
+    begins = len(hierarchy) + np.cumsum([0, *map(len, stores)])[:-1]
+    moved = (table[:, t.KIND] >= t.TREE)[:, None] & (table[:, STORE_PLACES] >= 0.0)
+    table[:, STORE_PLACES] += np.where(moved, begins[:, None], 0)
+    kept = [store for store in stores if len(store)]
     # One number more than there is: an empty store would be another type of array to NumPy's slices.
-    return np.concatenate([[float(len(table))], table.ravel(), *stores, [0.0]])
+    return np.concatenate([[float(len(table))], table.ravel(), hierarchy, *kept, [0.0]])
 
 
 def scene_parts(group: Floats) -> tuple[Floats, Floats]:

@@ -15,7 +15,9 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels import packing
+from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, evaluate
+from sinuous.scene.hierarchy import changed, hierarchy
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
@@ -91,6 +93,15 @@ class Surroundings:
         return self.snapshot()._query(points)[2]
 
 
+def group_of(parts: Sequence[Part], beside: Collection[int] = ()) -> Floats:
+    """What the kernels read of all obstacles; those that are `beside` the hierarchy may be moved in it."""
+    rows = np.array([part.row for part in parts], np.float64).reshape(-1, t.OBSTACLE_WIDTH)
+    tree = np.zeros(0)
+    if len(rows) >= t.MANY_OBSTACLES:
+        tree = hierarchy(rows, np.array([part.box for part in parts]), beside)
+    return packing.scene_group(rows, [part.store for part in parts], tree)
+
+
 class Snapshot(Surroundings, Frozen):
     """A union of obstacles, frozen. Distances are positive outside, negative inside, in the length unit.
 
@@ -137,8 +148,12 @@ class Snapshot(Surroundings, Frozen):
             parts = self._parts or [self._part(i, progress) for i in range(len(self))]
             self._set(_parts=parts)
             if self._group is None and not self.moves:
-                self._set(_group=packing.scene_group([part.row for part in parts], [part.store for part in parts]))
+                self._set(_group=group_of(parts))
         return parts
+
+    def group_beside(self, beside: Collection[int]) -> Floats:
+        """What the kernels read, an array of its own, where the rows of some obstacles may be written."""
+        return group_of(self._prepared(), beside)
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""

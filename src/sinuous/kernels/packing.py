@@ -231,6 +231,34 @@ def scene_group(rows: Floats, stores: Sequence[Floats], hierarchy: Floats) -> Fl
     return np.concatenate([[float(len(table))], table.ravel(), hierarchy, *kept, [0.0]])
 
 
+def with_row(group: Floats, index: int, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats | None:
+    """Return the group of a scene in which one obstacle is another one, as `scene_group` would make it.
+
+    `before` and `now`: its row and store, as they are given to that. The hierarchy stays as it is. `None` where only
+    one of both is in the store: then the group has to be made anew.
+    """
+    (old, old_store), (row, store) = before, now
+    if (len(old_store) > 0) != (len(store) > 0):
+        return None
+    end, begin = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0]), 0
+    if len(store):
+        column = next(each for each in STORE_PLACES if old[each] >= 0.0)
+        begin = int(scene_parts(group)[0][index, column] - old[column])
+    at = end + begin
+    if len(store) == len(old_store):
+        made = group.copy()
+        made[at : at + len(store)] = store
+    else:
+        made = np.concatenate([group[:at], store, group[at + len(old_store) :]])
+    table = scene_parts(made)[0]
+    moved = (table[:, t.KIND] >= t.TREE)[:, None] & (table[:, STORE_PLACES] >= begin + len(old_store))
+    table[:, STORE_PLACES] += np.where(moved, len(store) - len(old_store), 0)
+    table[index] = row
+    if row[t.KIND] >= t.TREE:
+        table[index, STORE_PLACES] += np.where(row[STORE_PLACES] >= 0.0, begin, 0)
+    return made
+
+
 def scene_parts(group: Floats) -> tuple[Floats, Floats]:
     """Return the rows (m, 33) and the store (s,) of the group of a scene, as views."""
     end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0])

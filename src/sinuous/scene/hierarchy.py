@@ -155,31 +155,33 @@ def _sum_up(header: Floats, rows: Floats, aside: NDArray[np.int64]) -> None:
     header[t.HIERARCHY_SPACING] = sampled[:, t.SPACING].max(initial=0.0)
 
 
-def changed(rows: Floats, store: Floats, index: int, box: Floats) -> bool:
-    """Write into a hierarchy that an obstacle is another one now, whose row is there already, with this box (16,).
+def is_worn(store: Floats, obstacles: int) -> bool:
+    """Whether so many obstacles were changed that a new hierarchy is worth while."""
+    return bool(store[t.HIERARCHY_CHANGES] >= max(t.MANY_OBSTACLES, obstacles // 8))
 
-    Returns whether that goes: not where the obstacle was in the tree and has no box now, or the other way round, and
-    not where so many were changed that a new tree is worth while.
+
+def refit(rows: Floats, store: Floats, index: int, box: Floats) -> bool:
+    """Write into the hierarchy of a scene that one of its obstacles, whose row is there already, is in this box (16,).
+
+    Returns whether that goes: not where it was in the tree and has no box now, or the other way round.
     """
-    if len(rows) < t.MANY_OBSTACLES:
-        return True
     header = store[: t.HIERARCHY_HEADER]
-    aside, count = int(header[t.HIERARCHY_BESIDE]), int(header[t.HIERARCHY_BOXES])
-    first, levels = t.HIERARCHY_HEADER + aside, int(header[t.HIERARCHY_LEVELS])
-    header[t.HIERARCHY_CHANGES] += 1.0
+    first, count = t.HIERARCHY_HEADER + int(header[t.HIERARCHY_BESIDE]), int(header[t.HIERARCHY_BOXES])
     beside = store[t.HIERARCHY_HEADER : first].astype(np.int64)
     inside = bool(_bounded(rows[index : index + 1], box[None])[0])
-    if inside == bool((beside == index).any()) or header[t.HIERARCHY_CHANGES] > max(t.MANY_OBSTACLES, len(rows) // 8):
+    if inside == bool((beside == index).any()):
         return False
     _sum_up(header, rows, beside)
     if inside:
+        header[t.HIERARCHY_CHANGES] += 1.0
         places = np.flatnonzero(store[first : first + count] == index)
-        nodes = store[first + count : first + count + t.NODE_SIZE * (2 << levels)].reshape(-1, t.NODE_SIZE)
-        _refit(nodes, places, count, box, float(rows[index, t.ROUNDOFF]))
+        end = first + count + (t.NODE_SIZE << (1 + int(header[t.HIERARCHY_LEVELS])))
+        nodes = store[first + count : end].reshape(-1, t.NODE_SIZE)
+        _put(nodes, places, count, box, float(rows[index, t.ROUNDOFF]))
     return True
 
 
-def _refit(nodes: Floats, places: NDArray[np.int64], count: int, box: Floats, roundoff: float) -> None:
+def _put(nodes: Floats, places: NDArray[np.int64], count: int, box: Floats, roundoff: float) -> None:
     """Put a box (16,), divided, into so many places of the leaves, and make the boxes above them anew."""
     own = _Boxes.read(np.zeros(1, np.int64), box[None])
     while 2 * len(own.half) <= len(places):

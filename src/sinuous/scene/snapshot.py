@@ -17,11 +17,11 @@ from sinuous.base.frozen import Frozen
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, evaluate
-from sinuous.scene.hierarchy import changed, hierarchy
+from sinuous.scene.hierarchy import hierarchy, is_worn, refit
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.parts import Part, prepare, unsampled
+from sinuous.scene.parts import NOTHING, Part, prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -67,6 +67,15 @@ class Surroundings:
         """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
         own = self.obstacles[index]
         return own.name or f"{own.kind}[{index}]"
+
+    def _called(self, name: str) -> list[int]:
+        """Indices of the obstacles of this name."""
+        every = self.obstacles
+        found = [i for i, own in enumerate(every) if own.name == name]
+        kind, _, number = name.removesuffix("]").rpartition("[")
+        if kind and number.isdecimal() and int(number) < len(every) and not every[int(number)].name:
+            found += [int(number)] if self.name(int(number)) == name else []
+        return found
 
     def distance(self, points: Stack) -> Floats:
         """Signed distance (...) of points (..., 3) to the nearest obstacle; infinite in an empty scene.
@@ -215,9 +224,16 @@ class Snapshot(Surroundings, Frozen):
         known = self._parts or [own if i == index else self._part(i, None) for i in range(len(self))]
         parts = [*known[:index], own, *known[index + 1 :]]
         snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
-        snapshot._set(_group=group)
+        snapshot._set(_group=self._group_with(index, known[index], own) if group is None else group)
         snapshot.prepare()
         return snapshot
+
+    def _group_with(self, index: int, before: Part, now: Part) -> Floats | None:
+        """What the kernels read with another obstacle in the place of one; `None` where all of it is made anew."""
+        if self._group is None or len(self) < t.MANY_OBSTACLES or is_worn(packing.scene_parts(self._group)[1], len(self)):
+            return None
+        group = packing.with_row(self._group, index, (before.row, before.store), (now.row, now.store))
+        return group if group is not None and refit(*packing.scene_parts(group), index, now.box) else None
 
     def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
         """Return a snapshot with these meshes, too. They are not sampled: only their trees are built.
@@ -264,7 +280,8 @@ class Snapshot(Surroundings, Frozen):
         fields = {i: own for i in asked if isinstance(own := self.obstacles[i], Field)}
         others = np.array([i for i in asked if i not in fields], np.int64)
         above = np.empty(len(flat))
-        distances.many(rows[others], store, flat, values, above, gradients, which)
+        listed = rows if len(others) == len(rows) else rows[others]  # all rows have their hierarchy
+        distances.many(listed, store, flat, values, above, gradients, which)
         which = np.where(which >= 0, others[which] if len(others) else -1, -1)
         for i, field in fields.items():
             _ask_field(field, i, flat, values, above, gradients, which)
@@ -316,7 +333,8 @@ def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = Fals
     rows, store = packing.scene_parts(scene._kernel_group)
     others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
     plain = np.require(points, np.float64, ["C", "W"]), np.require(radii, np.float64, ["C", "W"])
-    least, place, which = distances.least_gap(rows[others], store, *plain, above)
+    listed = rows if len(others) == len(rows) else rows[others]
+    least, place, which = distances.least_gap(listed, store, *plain, above)
     best = least, place, int(others[which]) if which >= 0 else -1
     for i, field in fields.items():
         gaps = (field.at_most(points) if above else evaluate(field.function, points)) - radii
@@ -345,8 +363,12 @@ class Mover:
     """
 
     def __init__(self, snapshot: Snapshot, index: int) -> None:
+        self._index = index
+        self._begin(snapshot)
+
+    def _begin(self, snapshot: Snapshot) -> None:
         snapshot.prepare()
-        self._index, self._latest = index, snapshot
+        self._latest = snapshot
         self._arrays: list[Floats] = [np.array(snapshot._kernel_group) for _ in range(2)]
 
     def goes_on(self, snapshot: Snapshot, index: int) -> bool:
@@ -356,7 +378,11 @@ class Mover:
     def moved(self, obstacle: Primitive) -> Snapshot:
         """Return the scene with this in the place of the obstacle."""
         array = self._arrays.pop(0)
+        rows, store = packing.scene_parts(array)
+        rows[self._index] = obstacle.row
+        if len(rows) >= t.MANY_OBSTACLES and not refit(rows, store, self._index, Part(obstacle.row, NOTHING).box):
+            self._begin(self._latest.replaced(self._index, obstacle))
+            return self._latest
         self._arrays.append(array)
-        packing.scene_parts(array)[0][self._index] = obstacle.row
         self._latest = self._latest.replaced(self._index, obstacle, group=array)
         return self._latest

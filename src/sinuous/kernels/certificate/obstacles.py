@@ -91,13 +91,11 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
     In a large scene the hierarchy does.
     """
     table, balls = motion.scene.table, sweep.balls
-    if is_large(motion.scene):
-        return
-    for i in range(table.shape[0]):
+    for i in range(balls.shape[0]):
         put_vec(balls, i, 0, get_vec(table, i, CENTER))
         known = table[i, KIND] == SPHERE and table[i, SIGN] > 0.0
         balls[i, BALL] = table[i, ROUNDING_RADIUS] + table[i, ROUNDOFF] if known else math.inf
-    for e in range(motion.drifts.shape[0]):
+    for e in range(motion.drifts.shape[0] if balls.shape[0] > 0 else 0):
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
 

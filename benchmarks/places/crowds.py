@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.random import Generator
@@ -77,7 +78,7 @@ def hoops(robot: sn.Robot, rng: Generator) -> Sketch:
         size = radius * rng.uniform(*HOOP) + thickness
         turns = 2.0 * math.pi * np.arange(count + 1) / count
         corners = place + size * (np.cos(turns)[:, None] * across[:, 0] + np.sin(turns)[:, None] * across[:, 1])
-        return [sn.Capsule(a, b, thickness) for a, b in zip(corners[:-1], corners[1:], strict=True)]
+        return [sn.Capsule(a, b, thickness) for a, b in pairwise(corners)]
 
     def any_hoop(place: Floats, _: float) -> list[Obstacle]:
         return hoop(place, np.linalg.qr(rng.normal(size=(3, 3)))[0])
@@ -94,7 +95,11 @@ def cables(robot: sn.Robot, rng: Generator) -> Sketch:
     """Lead trays of curved cables past the shape."""
 
     def tray(place: Floats, radius: float) -> list[Obstacle]:
-        count, parts, thickness = int(rng.integers(*CABLES)), int(rng.integers(*CABLE_PARTS)), radius * rng.uniform(*CABLE)
+        count, parts, thickness = (
+            int(rng.integers(*CABLES)),
+            int(rng.integers(*CABLE_PARTS)),
+            radius * rng.uniform(*CABLE),
+        )
         step = radius * rng.uniform(*CABLE_LENGTH) / parts
         frame = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         ways = [frame[:, 0]]
@@ -106,7 +111,7 @@ def cables(robot: sn.Robot, rng: Generator) -> Sketch:
         for i in range(count):
             own = place + line - line.mean(axis=0) + 2.2 * thickness * (i - 0.5 * count) * frame[:, 1]
             own = own + SAG * thickness * rng.normal(size=own.shape)
-            made += [sn.Capsule(a, b, thickness) for a, b in zip(own[:-1], own[1:], strict=True)]
+            made += [sn.Capsule(a, b, thickness) for a, b in pairwise(own)]
         return made
 
     return _crowd(robot, rng, tray, CABLES[1] * CABLE_PARTS[1])

@@ -1,4 +1,4 @@
-"""The tree of boxes about all obstacles of a large scene, as the kernels read it: see `sinuous.kernels.fields.hierarchy`.
+"""The tree of boxes about all obstacles of a large scene, as `sinuous.kernels.fields.hierarchy` reads it.
 
 An obstacle has a box along its own axes. Where that is long and oblique, the box about it along the axes of the world
 would hold next to nothing else than other obstacles, so it is halved first, and again (early split clipping, Ernst &
@@ -37,7 +37,7 @@ BOUNDED = (t.SPHERE, t.BOX, t.CYLINDER, t.TREE)
 
 
 class _Boxes(NamedTuple):
-    """Boxes along axes of their own: the obstacles in them (c,), centers, axes (c, 3, 3), half extents, rounding (c,)."""
+    """Boxes along axes of their own: the obstacles in them (c,), centers, axes, half extents, rounding (c,)."""
 
     owners: NDArray[np.int64]
     centers: Floats
@@ -67,7 +67,9 @@ class _Boxes(NamedTuple):
         half[each, longest] *= 0.5
         off = half[each, longest, None] * self.axes[each, :, longest]
         twice = self.take(np.tile(each, 2))
-        return twice._replace(centers=np.concatenate([self.centers - off, self.centers + off]), half=np.tile(half, (2, 1)))
+        return twice._replace(
+            centers=np.concatenate([self.centers - off, self.centers + off]), half=np.tile(half, (2, 1))
+        )
 
 
 def _area(half: Floats) -> Floats:

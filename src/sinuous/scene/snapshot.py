@@ -230,7 +230,11 @@ class Snapshot(Surroundings, Frozen):
 
     def _group_with(self, index: int, before: Part, now: Part) -> Floats | None:
         """What the kernels read with another obstacle in the place of one; `None` where all of it is made anew."""
-        if self._group is None or len(self) < t.MANY_OBSTACLES or is_worn(packing.scene_parts(self._group)[1], len(self)):
+        if (
+            self._group is None
+            or len(self) < t.MANY_OBSTACLES
+            or is_worn(packing.scene_parts(self._group)[1], len(self))
+        ):
             return None
         group = packing.with_row(self._group, index, (before.row, before.store), (now.row, now.store))
         return group if group is not None and refit(*packing.scene_parts(group), index, now.box) else None

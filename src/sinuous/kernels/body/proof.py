@@ -15,7 +15,18 @@ The same is true of each triangle of a mesh, and of each ball of a cloud.
 import math
 
 from sinuous.kernels.body.chords import sagitta_bound
-from sinuous.kernels.body.pieces import BEYOND, MANY, Scratch, closest, evaluate_here, few_near, following, free_part, near, work_among
+from sinuous.kernels.body.pieces import (
+    BEYOND,
+    MANY,
+    Scratch,
+    closest,
+    evaluate_here,
+    few_near,
+    following,
+    free_part,
+    near,
+    work_among,
+)
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import shared

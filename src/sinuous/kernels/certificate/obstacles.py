@@ -178,9 +178,7 @@ def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
     return dot(away, away) > passed * passed
 
 
-def _list_near(
-    motion: Motion, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array
-) -> int:
+def _list_near(motion: Motion, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
     """List all obstacles of a large scene that may be too near to a piece during an interval; return their number.
 
     Those that move are among them, wherever they are: how far they come is not known here.

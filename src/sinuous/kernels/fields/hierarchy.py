@@ -33,7 +33,11 @@ def _meets(store: Array, at: int, p: Vec, line: Vec, room: float) -> bool:
     if store[at] > store[at + 3]:  # the box of an empty leaf
         return False
     x, y, z = abs(0.5 * line[0]), abs(0.5 * line[1]), abs(0.5 * line[2])
-    a, b, c = 0.5 * (store[at + 3] - store[at]), 0.5 * (store[at + 4] - store[at + 1]), 0.5 * (store[at + 5] - store[at + 2])
+    a, b, c = (
+        0.5 * (store[at + 3] - store[at]),
+        0.5 * (store[at + 4] - store[at + 1]),
+        0.5 * (store[at + 5] - store[at + 2]),
+    )
     a, b, c = a + room, b + room, c + room
     u = p[0] + 0.5 * line[0] - 0.5 * (store[at] + store[at + 3])
     v = p[1] + 0.5 * line[1] - 0.5 * (store[at + 1] + store[at + 4])

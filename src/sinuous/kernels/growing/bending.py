@@ -230,7 +230,9 @@ def come_out(
     (rotation, position), k, _ = new
     q, radius = two[1], thickness(problem, k)
     middle = add(position, mat_vec(rotation, point(0.5 * q[0], 0.5 * q[1], 0.5 * q[2])))
-    count, _ = few_near(problem.scene, middle, ARC_REACH * q[2] + (EVALUATION_REACH + RADII_AHEAD) * radius, nearby.numbers)
+    count, _ = few_near(
+        problem.scene, middle, ARC_REACH * q[2] + (EVALUATION_REACH + RADII_AHEAD) * radius, nearby.numbers
+    )
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
     fits, overlap, pressure, _ = _press(problem, before, new, two, False, nearby, count)

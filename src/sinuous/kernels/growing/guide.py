@@ -63,7 +63,7 @@ def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     line = sub(get_vec(guide.points, i, 0), p)
     if is_large(scene):
         return _visible_among_many(scene, p, line, guide.radius)
-    for j in range(scene.table.shape[0]):
+    for j in range(scene.table.shape[0]):  # noqa: SIM110 (a kernel)
         if _hides(scene, j, p, line, guide.radius):
             return False
     return True

@@ -52,7 +52,7 @@ class _Boxes(NamedTuple):
 
     def take(self, which: NDArray[np.int64]) -> "_Boxes":
         """Return some of them."""
-        return _Boxes(*(own[which] for own in self))
+        return _Boxes._make(own[which] for own in self)
 
     @property
     def extents(self) -> Floats:
@@ -95,7 +95,7 @@ def _divided(boxes: _Boxes, most: int) -> _Boxes:
         if not len(which):
             break
         kept = boxes.take(np.setdiff1d(np.arange(len(boxes.half)), which, assume_unique=True))
-        boxes = _Boxes(*(np.concatenate(both) for both in zip(kept, boxes.take(which).halved(), strict=True)))
+        boxes = _Boxes._make(np.concatenate(both) for both in zip(kept, boxes.take(which).halved(), strict=True))
     return boxes
 
 

@@ -208,6 +208,20 @@ def primitive_row(
     return row
 
 
+def primitive_rows(
+    kinds: Floats, inside: Floats, centers: Floats, axes: Floats, half_extents: Floats, roundings: Floats
+) -> Floats:
+    """Return rows (m, 33) of many primitives: the same, but for what arithmetic makes of them."""
+    rows = np.zeros((len(kinds), t.OBSTACLE_WIDTH))
+    rows[:, t.KIND], rows[:, t.SIGN], rows[:, t.ROUNDING_RADIUS] = kinds, np.where(inside, -1.0, 1.0), roundings
+    rows[:, t.CENTER : t.CENTER + 3], rows[:, t.AXES : t.AXES + 9] = centers, axes.reshape(-1, 9)
+    rows[:, t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
+    rows[:, t.ROUNDOFF] = ROUNDOFF * ((np.abs(centers) + np.abs(half_extents)).sum(axis=1) + roundings)
+    rows[:, t.EXTENT] = np.sqrt((half_extents**2).sum(axis=1)) + roundings
+    rows[(inside != 0.0) | (kinds == t.HALF_SPACE), t.EXTENT] = math.inf
+    return rows
+
+
 def roundoff(corners: Floats, more: float = 0.0) -> float:
     """What arithmetic may make of the distance to what lies among these corners (m, 3), rounded by `more`."""
     return ROUNDOFF * (float(np.abs(corners).max(axis=0).sum()) + more)
@@ -250,9 +264,10 @@ def with_row(group: Floats, index: int, before: tuple[Floats, Floats], now: tupl
         made[at : at + len(store)] = store
     else:
         made = np.concatenate([group[:at], store, group[at + len(old_store) :]])
+        rows = scene_parts(made)[0]
+        moved = (rows[:, t.KIND] >= t.TREE)[:, None] & (rows[:, STORE_PLACES] >= begin + len(old_store))
+        rows[:, STORE_PLACES] += np.where(moved, len(store) - len(old_store), 0)
     table = scene_parts(made)[0]
-    moved = (table[:, t.KIND] >= t.TREE)[:, None] & (table[:, STORE_PLACES] >= begin + len(old_store))
-    table[:, STORE_PLACES] += np.where(moved, len(store) - len(old_store), 0)
     table[index] = row
     if row[t.KIND] >= t.TREE:
         table[index, STORE_PLACES] += np.where(row[STORE_PLACES] >= 0.0, begin, 0)

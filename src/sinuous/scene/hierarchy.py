@@ -32,6 +32,9 @@ PADDING = 1e-12
 LEVEL_WORK = 6
 """Work units of a query for each level of the tree."""
 
+SPHERE_COST = 0.25
+"""What the distance to a ball takes, of that to another obstacle: a hierarchy of balls alone is worth while later."""
+
 BOUNDED = (t.SPHERE, t.BOX, t.CYLINDER, t.TREE)
 """Kinds of obstacles that lie in a box."""
 
@@ -114,6 +117,8 @@ def _bounded(rows: Floats, boxes: Floats) -> NDArray[np.bool_]:
 def hierarchy(rows: Floats, boxes: Floats, beside: Collection[int] = ()) -> Floats:
     """Return what the store of a scene begins with: nothing where there are not `MANY_OBSTACLES`.
 
+    Where most of these are balls there is no hierarchy, only a header that says so.
+
     Parameters
     ----------
     rows : ndarray (m, 33)
@@ -124,6 +129,8 @@ def hierarchy(rows: Floats, boxes: Floats, beside: Collection[int] = ()) -> Floa
     """
     if len(rows) < t.MANY_OBSTACLES:
         return np.zeros(0)
+    if SPHERE_COST * len(rows) + (1.0 - SPHERE_COST) * np.count_nonzero(rows[:, t.KIND] != t.SPHERE) < t.MANY_OBSTACLES:
+        return np.array([NONE, *[0.0] * (t.HIERARCHY_HEADER - 1)])
     from sinuous.kernels.fields.trees import arrange, enclose  # noqa: PLC0415
 
     inside = _bounded(rows, boxes)
@@ -157,6 +164,10 @@ def _sum_up(header: Floats, rows: Floats, aside: NDArray[np.int64]) -> None:
     header[t.HIERARCHY_SPACING] = sampled[:, t.SPACING].max(initial=0.0)
 
 
+NONE = -1.0
+"""The number of obstacles in the header of a scene whose hierarchy would not be worth while."""
+
+
 def is_worn(store: Floats, obstacles: int) -> bool:
     """Whether so many obstacles were changed that a new hierarchy is worth while."""
     return bool(store[t.HIERARCHY_CHANGES] >= max(t.MANY_OBSTACLES, obstacles // 8))
@@ -168,12 +179,16 @@ def refit(rows: Floats, store: Floats, index: int, box: Floats) -> bool:
     Returns whether that goes: not where it was in the tree and has no box now, or the other way round.
     """
     header = store[: t.HIERARCHY_HEADER]
+    if header[t.HIERARCHY_OBSTACLES] == NONE:
+        return bool(rows[index, t.KIND] == t.SPHERE)
     first, count = t.HIERARCHY_HEADER + int(header[t.HIERARCHY_BESIDE]), int(header[t.HIERARCHY_BOXES])
     beside = store[t.HIERARCHY_HEADER : first].astype(np.int64)
     inside = bool(_bounded(rows[index : index + 1], box[None])[0])
     if inside == bool((beside == index).any()):
         return False
-    _sum_up(header, rows, beside)
+    if rows[index, t.KIND] >= t.TREE:
+        _sum_up(header, rows, beside)
+    header[t.HIERARCHY_ROUNDOFF] = max(header[t.HIERARCHY_ROUNDOFF], rows[index, t.ROUNDOFF])
     if inside:
         header[t.HIERARCHY_CHANGES] += 1.0
         places = np.flatnonzero(store[first : first + count] == index)

@@ -20,7 +20,7 @@ from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.hierarchy import hierarchy, is_worn, refit
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
-from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.obstacles import Obstacle, Primitive, rows_of
 from sinuous.scene.parts import NOTHING, Part, prepare, unsampled
 
 DIFFERENCE = 1e-4
@@ -107,7 +107,10 @@ def group_of(parts: Sequence[Part], beside: Collection[int] = ()) -> Floats:
     rows = np.array([part.row for part in parts], np.float64).reshape(-1, t.OBSTACLE_WIDTH)
     tree = np.zeros(0)
     if len(rows) >= t.MANY_OBSTACLES:
-        tree = hierarchy(rows, np.array([part.box for part in parts]), beside)
+        boxes = rows[:, t.CENTER : t.ROUNDING_RADIUS + 1].copy()
+        for i in np.flatnonzero(rows[:, t.KIND] >= t.TREE).tolist():
+            boxes[i] = parts[i].box
+        tree = hierarchy(rows, boxes, beside)
     return packing.scene_group(rows, [part.store for part in parts], tree)
 
 
@@ -124,8 +127,9 @@ class Snapshot(Surroundings, Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_group", "_lock", "_moves", "_obstacles", "_parts")
+    __slots__ = ("_fields", "_group", "_lock", "_moves", "_obstacles", "_parts")
 
+    _fields: dict[int, Field] | None
     _group: Floats | None
     _lock: threading.Lock
     _moves: bool | None
@@ -133,7 +137,7 @@ class Snapshot(Surroundings, Frozen):
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        self._set(_obstacles=obstacles, _parts=parts, _group=None, _moves=None, _lock=threading.Lock())
+        self._set(_obstacles=obstacles, _parts=parts, _group=None, _fields=None, _moves=None, _lock=threading.Lock())
 
     def snapshot(self) -> "Snapshot":
         """Return itself."""
@@ -154,7 +158,7 @@ class Snapshot(Surroundings, Frozen):
     def _prepared(self, progress: Callable[[str, float], object] | None = None) -> Sequence[Part]:
         """What the kernels read of each obstacle; after that, what they read of all is there, too, unless some move."""
         with self._lock:
-            parts = self._parts or [self._part(i, progress) for i in range(len(self))]
+            parts = self._parts or self._all_parts(progress)
             self._set(_parts=parts)
             if self._group is None and not self.moves:
                 self._set(_group=group_of(parts))
@@ -179,6 +183,13 @@ class Snapshot(Surroundings, Frozen):
         if self._moves is None:  # every plan asks several times
             self._set(_moves=any(isinstance(obstacle, Moving) for obstacle in self._obstacles))
         return bool(self._moves)
+
+    @property
+    def _functions(self) -> dict[int, Field]:
+        """The obstacles that are functions, by their index."""
+        if self._fields is None:
+            self._set(_fields={i: own for i, own in enumerate(self._obstacles) if isinstance(own, Field)})
+        return self._fields or {}
 
     @property
     def first(self) -> "Snapshot":
@@ -207,10 +218,20 @@ class Snapshot(Surroundings, Frozen):
         parts = [part if own is old else prepare(own, "") for own, old, part in each]
         return Snapshot(there, parts)
 
+    def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
+        """What the kernels read of each obstacle; of many exact ones it is made together."""
+        exact = {i: own for i, own in enumerate(self._obstacles) if isinstance(own, Primitive)}
+        if len(exact) < t.MANY_OBSTACLES:
+            return [self._part(i, progress) for i in range(len(self))]
+        made = dict(zip(exact, rows_of(list(exact.values())), strict=True))
+        return [Part(made[i], NOTHING) if i in made else self._part(i, progress) for i in range(len(self))]
+
     def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
-        name = self.name(index)
         obstacle = self._obstacles[index]
         still = obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
+        if isinstance(still, Primitive):
+            return prepare(still, "")
+        name = self.name(index)
         return prepare(still, name, None if progress is None else partial(progress, name))
 
     def replaced(
@@ -225,6 +246,8 @@ class Snapshot(Surroundings, Frozen):
         parts = [*known[:index], own, *known[index + 1 :]]
         snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
         snapshot._set(_group=self._group_with(index, known[index], own) if group is None else group)
+        if not isinstance(obstacle, Moving) and self._moves is False:
+            snapshot._set(_moves=False)
         snapshot.prepare()
         return snapshot
 
@@ -280,13 +303,16 @@ class Snapshot(Surroundings, Frozen):
         flat = checked.reshape(-1, 3).copy()
         values, gradients, which = np.empty(len(flat)), np.empty(flat.shape), np.empty(len(flat), np.int64)
         rows, store = packing.scene_parts(self._kernel_group)
-        asked = range(len(rows)) if among is None else among
-        fields = {i: own for i in asked if isinstance(own := self.obstacles[i], Field)}
-        others = np.array([i for i in asked if i not in fields], np.int64)
+        fields = self._functions
+        asked = None if among is None and not fields else among or range(len(rows))
         above = np.empty(len(flat))
-        listed = rows if len(others) == len(rows) else rows[others]  # all rows have their hierarchy
-        distances.many(listed, store, flat, values, above, gradients, which)
-        which = np.where(which >= 0, others[which] if len(others) else -1, -1)
+        if asked is None:  # with their hierarchy
+            distances.many(rows, store, flat, values, above, gradients, which)
+        else:
+            fields = {i: own for i, own in fields.items() if i in asked}
+            others = np.array([i for i in asked if i not in fields], np.int64)
+            distances.many(rows[others], store, flat, values, above, gradients, which)
+            which = np.where(which >= 0, others[which] if len(others) else -1, -1)
         for i, field in fields.items():
             _ask_field(field, i, flat, values, above, gradients, which)
         lead = checked.shape[:-1]
@@ -333,11 +359,11 @@ def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = Fals
     """
     from sinuous.kernels.fields import distances  # noqa: PLC0415
 
-    fields = {i: obstacle for i, obstacle in enumerate(scene.obstacles) if isinstance(obstacle, Field)}
+    fields = scene._functions
     rows, store = packing.scene_parts(scene._kernel_group)
-    others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
+    others = np.array([i for i in range(len(rows)) if i not in fields], np.int64) if fields else np.arange(len(rows))
     plain = np.require(points, np.float64, ["C", "W"]), np.require(radii, np.float64, ["C", "W"])
-    listed = rows if len(others) == len(rows) else rows[others]
+    listed = rows[others] if fields else rows  # all rows have their hierarchy
     least, place, which = distances.least_gap(listed, store, *plain, above)
     best = least, place, int(others[which]) if which >= 0 else -1
     for i, field in fields.items():

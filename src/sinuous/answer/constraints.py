@@ -60,7 +60,7 @@ class Limit(NamedTuple):
 def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
     """Yield all limits of a robot at the configuration `q` (n, 3), segment by segment, actuators last."""
     count = len(robot)
-    parts = zip(robot.segments, robot.curvatures, robot.self_radii, q.tolist(), strict=True)
+    parts = zip(robot.rows, robot.curvatures, robot.self_radii, q.tolist(), strict=True)
     for number, (segment, tightest, radius, (ux, uy, length)) in enumerate(parts, 1):
         for i, sign in enumerate((-1.0, 1.0)):
             slack = sign * (segment.length[i] - length)
@@ -95,7 +95,7 @@ def _in_plane(robot: Robot, number: int, line: BendLine, own: Floats) -> Iterato
     for x, y in ((-py, px), (py, -px), *(((px, py), (-px, -py)) if locked else ())):
         slack = -float(apart @ (x, y))
         yield Limit("bend", number, None, key, 0.0, 0.0, slack, gradient_at(count, number, (x, y, 0.0)), True)
-    pair = isinstance(robot.segments[number - 1].own_max_bend, tuple)
+    pair = isinstance(robot.rows[number - 1].own_max_bend, tuple)
     for i, (side, cap) in enumerate(() if locked else ((-1.0, line.low), (1.0, line.high))):
         end = number, None, f"max_bend[{i}]" if pair else "max_bend", z, cap
         along = side * px, side * py
@@ -127,7 +127,7 @@ def _actuators(robot: Robot, q: Floats) -> Iterator[Limit]:
 
 def _key(robot: Robot, actuator: Actuator) -> str:
     """What the problem file calls the limits of an actuator."""
-    segment = robot.segments[actuator.segment - 1]
+    segment = robot.rows[actuator.segment - 1]
     if actuator.kind == "tendon" and segment.tendons is not None:
         return f"tendons.{segment.tendons.limited_by}"
     if actuator.kind == "chamber" and segment.chambers is not None:

@@ -28,7 +28,8 @@ def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Fl
         q = near.copy()
         q.ravel()[moves] += scale[moves] * x[: len(moves)]
         ends = residual_of(problem, q)
-        limits = [list(limits_of(problem.robot, q))[i] for i in active]
+        listed = list(limits_of(problem.robot, q))
+        limits = [listed[i] for i in active]
         rows = np.vstack([ends.jacobian, *(each.gradient.ravel() for each in limits)])
         slope = prefer.start * ((q - start).ravel()[moves] / scale[moves])
         slope += prefer.bends * (q * [1.0, 1.0, 0.0]).ravel()[moves] * scale[moves]

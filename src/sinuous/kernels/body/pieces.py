@@ -9,7 +9,7 @@ from sinuous.kernels.fields.hierarchy import LEAST_SQUARE, item_of, tree_over
 from sinuous.kernels.fields.solids import INTERPOLATED, LOWER_BOUND
 from sinuous.kernels.fields.trees import next_leaf
 from sinuous.kernels.maths.vectors import Array, Vec
-from sinuous.kernels.tables import HIERARCHY_HEADER, KIND, ROUNDOFF, TREE
+from sinuous.kernels.tables import HIERARCHY_HEADER, KIND, RIGID, ROUNDOFF, TREE
 
 MANY = -1
 """A number of obstacles: too many to be listed, or asked one after the other. The hierarchy is asked again."""
@@ -27,9 +27,14 @@ Scratch = namedtuple("Scratch", ["among", "clock"])
 evaluate_here = inline(evaluate)
 
 
-def free_part(q: Array, k: int, mount: float) -> float:
+def backbone_of(limits: Array, q: Array, k: int) -> float:
+    """Length of the backbone in row `k`: joints and links have none."""
+    return float(q[k, 2]) if limits[k, RIGID] == 0.0 else 0.0
+
+
+def free_part(limits: Array, q: Array, k: int, mount: float) -> float:
     """Fraction of segment `k` that lies within the mount; `mount` is what is left of it where the segment begins."""
-    if mount <= 0.0:
+    if mount <= 0.0 or limits[k, RIGID] != 0.0:
         return 0.0
     if mount >= q[k, 2]:
         return 1.0

@@ -14,6 +14,7 @@ from sinuous.base.arguments import Number, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
+from sinuous.base.progress import LATE, estimated
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, evaluate
@@ -21,7 +22,7 @@ from sinuous.scene.hierarchy import hierarchy, is_worn, refit
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive, rows_of
-from sinuous.scene.parts import NOTHING, Part, prepare, unsampled
+from sinuous.scene.parts import NOTHING, Part, prepare, seconds_to_prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -160,8 +161,8 @@ class Snapshot(Surroundings, Frozen):
     def _prepared(self, progress: Callable[[str, float], object] | None = None) -> Sequence[Part]:
         """What the kernels read of each obstacle; after that, what they read of all is there, too, unless some move."""
         with self._lock:
-            parts = self._parts or self._all_parts(progress)
-            self._set(_parts=parts)
+            self._set(_parts=self._parts or self._all_parts(progress))
+            parts: Sequence[Part] = self._parts or []
             if self._group is None and not self.moves:
                 self._set(_group=group_of(parts))
         return parts
@@ -169,6 +170,23 @@ class Snapshot(Surroundings, Frozen):
     def group_beside(self, beside: Collection[int]) -> Floats:
         """What the kernels read, an array of its own, where the rows of some obstacles may be written."""
         return group_of(self._prepared(), beside)
+
+    def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
+        """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
+        exact = {i: own for i, own in enumerate(self._obstacles) if isinstance(own, Primitive)}
+        if len(exact) >= t.MANY_OBSTACLES:  # together they are quicker
+            made = dict(zip(exact, rows_of(list(exact.values())), strict=True))
+            return [Part(made[i], NOTHING) if i in made else self._part(i, progress) for i in range(len(self))]
+        if progress is not None:
+            return [self._part(i, progress) for i in range(len(self))]
+        still = [own.obstacle if isinstance(own, Moving) else own for own in self._obstacles]
+        seconds = [seconds_to_prepare(own) for own in still]
+        if sum(seconds) < LATE:
+            return [self._part(i, None) for i in range(len(self))]
+        longest = self.name(int(np.argmax(seconds)))
+        others = " and others" if sum(each > 0.0 for each in seconds) > 1 else ""
+        with estimated(f"preparing {longest}{others}", sum(seconds)) as say:
+            return [self._part(i, lambda name, share: say(f"preparing {name}", share)) for i in range(len(self))]
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""
@@ -230,14 +248,6 @@ class Snapshot(Surroundings, Frozen):
         each = zip(there, self._obstacles, self._prepared(), strict=True)
         parts = [part if own is old else prepare(own, "") for own, old, part in each]
         return Snapshot(there, parts)
-
-    def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
-        """What the kernels read of each obstacle; of many exact ones it is made together."""
-        exact = {i: own for i, own in enumerate(self._obstacles) if isinstance(own, Primitive)}
-        if len(exact) < t.MANY_OBSTACLES:
-            return [self._part(i, progress) for i in range(len(self))]
-        made = dict(zip(exact, rows_of(list(exact.values())), strict=True))
-        return [Part(made[i], NOTHING) if i in made else self._part(i, progress) for i in range(len(self))]
 
     def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
         obstacle = self._obstacles[index]

@@ -174,19 +174,23 @@ class Snapshot(Surroundings, Frozen):
     def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
         """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
         exact = {i: own for i, own in enumerate(self._obstacles) if isinstance(own, Primitive)}
-        if len(exact) >= t.MANY_OBSTACLES:  # together they are quicker
-            made = dict(zip(exact, rows_of(list(exact.values())), strict=True))
-            return [Part(made[i], NOTHING) if i in made else self._part(i, progress) for i in range(len(self))]
+        together = len(exact) >= t.MANY_OBSTACLES  # they are quicker so
+        rows = dict(zip(exact, rows_of(list(exact.values())), strict=True)) if together else {}
+
+        def part(i: int, say: Callable[[str, float], object] | None) -> Part:
+            return Part(rows[i], NOTHING) if i in rows else self._part(i, say)
+
+        every = range(len(self))
         if progress is not None:
-            return [self._part(i, progress) for i in range(len(self))]
+            return [part(i, progress) for i in every]
         still = [own.obstacle if isinstance(own, Moving) else own for own in self._obstacles]
-        seconds = [seconds_to_prepare(own) for own in still]
+        seconds = [0.0 if i in exact else seconds_to_prepare(own) for i, own in enumerate(still)]
         if sum(seconds) < LATE:
-            return [self._part(i, None) for i in range(len(self))]
+            return [part(i, None) for i in every]
         longest = self.name(int(np.argmax(seconds)))
         others = " and others" if sum(each > 0.0 for each in seconds) > 1 else ""
         with estimated(f"preparing {longest}{others}", sum(seconds)) as say:
-            return [self._part(i, lambda name, share: say(f"preparing {name}", share)) for i in range(len(self))]
+            return [part(i, lambda name, share: say(f"preparing {name}", share)) for i in every]
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""

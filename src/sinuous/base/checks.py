@@ -2,6 +2,7 @@
 
 import math
 import numbers
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -21,6 +22,8 @@ Kind = TypeVar("Kind", bound=np.generic)
 
 LARGEST = 1e100
 """Largest coordinate of a point: squares and cubes of it are numbers still."""
+
+LARGEST_FLOAT = sys.float_info.max
 
 UNIT_SLACK = 4e-15
 """By how much the square of a unit vector differs from 1 at most, after rounding."""
@@ -65,6 +68,8 @@ def number(
     high: float = math.inf,
 ) -> float:
     """Check a finite number: at least `low`, greater than `above`, at most `high`."""
+    if type(value) is float and max(low, -LARGEST_FLOAT) <= value <= min(high, LARGEST_FLOAT) and value > above:
+        return value
     expected = "a finite number"
     if above > -math.inf:
         expected = f"a number greater than {above:g}"
@@ -85,6 +90,8 @@ def number(
 
 def integer(key: str, value: Any, low: int, high: int) -> int:
     """Check a whole number between `low` and `high`, both allowed."""
+    if type(value) is int and low <= value <= high:
+        return value
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not low <= int(value) <= high:
         raise InputError(key, "", value, f"a whole number from {low} to {high}")
     return int(value)
@@ -144,9 +151,9 @@ def _has_truth_value(value: Any) -> bool:
     return isinstance(value, (bool, np.bool_))
 
 
-def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
+def stack(key: str, value: Any, shape: Sequence[int | None], expected: str | None = None) -> Floats:
     """Check an array of finite numbers whose last axes have this shape, with any axes in front of them."""
-    expected = _stacked(tuple(shape))
+    expected = expected or _stacked(tuple(shape))
     try:
         lead = np.ndim(value) - len(shape)
     except ValueError:  # rows of different lengths; `array` says so
@@ -292,6 +299,20 @@ def needed(package: str, extra: str, key: str, value: object = None, name: str =
     except ImportError:
         wanted = f"it installed: pip install sinuous[{extra}]"
         raise InputError(key, f"needs {name or package}", value, wanted) from None
+
+
+def names_of(key: str, value: Any, known: Sequence[str]) -> list[str]:
+    """Check names that are known, each given once; by default all of them."""
+    if value is None:
+        return list(known)
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise InputError(key, "", value, "a list of names")
+    names = list(value)
+    for i, name in enumerate(names):
+        choice(f"{key}[{i}]", name, known)
+        if name in names[:i]:
+            raise InputError(f"{key}[{i}]", "given twice", name, "each name once")
+    return names
 
 
 def choice(key: str, value: Any, words: Sequence[Word]) -> Word:

@@ -71,6 +71,8 @@ class ShapeLimits:
         self._low, self._high = actuation.coordinates.lengths.T
         self._bends = np.array([math.inf if isinstance(each, BendLine) else each for each in bends])
         self._planar = [(k, each) for k, each in enumerate(bends) if isinstance(each, BendLine)]
+        columns = self._low, self._high, self._bends, np.array(curvatures)
+        self._rows = np.stack(columns, axis=-1).tolist()
         self._curved = np.flatnonzero(np.isfinite(curvatures))
         self._curvatures = np.array(curvatures)[self._curved]
         self._actuation = actuation
@@ -84,6 +86,8 @@ class ShapeLimits:
 
         `slack` is allowed: as it is for angles, times the `mean_length` of the robot for lengths, see `unit_of`.
         """
+        if self._keeps_segments(q) and not len(self._actuation):  # most are, and that is soon seen
+            return []
         found = [
             (name, int(number), float(amount))
             for name, numbers, amounts in self._amounts(q)
@@ -92,6 +96,16 @@ class ShapeLimits:
             if amount > slack * unit_of(name, mean_length)
         ]
         return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
+
+    def _keeps_segments(self, q: Floats) -> bool:
+        """Whether a configuration (n, 3) is well within the limits of all segments, none of which bends in a plane."""
+        if self._planar:
+            return False
+        for (x, y, length), (low, high, most, curvature) in zip(q.tolist(), self._rows, strict=True):
+            bend = math.hypot(x, y)
+            if not (low <= length <= high and bend <= most and (bend == 0.0 or bend <= curvature * length)):
+                return False
+        return True
 
     def _amounts(self, q: Floats) -> Iterator[tuple[LimitKind, NDArray[Any], Floats]]:
         """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""

@@ -117,13 +117,13 @@ def check_limits(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, 
     return settled, notes
 
 
-def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:
+def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0, within: bool = False) -> Worst | None:
     """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself at a time.
 
-    `None` when it is within all limits and no overlap is seen. What is too near to contact to be proved clear is no
-    claim that it is clear: the first step is not proved then.
+    `None` when it is within all limits, as may be known (`within`), and no overlap is seen. What is too near to contact
+    to be proved clear is no claim that it is clear: the first step is not proved then.
     """
-    return violated_by(robot, q) or overlap_at(robot, q, prover, when)
+    return (None if within else violated_by(robot, q)) or overlap_at(robot, q, prover, when)
 
 
 def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:

@@ -252,6 +252,11 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
     """
     if len(scene) == 0 or robot.joints:
         return False
+    leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
+    rounding = ROUNDING * robot.mean_length + float(scene.table[:, ROUNDOFF].max())
+    distance = float(scene.at_most(leaves))
+    if distance >= max(robot.needed_radii) - rounding:
+        return False
     reached, radius = 0.0, robot.needed_radii[0]
     ramps: list[Ramp] = []
     if robot.mount > 0.0:
@@ -267,9 +272,7 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
                 break
         else:
             return False
-    leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
-    rounding = ROUNDING * robot.mean_length + float(scene.table[:, ROUNDOFF].max())
-    return bool(scene.at_most(leaves) + bound_sway(robot.mount, ramps) < radius - rounding)
+    return bool(distance + bound_sway(robot.mount, ramps) < radius - rounding)
 
 
 def bound_sway(mount: float, ramps: Sequence[Ramp]) -> float:

@@ -5,6 +5,7 @@ Every length is compared with that of the robot. Nothing is changed for what is 
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,18 +38,27 @@ small change of a tool, as of a difference quotient."""
 TIGHT, SLACK = 50.0, 300.0
 """How many times smaller, or larger, than what the largest bends need the limits of tendons are in another unit."""
 
+KEPT = 64
+"""Robots of which is kept what is suspicious."""
+
 FULL_TURN = 2.0 * math.pi
 
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
-    thick = held_back(robot.rows, robot.self_radii, robot.curvatures)
-    return [*_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick, *_of_obstacles(robot, scene)]
+    return [*_of_robot(robot), *_of_obstacles(robot, scene)]
 
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
     """The same, with what is suspicious of the base and of targets: what a solve says in its status."""
     return [*suspicions(robot, scene), *_of_base(robot, scene.first), *_of_targets(robot, waypoints)]
+
+
+@lru_cache(maxsize=KEPT)
+def _of_robot(robot: Robot) -> tuple[str, ...]:
+    """What is suspicious of a robot alone."""
+    thick = held_back(robot.rows, robot.self_radii, robot.curvatures)
+    return *_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick
 
 
 def _longest(robot: Robot) -> float:
@@ -118,18 +128,14 @@ def _of_loads(robot: Robot) -> Iterator[str]:
 
 def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:
     length = _longest(robot)
-    boxes = {i: box for i, each in enumerate(scene.obstacles) if (box := each._box) is not None}
-    if not boxes:
-        return
-    corners = np.array([*boxes.values()])
-    sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)
-    for i, size in zip(boxes, sizes, strict=True):
+    sizes, together = scene._sizes
+    large = {} if max(sizes.values(), default=0.0) <= min(ODD, ODD_FILE) * length else sizes
+    for i, size in large.items():
         of_file = isinstance(scene.obstacles[i], Mesh | PointCloud)
         if size > (ODD_FILE if of_file else ODD) * length:
             yield f"{scene.name(i)} is {size:.4g} large, the robot {length:.4g} long; are both in one length unit?"
-    size = float(np.linalg.norm(corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)))
-    if len(boxes) == len(scene) and ODD * size < length:
-        yield f"all obstacles lie within {size:.4g}, the robot is {length:.4g} long; are both in one length unit?"
+    if sizes and len(sizes) == len(scene) and ODD * together < length:
+        yield f"all obstacles lie within {together:.4g}, the robot is {length:.4g} long; are both in one length unit?"
 
 
 def _of_base(robot: Robot, scene: Snapshot) -> Iterator[str]:

@@ -14,12 +14,13 @@ from sinuous.base.arguments import Number, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
+from sinuous.base.progress import LATE, estimated
 from sinuous.kernels import packing
 from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.parts import Part, prepare, unsampled
+from sinuous.scene.parts import Part, prepare, seconds_to_prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -104,8 +105,9 @@ class Snapshot(Surroundings, Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_group", "_lock", "_moves", "_obstacles", "_parts")
+    __slots__ = ("_group", "_kept_sizes", "_lock", "_moves", "_obstacles", "_parts")
 
+    _kept_sizes: tuple[dict[int, float], float] | None
     _group: Floats | None
     _lock: threading.Lock
     _moves: bool | None
@@ -113,7 +115,8 @@ class Snapshot(Surroundings, Frozen):
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        self._set(_obstacles=obstacles, _parts=parts, _group=None, _moves=None, _lock=threading.Lock())
+        kept: dict[str, Any] = {"_group": None, "_moves": None, "_kept_sizes": None}
+        self._set(_obstacles=obstacles, _parts=parts, _lock=threading.Lock(), **kept)
 
     def snapshot(self) -> "Snapshot":
         """Return itself."""
@@ -134,11 +137,24 @@ class Snapshot(Surroundings, Frozen):
     def _prepared(self, progress: Callable[[str, float], object] | None = None) -> Sequence[Part]:
         """What the kernels read of each obstacle; after that, what they read of all is there, too, unless some move."""
         with self._lock:
-            parts = self._parts or [self._part(i, progress) for i in range(len(self))]
-            self._set(_parts=parts)
+            self._set(_parts=self._parts or self._all_parts(progress))
+            parts: Sequence[Part] = self._parts or []
             if self._group is None and not self.moves:
                 self._set(_group=packing.scene_group([part.row for part in parts], [part.store for part in parts]))
         return parts
+
+    def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
+        """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
+        if progress is not None:
+            return [self._part(i, progress) for i in range(len(self))]
+        still = [own.obstacle if isinstance(own, Moving) else own for own in self._obstacles]
+        seconds = [seconds_to_prepare(own) for own in still]
+        if sum(seconds) < LATE:
+            return [self._part(i, None) for i in range(len(self))]
+        longest = self.name(int(np.argmax(seconds)))
+        others = " and others" if sum(each > 0.0 for each in seconds) > 1 else ""
+        with estimated(f"preparing {longest}{others}", sum(seconds)) as say:
+            return [self._part(i, lambda name, share: say(f"preparing {name}", share)) for i in range(len(self))]
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""
@@ -155,6 +171,17 @@ class Snapshot(Surroundings, Frozen):
         if self._moves is None:  # every plan asks several times
             self._set(_moves=any(isinstance(obstacle, Moving) for obstacle in self._obstacles))
         return bool(self._moves)
+
+    @property
+    def _sizes(self) -> tuple[dict[int, float], float]:
+        """Diagonals of boxes around the obstacles that end somewhere, by their index, and around all of these."""
+        if self._kept_sizes is None:  # every solver and plan asks
+            boxes = {i: box for i, each in enumerate(self._obstacles) if (box := each._box) is not None}
+            corners = np.reshape([*boxes.values()], (len(boxes), 2, 3))
+            sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1).tolist()
+            span = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0) if boxes else np.zeros(3)
+            self._set(_kept_sizes=(dict(zip(boxes, sizes, strict=True)), float(np.linalg.norm(span))))
+        return self._kept_sizes  # type: ignore[return-value]  # set above
 
     @property
     def first(self) -> "Snapshot":

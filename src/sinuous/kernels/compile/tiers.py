@@ -110,8 +110,8 @@ PIECES = (
     ),
     Piece(
         "trees of meshes, clouds and grids",
-        1,
-        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose"),
+        2,
+        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose", "kernels.fields.triangle_pairs.gather_pairs"),
         most=FEW,
     ),
     Piece(
@@ -142,7 +142,12 @@ PIECES = (
     Piece(
         "plans",
         10,
-        ("kernels.planning.query.plan", "kernels.planning.query.tighten", "kernels.planning.walk.walk"),
+        (
+            "kernels.planning.query.plan",
+            "kernels.planning.query.tighten",
+            "kernels.planning.sliding.slide_back",
+            "kernels.planning.walk.walk",
+        ),
     ),
     Piece(
         "shapes under load",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Actuators, Chambers, Robot, Segment, Tendons
-from sinuous.answer.constraints import limits_of, normal
+from sinuous.model.limits import normal
 from tests.cases import with_each
 from tests.helpers import Floats
 
@@ -29,17 +29,17 @@ def random_q(seed: int) -> Floats:
 @with_each("seed", range(30))
 def test_the_least_slack_is_the_excess(seed: int) -> None:
     q = random_q(seed)
-    assert -min(limit.slack for limit in limits_of(ROBOT, q)) == pytest.approx(ROBOT.excess(q), abs=1e-12)
+    assert -min(limit.slack for limit in ROBOT.limit_set.sides(q)) == pytest.approx(ROBOT.excess(q), abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
     q, unit, h = random_q(seed), 0.7, 1e-6
-    for i, limit in enumerate(limits_of(ROBOT, q)):
+    for i, limit in enumerate(ROBOT.limit_set.sides(q)):
         if limit.key == "max_bend" and limit.segment == 3:
             continue  # a bend that is none has no direction
         numbers = []
         for step in h * np.eye(12).reshape(12, 4, 3) * [1.0, 1.0, unit]:
-            more, less = (list(limits_of(ROBOT, q + sign * step))[i].slack for sign in (1.0, -1.0))
+            more, less = (list(ROBOT.limit_set.sides(q + sign * step))[i].slack for sign in (1.0, -1.0))
             numbers.append((less - more) / (2.0 * h))
         np.testing.assert_allclose(normal(limit, unit), numbers, atol=1e-8)

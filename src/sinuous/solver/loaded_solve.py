@@ -14,13 +14,14 @@ from sinuous.base.work_time import work_time
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
-from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
+from sinuous.model.limits import LIMIT_ROUNDING
+from sinuous.model.robot import Robot, robot_group
 from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
 from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, lines_that_follow, stretches_allowed, tensions_kept
+from sinuous.statics.rest import Rest, lines_that_follow, stretches_allowed
 
 PIECES = 8
 """Most times that stretches are made linear anew."""
@@ -160,8 +161,7 @@ class LoadCorrection:
         if self._body is None:
             self._body = LoadedBody(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
-        robot = self._robot
-        held = len(robot.drive) == 0 or (not robot.violations(shape.q) and tensions_kept(robot, shape.pulls))
+        held = len(self._robot.drive) == 0 or self._robot.limit_set.keep(shape.q, shape.pulls)
         wrong = outcome.code == OUT_OF_REACH or (outcome.code == SOLVED and not held)  # of this shape alone
         code = FAILED if wrong else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)

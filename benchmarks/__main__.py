@@ -78,6 +78,7 @@ TOOLS = {
     "rooms": ("rooms", "lines of code by room, circles of imports, public names"),
     "corpus": ("corpus", "some 5,000 problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
+    "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
     "places": ("gallery", "one place again, or a picture of one of each kind"),
 }
 """Commands of their own: module, and what each does."""

@@ -1,0 +1,233 @@
+"""`python -m benchmarks mbm FOLDER`: problems of MotionBenchMaker, planned by robots at the place of the Panda.
+
+The folder holds a file for each scenario, a problem in each line: obstacles, and the joint values of the Panda at the
+start and at the goal. What counts is the CPU time of one call of `sn.plan`, of nouns that no call has seen before; a
+plan is valid where the judges find all of it clear, and both ends where they were asked to be.
+"""
+
+import gzip
+import json
+import math
+import sys
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from statistics import median
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import typer
+from scipy.spatial.transform import Rotation
+
+import sinuous as sn
+from benchmarks.harness.command import command
+from benchmarks.harness.lines import Times
+from benchmarks.harness.machine import describe
+from benchmarks.harness.markdown import table
+from benchmarks.harness.parallel import in_processes
+from benchmarks.judges.judge import right
+from benchmarks.judges.motions import wrong_in
+from benchmarks.ways import timed
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
+from sinuous.cli.options import check_writable
+from sinuous.motion.configurations import distances
+from sinuous.scene.obstacles import Obstacle
+
+SUFFIX = ".jsonl.gz"
+
+LIMIT = 5.0
+"""Seconds of CPU time in which a plan has to be found."""
+
+PATIENCE = 3.0
+"""Budget of a plan on the clock, in units of that: the machine may be busy."""
+
+RUNS = 3
+"""Plans of each problem, of which the middle one counts: the first may load compiled code."""
+
+PANDA = (
+    (0.0, 0.333, 0.0),
+    (0.0, 0.0, -0.5 * math.pi),
+    (0.0, 0.316, 0.5 * math.pi),
+    (0.0825, 0.0, 0.5 * math.pi),
+    (-0.0825, 0.384, -0.5 * math.pi),
+    (0.0, 0.0, 0.5 * math.pi),
+    (0.088, 0.0, 0.5 * math.pi),
+)
+"""Of every joint of the Panda a before it (m), d (m) and alpha before it (rad): modified Denavit-Hartenberg."""
+
+FLANGE = 0.107
+"""From the last frame to the flange, along z, in m."""
+
+PUBLISHED = (
+    "VAMP, for all 700 problems of the Panda itself, edges sampled, not proved (AMD Ryzen 9 7950X, one core; "
+    "resources/README.md of KavrakiLab/vamp): 699 solved and valid; a plan 35 us in the median, 343 us for 95 %, "
+    "1.1 ms at worst; with simplification 99, 442 us and 1.2 ms."
+)
+
+Problem = dict[str, Any]
+
+
+class Asked(NamedTuple):
+    """A robot among obstacles, and where it is asked to begin and to end."""
+
+    robot: sn.Robot
+    scene: sn.Scene
+    start: sn.Target
+    goal: sn.Target
+
+
+class Trial(NamedTuple):
+    """What came of a problem: how it ended, whether that is right, seconds of CPU time, and the length of the path."""
+
+    scenario: str
+    number: int
+    status: str
+    wrong: str
+    seconds: float
+    cost: float
+
+    @property
+    def solved(self) -> bool:
+        """Whether it was called solved in time."""
+        return self.status == "solved" and self.seconds <= LIMIT
+
+
+def continuum(problem: Problem) -> Asked:
+    """Put an arm of six segments at the place of the Panda; its tip is asked where the flange is, and points along."""
+    robot = sn.Robot([sn.Segment((0.10, 0.26), max_bend=1.8, radius=0.04)] * 6, mount=0.12)
+    poses = (flange(problem[end]) for end in ("start", "goal"))
+    start, goal = (sn.Target(pose[:3, 3], direction=pose[:3, 2]) for pose in poses)
+    return Asked(robot, sn.Scene([obstacle(each) for each in problem["obstacles"]]), start, goal)
+
+
+ROBOTS: dict[str, Callable[[Problem], Asked]] = {"continuum": continuum}
+"""From a problem to what is asked of a robot at the place of the Panda."""
+
+
+def flange(joints: Sequence[float]) -> Floats:
+    """Pose (4, 4) of the flange of the Panda."""
+    pose = np.eye(4)
+    for (a, d, alpha), angle in zip(PANDA, joints, strict=True):
+        before, after = np.eye(4), np.eye(4)
+        before[:3, :3], before[0, 3] = Rotation.from_euler("x", alpha).as_matrix(), a
+        after[:3, :3], after[2, 3] = Rotation.from_euler("z", angle).as_matrix(), d
+        pose = pose @ before @ after
+    pose[:3, 3] += FLANGE * pose[:3, 2]
+    return pose
+
+
+def obstacle(given: dict[str, Any]) -> Obstacle:
+    """Return a box or a cylinder of a problem."""
+    center, xyzw = np.array(given["position"]), given["quaternion_xyzw"]
+    if given["type"] == "box":
+        return sn.Box(center, given["dimensions"], xyzw=xyzw, name=given["name"])
+    length, radius = given["dimensions"]
+    half = 0.5 * length * Rotation.from_quat(xyzw).as_matrix()[:, 2]
+    return sn.Cylinder(center - half, center + half, radius, name=given["name"])
+
+
+def read_scenarios(folder: Path) -> dict[str, list[Problem]]:
+    """Read all problems of a folder, by scenario.
+
+    Raises
+    ------
+    InputError
+        When it holds none.
+    """
+    files = sorted(folder.glob(f"*{SUFFIX}"))
+    if not files:
+        raise InputError("FOLDER", f"has no files *{SUFFIX}", str(folder), "the problems, a file for each scenario")
+    return {file.name.removesuffix(SUFFIX): _read(file) for file in files}
+
+
+def _read(file: Path) -> list[Problem]:
+    with gzip.open(file, "rt", encoding="utf-8") as lines:
+        return [json.loads(line) for line in lines]
+
+
+def examine(robot: str, seed: int, given: tuple[str, Problem]) -> Trial:
+    """Plan one problem, and judge the plan."""
+    scenario, problem = given
+    motions = []
+    for _ in range(RUNS):
+        asked = ROBOTS[robot](problem)
+        start = sn.solve(asked.robot, asked.start, asked.scene, seed=seed)
+        if not start.solved:
+            return Trial(scenario, problem["problem"], f"start {start.status}", "", math.nan, math.nan)
+        plan = partial(sn.plan, time=PATIENCE * LIMIT, seed=seed)
+        motions.append(timed(plan, asked.robot, start, asked.goal, asked.scene))
+    motion = motions[0][0]
+    wrong = _wrong(asked, motion) if motion.solved else ""
+    cost = float(distances(asked.robot, motion.q).sum())
+    return Trial(
+        scenario, problem["problem"], str(motion.status), wrong, 1e-3 * median(spent for _, spent in motions), cost
+    )
+
+
+def _wrong(asked: Asked, motion: sn.Motion) -> str:
+    """Say what is wrong with a motion; nothing where it is as was asked."""
+    ends = right(asked.robot, [asked.start, asked.goal], motion.q[[0, -1]], sn.Tolerance())
+    return wrong_in(asked.robot, asked.scene, motion.q) if ends.all() else "not at its ends"
+
+
+def tables(trials: Sequence[Trial]) -> str:
+    """Return a table by scenario, and what others published."""
+    headings = ["scenario", "solved", "valid", "total", "median, ms", "p95", "worst", "cost, median", "p95"]
+    cells = [headings]
+    for scenario in [*dict.fromkeys(trial.scenario for trial in trials), "all"]:
+        own = [trial for trial in trials if scenario in (trial.scenario, "all")]
+        good = [trial for trial in own if trial.solved]
+        counts = (len(good), sum(not trial.wrong for trial in good), len(own))
+        times = Times.of([1e3 * trial.seconds for trial in good] or [math.nan])
+        costs = Times.of([trial.cost for trial in good] or [math.nan])
+        figures = (times.median, times.p95, times.worst, costs.median, costs.p95)
+        cells.append([scenario, *map(str, counts), *(f"{figure:.3g}" for figure in figures)])
+    missed = [f"{t.scenario} {t.number} ({t.wrong or t.status})" for t in trials if t.wrong or not t.solved]
+    parts = [table(cells), *([f"Not solved, or not valid: {', '.join(missed)}."] if missed else []), PUBLISHED]
+    return "\n\n".join(parts)
+
+
+def _head(robot: str, seed: int) -> str:
+    """Say what was measured, and where."""
+    facts = describe()
+    shown = {key: facts[key] for key in ("date", "processor", "python", "sinuous", "numba")}
+    shown |= {
+        "robot": robot,
+        "seed": str(seed),
+        "protocol": f"CPU time of one call of `sn.plan`, the middle one of {RUNS}, each with nouns of its own; solved "
+        f"within {LIMIT:g} s; valid as the judges find it",
+        "cost": "length of the path, in m: a change of a bend counts by the length of what it moves",
+    }
+    return "\n".join(f"- {key}: {value}" for key, value in shown.items())
+
+
+def run(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The problems, a file for each scenario.")],
+    robot: Annotated[str, typer.Option(help=f"At the place of the Panda: {', '.join(ROBOTS)}.")] = "continuum",
+    count: Annotated[int, typer.Option(help="Problems of each scenario, at most.")] = 10_000,
+    seed: Annotated[int, typer.Option(help="Of the planner.")] = 0,
+    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the table there, too.")] = None,
+) -> None:
+    """Plan problems of MotionBenchMaker; the exit code is 1 when a plan was wrong."""
+    checks.choice("--robot", robot, tuple(ROBOTS))
+    checks.integer("--count", count, 1, 10_000)
+    checks.integer("--seed", seed, 0, 2**31 - 1)
+    if record is not None:
+        check_writable("--record", record)
+    given = [(name, each) for name, problems in read_scenarios(folder).items() for each in problems[:count]]
+    trials = list(in_processes(partial(examine, robot, seed), given, alone=alone))
+    text = f"{_head(robot, seed)}\n\n{tables(trials)}\n"
+    typer.echo(text, nl=False)
+    if record is not None:
+        record.write_text(f"# mbm\n\n{text}", encoding="utf-8")
+    raise typer.Exit(int(any(trial.wrong for trial in trials)))
+
+
+main = command(run, "benchmarks mbm")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,58 @@
+"""Problems of MotionBenchMaker: read as they stand, planned, and judged by code that knows nothing of the planner."""
+
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks import mbm
+from benchmarks.__main__ import main
+
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+TURNED = [1.2, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+
+POST = {"name": "post", "type": "cylinder", "dimensions": [1.2, 0.06], "position": [0.25, 0.17, 0.6]}
+SHELF = {"name": "shelf", "type": "box", "dimensions": [0.2, 0.2, 0.1], "position": [0.6, 0.0, 0.1]}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    obstacles = [{**each, "quaternion_xyzw": [0, 0, 0, 1]} for each in (POST, SHELF)]
+    problem = {"problem": 7, "obstacles": obstacles, "start": READY, "goal": TURNED}
+    with gzip.open(tmp_path / "post.jsonl.gz", "wt", encoding="utf-8") as file:
+        file.write(json.dumps(problem) + "\n")
+    return tmp_path
+
+
+def test_the_flange_is_where_the_data_sheet_has_it() -> None:
+    pose = mbm.flange([0.0] * 7)
+    np.testing.assert_allclose(pose[:3, 3], [0.088, 0.0, 0.333 + 0.316 + 0.384 - 0.107], atol=1e-12)
+    np.testing.assert_allclose(pose[:3, 2], [0.0, 0.0, -1.0], atol=1e-12)
+
+
+def test_problems_are_planned_and_judged(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = folder / "mbm.txt"
+    assert main(["mbm", str(folder), "--alone", "--record", str(record)]) == 0
+    text = capsys.readouterr().out
+    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| ")]
+    assert [row[1:5] for row in rows[2:]] == [["post", "1", "1", "1"], ["all", "1", "1", "1"]]
+    assert record.read_text().endswith(text)
+
+
+def test_a_plan_through_an_obstacle_is_found_out(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def blind(robot: sn.Robot, start: sn.Solution, goal: sn.Target, _scene: sn.Scene, **options: Any) -> sn.Motion:
+        return sn.Planner(robot, **options).plan(start, goal)
+
+    monkeypatch.setattr(sn, "plan", blind)
+    (problem,) = mbm.read_scenarios(folder)["post"]
+    assert mbm.examine("continuum", 0, ("post", problem)).wrong == "overlap"
+    assert main(["mbm", str(folder), "--alone"]) == 1
+
+
+def test_a_folder_without_problems_is_said_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["mbm", str(tmp_path)]) == 2
+    assert "FOLDER" in capsys.readouterr().err

@@ -251,6 +251,8 @@ def _what(binding: Binding) -> str:
         return f"segment {binding.segment} touches {whom}"
     if binding.constraint in RATES:
         return RATES[binding.constraint]
+    if binding.key == "plane":
+        return "bend across the plane"
     if binding.actuator is not None and binding.key is not None:
         name = binding.key.partition("[")[0]
         return "value" if name.endswith(".limits") or binding.motor else name.rpartition(".")[2]

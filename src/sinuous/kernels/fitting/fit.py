@@ -16,9 +16,9 @@ from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, leng
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
-from sinuous.kernels.step.newton import finish_rows, move, project_to_limits, step, wish_nothing
+from sinuous.kernels.step.newton import add_targets, finish_rows, move, project_to_limits, step, wish_nothing
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
-from sinuous.kernels.step.targets import X, Y, Z, add_targets
+from sinuous.kernels.step.targets import X, Y, Z
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, RADIUS
 
 ROUTE_SAMPLES = 4
@@ -110,7 +110,7 @@ def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: b
             at = _draw_segment(problem, state, curve, k, at, (before, own, total), sliding)
         before += own
         if sliding:
-            at, _, _ = add_targets(problem, state.frames, rows, k, at)
+            at, _, _ = add_targets(problem, state, k, at)
     finish_rows(state, at)
 
 
@@ -163,7 +163,7 @@ def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
                 at = put_body_row(rows, at, q, state.frames, (k, s, p), force, INNER, (wished - d) / problem.unit)
                 pushed += 1
         begin += q[k, 2]
-        at, _, _ = add_targets(problem, state.frames, rows, k, at)
+        at, _, _ = add_targets(problem, state, k, at)
     finish_rows(state, at)
     return least, pushed
 

@@ -35,7 +35,7 @@ from sinuous.kernels.statics.newton import Body, Workspace, carve, workspace_siz
 from sinuous.kernels.step import limits
 from sinuous.kernels.step.coupling import LEAST_PIVOT
 from sinuous.kernels.step.dense import solve_symmetric
-from sinuous.kernels.step.targets import add_targets
+from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 
 MOST_ROUNDS = 25
@@ -210,13 +210,17 @@ def _evaluate(
     record[STABLE] = 1.0 if shape.record[e.LOAD_FACTOR] >= 1.0 and shape.record[e.UNSTABLE] == 0.0 else 0.0
     if record[STABLE] == 0.0:
         return
-    n, at = shape.q.shape[0], 0
+    n, at, origin = shape.q.shape[0], 0, frame(space.frames, 0)[1]
     off = turn = excess = merit = 0.0
     put_ends(drive.sections, space.frames, step.ends)
     for s in range(n):
         step.rows.start[s] = at
-        at, miss, angle = add_targets(problem, step.ends, step.rows, s, at)
-        off, turn = max(off, miss), max(turn, angle)
+        for i in range(problem.targets.shape[0]):
+            if end_segment(problem.targets, i, n) == s:
+                at, miss, angle = add_rows(
+                    problem.targets, i, step.ends, problem.tool, origin, problem.unit, step.rows, at
+                )
+                off, turn = max(off, miss), max(turn, angle)
     step.rows.start[n] = at
     for i in range(at):
         merit += step.rows.value[i] * step.rows.value[i]

@@ -9,7 +9,7 @@ from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.body.self_contacts import PAIR_VALUE, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
-from sinuous.kernels.chain.kinematics import forward_with_columns
+from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.fields import solids
@@ -21,7 +21,7 @@ from sinuous.kernels.step import states as s
 from sinuous.kernels.step.coupling import couple
 from sinuous.kernels.step.dense import are_few, carve_dense, dense_step, fill_constraint_jacobian
 from sinuous.kernels.step.states import State, Work, coupling_of, pick
-from sinuous.kernels.step.targets import add_targets
+from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 MISSED = -1
@@ -49,6 +49,22 @@ MOST_SLOW_WISHED_STEPS = 4
 
 MOST_BINDINGS = 3
 """Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
+
+
+def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, float, float]:
+    """Write the rows of all targets of the end of segment `k`, from row `at` on.
+
+    Returns the next free row, and the largest position error (length) and angle error (rad) of these targets.
+    """
+    origin = frame(state.frames, 0)[1]
+    off = turn = 0.0
+    for i in range(problem.targets.shape[0]):
+        if end_segment(problem.targets, i, state.q.shape[0]) == k:
+            at, miss, angle = add_rows(
+                problem.targets, i, state.frames, problem.tool, origin, problem.unit, state.rows, at
+            )
+            off, turn = max(off, miss), max(turn, angle)
+    return at, off, turn
 
 
 def finish_rows(state: State, count: int) -> None:
@@ -99,7 +115,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
             at, least = contacts(body, problem.scene, k, mount, search, scratch, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
-        at, miss, angle = add_targets(problem, frames, rows, k, at)
+        at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
     finish_rows(state, at)
     state.norms[s.POSITION], state.norms[s.ANGLE], state.norms[s.CLEARANCE_SEEN] = off, turn, seen

@@ -123,10 +123,40 @@ def put_row(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
     return at + 1
 
 
+def add_rows(
+    targets: Array, i: int, frames: Array, tool: Array, origin: Vec, unit: float, rows: Rows, at: int
+) -> tuple[int, float, float]:
+    """Write the rows of target `i` from row `at` on, lengths in units of `unit`.
+
+    Returns the next free row, the position error (length) and the angle error (rad); zero where nothing is asked.
+    """
+    rotation, position = end_pose(frames, tool, end_segment(targets, i, frames.shape[0] - 1))
+    miss, turn = ZERO, ZERO
+    if targets[i, t.HAS_POSITION] != 0.0:
+        inverse = 1.0 / unit
+        miss = sub(get_vec(targets, i, t.TARGET_POSITION), position)
+        arm = scale(inverse, sub(position, origin))
+        at = put_row(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
+        at = put_row(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
+        at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
+    if targets[i, t.ORIENTATION] == t.ROTATION:
+        turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
+        at = put_row(rows, at, X, ZERO, turn[0])
+        at = put_row(rows, at, Y, ZERO, turn[1])
+        at = put_row(rows, at, Z, ZERO, turn[2])
+    elif targets[i, t.ORIENTATION] == t.DIRECTION:
+        tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
+        turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
+        a, b = across(tangent)
+        at = put_row(rows, at, a, ZERO, dot(turn, a))
+        at = put_row(rows, at, b, ZERO, dot(turn, b))
+    return at, norm(miss), norm(turn)
+
+
 def miss_of(targets: Array, i: int, rotation: Mat, position: Vec) -> tuple[Vec, Vec]:
     """How far the end of a segment at this pose is from target `i`, and the rotation (rad) that is missing.
 
-    Zero where nothing is asked: the residual of all that meets targets.
+    Zero where nothing is asked. `add_rows`, which every step passes, has it written out: answers keep their last digit.
     """
     miss, turn = ZERO, ZERO
     if targets[i, t.HAS_POSITION] != 0.0:
@@ -136,43 +166,3 @@ def miss_of(targets: Array, i: int, rotation: Mat, position: Vec) -> tuple[Vec, 
     elif targets[i, t.ORIENTATION] == t.DIRECTION:
         turn = direction_vector((rotation[0][2], rotation[1][2], rotation[2][2]), get_vec(targets, i, t.GOAL))
     return miss, turn
-
-
-def add_rows(
-    targets: Array, i: int, frames: Array, tool: Array, origin: Vec, unit: float, rows: Rows, at: int
-) -> tuple[int, float, float]:
-    """Write the rows of target `i` from row `at` on, lengths in units of `unit`.
-
-    Returns the next free row, the position error (length) and the angle error (rad); zero where nothing is asked.
-    """
-    rotation, position = end_pose(frames, tool, end_segment(targets, i, frames.shape[0] - 1))
-    miss, turn = miss_of(targets, i, rotation, position)
-    if targets[i, t.HAS_POSITION] != 0.0:
-        inverse = 1.0 / unit
-        arm = scale(inverse, sub(position, origin))
-        at = put_row(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
-        at = put_row(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
-        at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
-    if targets[i, t.ORIENTATION] == t.ROTATION:
-        at = put_row(rows, at, X, ZERO, turn[0])
-        at = put_row(rows, at, Y, ZERO, turn[1])
-        at = put_row(rows, at, Z, ZERO, turn[2])
-    elif targets[i, t.ORIENTATION] == t.DIRECTION:
-        a, b = across((rotation[0][2], rotation[1][2], rotation[2][2]))
-        at = put_row(rows, at, a, ZERO, dot(turn, a))
-        at = put_row(rows, at, b, ZERO, dot(turn, b))
-    return at, norm(miss), norm(turn)
-
-
-def add_targets(problem: Problem, frames: Array, rows: Rows, k: int, at: int) -> tuple[int, float, float]:
-    """Write the rows of all targets of the end of segment `k`, from row `at` on.
-
-    Returns the next free row, and the largest position error (length) and angle error (rad) of these targets.
-    """
-    origin = frame(frames, 0)[1]
-    off = turn = 0.0
-    for i in range(problem.targets.shape[0]):
-        if end_segment(problem.targets, i, frames.shape[0] - 1) == k:
-            at, miss, angle = add_rows(problem.targets, i, frames, problem.tool, origin, problem.unit, rows, at)
-            off, turn = max(off, miss), max(turn, angle)
-    return at, off, turn

@@ -46,8 +46,8 @@ from sinuous.kernels.statics.drive import fill
 from sinuous.kernels.statics.ends import put_ends
 from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, UNSTABLE, follow, settle
 from sinuous.kernels.statics.newton import Body, carve, workspace_size
-from sinuous.kernels.step.newton import FINEST_PROOF
-from sinuous.kernels.step.targets import add_targets
+from sinuous.kernels.step.newton import FINEST_PROOF, add_targets
+from sinuous.kernels.step.states import State
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
 from sinuous.kernels.velocity import query as k
 from sinuous.kernels.velocity.body import MOST_STEPS, RestingBody, hold_rigid, owner_of, unroll
@@ -346,9 +346,10 @@ def _settle(own: RestingBody, way: Way) -> bool:
 def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: Array) -> None:
     """Fill proved clearances of the body where it was just found at rest, the end of a way, and errors of targets."""
     put_ends(own.sections, own.space.frames, work.frames)
+    state = State(work.q, work.frames, work.columns, work.rows, work.none[0])
     at, off, turn, merit = 0, 0.0, 0.0, 0.0
     for s in range(work.q.shape[0]):
-        at, miss, angle = add_targets(problem, work.frames, work.rows, s, at)
+        at, miss, angle = add_targets(problem, state, s, at)
         off, turn = max(off, miss), max(turn, angle)
     for i in range(at):
         merit += work.rows.value[i] * work.rows.value[i]

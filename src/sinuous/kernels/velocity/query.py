@@ -34,8 +34,9 @@ from sinuous.kernels.maths.vectors import (
 )
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.limits import free_root
-from sinuous.kernels.step.newton import FINEST_PROOF, PROOF_SLACK, SAMPLED_PROOF_SLACK
-from sinuous.kernels.step.targets import X, Y, Z, add_targets, end_pose, put_row
+from sinuous.kernels.step.newton import FINEST_PROOF, PROOF_SLACK, SAMPLED_PROOF_SLACK, add_targets
+from sinuous.kernels.step.states import State
+from sinuous.kernels.step.targets import X, Y, Z, end_pose, put_row
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING, constrained_step
@@ -113,10 +114,11 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
     if not move_body(control, control.body):
         return math.inf, math.inf, math.inf
     off = turn = merit = 0.0
+    state = State(control.q, control.frames, control.columns, rows, control.none[0])
     for k in range(n):
         rows.start[k] = at
         if asked.kind == v.MEET_TARGETS:
-            at, miss, angle = add_targets(problem, control.frames, rows, k, at)
+            at, miss, angle = add_targets(problem, state, k, at)
             off, turn = max(off, miss), max(turn, angle)
     if asked.kind != v.MEET_TARGETS:
         inverse = 1.0 / problem.unit

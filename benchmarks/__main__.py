@@ -47,6 +47,9 @@ KNOWN = {
         "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
         "motion.experiment",
     ),
+    "seams": Known(
+        "welds, seams and other paths: how many are followed whole, and whether the tip stays on them", "motion.seams"
+    ),
     "limits": Known(
         "limits of tension in control steps and motions of elastic arms, with and without load", "motion.limits"
     ),
@@ -79,6 +82,7 @@ TOOLS = {
     "corpus": ("corpus", "some 5,000 problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
+    "joints": ("joints", "inverse kinematics of arms with joints before the segments, beside an analytic rigid solver"),
     "places": ("gallery", "one place again, or a picture of one of each kind"),
 }
 """Commands of their own: module, and what each does."""

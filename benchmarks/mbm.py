@@ -1,8 +1,9 @@
 """`python -m benchmarks mbm FOLDER`: problems of MotionBenchMaker, planned by robots at the place of the Panda.
 
 The folder holds a file for each scenario, a problem in each line: obstacles, and the joint values of the Panda at the
-start and at the goal. What counts is the CPU time of one call of `sn.plan`, of nouns that no call has seen before; a
-plan is valid where the judges find all of it clear, and both ends where they were asked to be.
+start and at the goal. What counts is the CPU time of one call of `sn.plan`, from a start that is solved, in a scene in
+which nothing was planned before; a plan is valid where the judges find all of it clear, and both ends where they were
+asked to be.
 """
 
 import gzip
@@ -10,7 +11,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, NamedTuple
@@ -26,12 +27,14 @@ from benchmarks.harness.machine import describe
 from benchmarks.harness.markdown import table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
-from benchmarks.judges.motions import wrong_in
+from benchmarks.judges.links import wrong_among
+from benchmarks.judges.motions import samples, wrong_in
 from benchmarks.ways import timed
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.cli.options import check_writable
+from sinuous.model.joints import Fixed, Joint, Revolute
 from sinuous.motion.configurations import distances
 from sinuous.scene.obstacles import Obstacle
 
@@ -69,13 +72,40 @@ PUBLISHED = (
 Problem = dict[str, Any]
 
 
+LIMITS = (
+    (-2.8973, 2.8973),
+    (-1.7628, 1.7628),
+    (-2.8973, 2.8973),
+    (-3.0718, -0.0698),
+    (-2.8973, 2.8973),
+    (-0.0175, 3.7525),
+    (-2.8973, 2.8973),
+)
+"""Of every joint, in rad."""
+
+CAPSULES = (
+    (((0.0, 0.0, -0.283), (0.0, 0.0, -0.05), 0.06),),
+    (((0.0, 0.0, -0.06), (0.0, 0.0, 0.06), 0.06),),
+    (((0.0, 0.0, -0.22), (0.0, 0.0, -0.07), 0.06),),
+    (((0.0, 0.0, -0.06), (0.0, 0.0, 0.06), 0.06),),
+    (((0.0, 0.0, -0.31), (0.0, 0.0, -0.21), 0.06), ((0.0, 0.08, -0.2), (0.0, 0.08, -0.06), 0.025)),
+    (((0.0, 0.0, -0.07), (0.0, 0.0, 0.01), 0.05),),
+    (((0.0, 0.0, -0.06), (0.0, 0.0, 0.08), 0.04), ((0.055, 0.0, 0.082), (0.065, 0.0, 0.082), 0.03)),
+)
+"""Of every link, in the frame after its joint: from, to and radius (m) of the capsules that its maker gives for it."""
+
+
+NEVER = 2, "j1"
+"""Number of the joint, from 0, whose link never meets another one between its limits, though their capsules do."""
+
+
 class Asked(NamedTuple):
-    """A robot among obstacles, and where it is asked to begin and to end."""
+    """A robot among obstacles, and where it is asked to begin and to end: targets, or configurations."""
 
     robot: sn.Robot
     scene: sn.Scene
-    start: sn.Target
-    goal: sn.Target
+    start: sn.Target | Floats
+    goal: sn.Target | Floats
 
 
 class Trial(NamedTuple):
@@ -94,15 +124,43 @@ class Trial(NamedTuple):
         return self.status == "solved" and self.seconds <= LIMIT
 
 
+@cache
+def arm() -> sn.Robot:
+    """Six segments, as long as the Panda together."""
+    return sn.Robot([sn.Segment((0.10, 0.26), max_bend=1.8, radius=0.04)] * 6, mount=0.12)
+
+
 def continuum(problem: Problem) -> Asked:
     """Put an arm of six segments at the place of the Panda; its tip is asked where the flange is, and points along."""
-    robot = sn.Robot([sn.Segment((0.10, 0.26), max_bend=1.8, radius=0.04)] * 6, mount=0.12)
     poses = (flange(problem[end]) for end in ("start", "goal"))
     start, goal = (sn.Target(pose[:3, 3], direction=pose[:3, 2]) for pose in poses)
-    return Asked(robot, sn.Scene([obstacle(each) for each in problem["obstacles"]]), start, goal)
+    return Asked(arm(), sn.Scene([obstacle(each) for each in problem["obstacles"]]), start, goal)
 
 
-ROBOTS: dict[str, Callable[[Problem], Asked]] = {"continuum": continuum}
+def panda(problem: Problem) -> Asked:
+    """Put the Panda there, with the links that its joints move; it is asked for joint values."""
+    robot = sn.Robot(joints=[*panda_joints(CAPSULES), Fixed((0.0, 0.0, FLANGE))])
+    rigid, ends = robot._rigid, []
+    for end in ("start", "goal"):
+        q = np.array([(0.0, 0.0, 0.5 * sum(row.length)) for row in robot.rows])
+        q[rigid.values, rigid.columns] = problem[end]
+        ends.append(q)
+    return Asked(robot, sn.Scene([obstacle(each) for each in problem["obstacles"]]), *ends)
+
+
+def panda_joints(capsules: Sequence[Sequence[Any]]) -> list[Joint]:
+    """Return the joints of the Panda, with these capsules for the links that they move."""
+    joints: list[Joint] = []
+    for (a, d, alpha), limits, body in zip(PANDA, LIMITS, capsules, strict=True):
+        origin = np.eye(4)
+        origin[:3, :3] = Rotation.from_euler("x", alpha).as_matrix()
+        origin[:3, 3] = (a, 0.0, 0.0) + d * origin[:3, 2]
+        touches = [NEVER[1]] if len(joints) == NEVER[0] else []
+        joints.append(Revolute((0.0, 0.0, 1.0), limits, origin, body=body, touches=touches))
+    return joints
+
+
+ROBOTS: dict[str, Callable[[Problem], Asked]] = {"continuum": continuum, "panda": panda}
 """From a problem to what is asked of a robot at the place of the Panda."""
 
 
@@ -153,9 +211,15 @@ def examine(robot: str, seed: int, given: tuple[str, Problem]) -> Trial:
     motions = []
     for _ in range(RUNS):
         asked = ROBOTS[robot](problem)
-        start = sn.solve(asked.robot, asked.start, asked.scene, seed=seed)
-        if not start.solved:
-            return Trial(scenario, problem["problem"], f"start {start.status}", "", math.nan, math.nan)
+        start: sn.Solution | Floats
+        if isinstance(asked.start, sn.Target):
+            start = sn.solve(asked.robot, asked.start, asked.scene, seed=seed)
+            if not start.solved:
+                return Trial(scenario, problem["problem"], f"start {start.status}", "", math.nan, math.nan)
+        else:
+            start = asked.start
+        if why := _outside(asked):
+            return Trial(scenario, problem["problem"], why, "", math.nan, math.nan)
         plan = partial(sn.plan, time=PATIENCE * LIMIT, seed=seed)
         motions.append(timed(plan, asked.robot, start, asked.goal, asked.scene))
     motion = motions[0][0]
@@ -166,10 +230,24 @@ def examine(robot: str, seed: int, given: tuple[str, Problem]) -> Trial:
     )
 
 
+def _outside(asked: Asked) -> str:
+    """Say whether a configuration that is asked for is beyond its limits."""
+    ends = [end for end in (asked.start, asked.goal) if not isinstance(end, sn.Target)]
+    return "limits exclude an end" if any(asked.robot.violations(end) for end in ends) else ""
+
+
 def _wrong(asked: Asked, motion: sn.Motion) -> str:
     """Say what is wrong with a motion; nothing where it is as was asked."""
-    ends = right(asked.robot, [asked.start, asked.goal], motion.q[[0, -1]], sn.Tolerance())
+    if not isinstance(asked.start, sn.Target) and not isinstance(asked.goal, sn.Target):
+        if not np.array_equal(motion.q[[0, -1]], np.stack([asked.start, asked.goal])):
+            return "not at its ends"
+        return wrong_among(asked.robot, asked.scene, samples(motion.q))
+    ends = right(asked.robot, _targets(asked), motion.q[[0, -1]], sn.Tolerance())
     return wrong_in(asked.robot, asked.scene, motion.q) if ends.all() else "not at its ends"
+
+
+def _targets(asked: Asked) -> list[sn.Target]:
+    return [end for end in (asked.start, asked.goal) if isinstance(end, sn.Target)]
 
 
 def tables(trials: Sequence[Trial]) -> str:
@@ -196,7 +274,7 @@ def _head(robot: str, seed: int) -> str:
     shown |= {
         "robot": robot,
         "seed": str(seed),
-        "protocol": f"CPU time of one call of `sn.plan`, the middle one of {RUNS}, each with nouns of its own; solved "
+        "protocol": f"CPU time of one call of `sn.plan`, the middle one of {RUNS}, each in a scene of its own; solved "
         f"within {LIMIT:g} s; valid as the judges find it",
         "cost": "length of the path, in m: a change of a bend counts by the length of what it moves",
     }

@@ -124,7 +124,6 @@ FIRST = (
     "solver/test_live.py",
     "view/page/test_page.py",  # waits for a browser
     "benchmarks/test_experiments.py",  # takes long
-    "base/test_arguments.py",  # checks types, which takes long where that was not done before
     "benchmarks/places/test_places.py",
     "studies/batch/test_deaths.py",
     "test_cookbook.py",

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -75,8 +75,14 @@ def expm_chain(q: NDArray[Any], base: NDArray[Any] | None = None) -> list[NDArra
     """Poses of the base and of every segment's end, by the matrix exponential."""
     poses: list[NDArray[Any]] = [np.eye(4) if base is None else base]
     for row in q:
-        poses.append(poses[-1] @ expm(twist_matrix(row)))
+        poses.append(poses[-1] @ _exponential(*row.tolist()))
     return poses
+
+
+@lru_cache(maxsize=1024)
+def _exponential(ux: complex, uy: complex, length: complex) -> NDArray[Any]:
+    """Exponential of the twist of a segment; derivatives in one coordinate ask for those of the others again."""
+    return np.asarray(expm(twist_matrix(np.array([ux, uy, length]))))
 
 
 def complex_columns(function: Callable[[NDArray[Any]], NDArray[Any]], q: Floats) -> Floats:
@@ -136,14 +142,14 @@ def frames_of(q: Floats, base: Floats | None = None) -> Floats:
     frames = np.zeros((len(q) + 1, 12))
     pose = np.eye(4) if base is None else base
     frames[0] = [*pose[:3, :3].ravel(), *pose[:3, 3]]
-    chain.forward(q, frames)
+    chain.forward(packing.plain_rows(len(q)), q, frames)
     return frames
 
 
 def columns_of(q: Floats, base: Floats | None = None) -> Floats:
     """Columns (n, 18) of a configuration, about its base, by the kernel."""
     frames, columns = frames_of(q, base), np.full((len(q), 18), np.nan)
-    chain.forward_with_columns(q, frames, columns)
+    chain.forward_with_columns(packing.plain_rows(len(q)), q, frames, columns)
     return columns
 
 

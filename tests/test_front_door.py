@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -95,3 +96,28 @@ def test_a_solver_answers_to_its_old_names() -> None:
     with pytest.warns(DeprecationWarning, match=r"^Solver\.once is private now$"):
         made = sn.Solver.once(sn.Robot.uniform(2, 50))
     assert isinstance(made, sn.Solver)
+
+
+def test_a_scene_says_how_it_grows() -> None:
+    scene: Any = sn.Scene()
+    for name in ("add", "append", "remove"):
+        with pytest.raises(AttributeError, match=r"sn\.Scene\(\[scene, obstacle\]\) is a new scene"):
+            getattr(scene, name)
+    with pytest.raises(AttributeError, match="no attribute 'obstacle'"):
+        _ = scene.obstacle
+
+
+def test_attributes_that_one_guesses_say_where_that_is() -> None:
+    robot = sn.Robot.uniform(2, 50)
+    solution = sn.solve(robot, (0, 0, 100))
+    motion = sn.Motion(robot, [solution.q, solution.q])
+    for thing, name, words in (
+        (robot, "fk", "robot.tip"),
+        (robot, "solve", "sn.solve"),
+        (solution, "success", "solution.solved"),
+        (solution, "to_csv", "solution.actuators"),
+        (motion, "plot", "sn.plot"),
+    ):
+        with pytest.raises(AttributeError, match=words):
+            getattr(thing, name)
+        assert not hasattr(thing, "nothing")

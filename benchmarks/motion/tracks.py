@@ -13,12 +13,14 @@ from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.plan import Plan
 from benchmarks.judges.motions import wrong_in
 from benchmarks.problems import ProblemSet, path_through
+from sinuous.base.arguments import Reconfigure
 from sinuous.motion.planning.rrt_connect import load_trees
 
 SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12
 
 REACHED = "paths of 180 waypoints behind random spheres: reached by proved motion, of those that were solved"
 LEFT = "paths: the tip left a line between two of the 180 waypoints, which alone are asked for"
+WHOLE = "paths: followed whole on the lines between the 180 waypoints, where these are asked for"
 WAYPOINT = "paths: median time of a waypoint (one core, warm, with the proof of every step)"
 WORST = "paths: worst time of a waypoint"
 FALSE = "paths: steps called proved in which a judge finds a collision"
@@ -29,7 +31,8 @@ class Followed(NamedTuple):
     """What came of it.
 
     Seconds of every waypoint; how many were solved, and reached by proved motion; how often the robot was reconfigured,
-    and whether the tip left a line between two waypoints then; what is wrong.
+    whether the tip left a line between two waypoints then, and whether it does not where that is refused; what is
+    wrong.
     """
 
     seconds: list[float]
@@ -37,6 +40,7 @@ class Followed(NamedTuple):
     reached: int
     reconfigured: int
     left: bool
+    whole: bool
     wrong: int
     missed: int
 
@@ -54,6 +58,7 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
         note = f"{tried - solved} of {tried} waypoints were not solved; reconfigured {around} times"
         yield Line(REACHED, what, 100.0 * reached / max(1, solved), "%", Goal(99.9, at_most=False), note=note)
         yield Line(LEFT, what, 100.0 * sum(one.left for one in followed) / len(followed), "%")
+        yield Line(WHOLE, what, 100.0 * sum(one.whole for one in followed) / len(followed), "%")
         yield Line(WAYPOINT, what, times.median, "us", Goal(60e-6), times)
         yield Line(WORST, what, times.worst, "ms", Goal(50e-3), noise=1.0)
         yield Line(FALSE, what, sum(one.wrong for one in followed), "", Goal(0.0, correctness=True))
@@ -79,12 +84,13 @@ def follow(path: tuple[int, int, int]) -> Followed:
         solved - _unproved(motion),
         len(motion.reconfigured),
         bool(motion.left_steps),
+        _track(problems, "refuse")[0].solved if motion.left_steps else motion.solved,
         sum(bool(wrong_in(problems.robot, problems.scene, knots)) for knots in _proved_runs(motion)),
         _missed(problems, motion),
     )
 
 
-def _track(problems: ProblemSet) -> tuple[sn.Motion, list[float]]:
+def _track(problems: ProblemSet, reconfigure: Reconfigure = "allow") -> tuple[sn.Motion, list[float]]:
     """Follow a path; return the motion, and the seconds of each waypoint with all that was proved of the way there."""
     stamps = [perf_counter()]
 
@@ -97,7 +103,7 @@ def _track(problems: ProblemSet) -> tuple[sn.Motion, list[float]]:
         problems.scene,
         tolerance=problems.tolerance,
         progress=stamp,
-        reconfigure="allow",  # the experiment asks for waypoints only
+        reconfigure=reconfigure,  # the experiment asks for waypoints only
     )
     return motion, np.diff(stamps).tolist()
 

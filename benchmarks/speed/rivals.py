@@ -85,7 +85,7 @@ class LeastSquares:
             {"method": "dogbox"} if dogbox else {"method": "trf", "tr_solver": "lsmr", "x_scale": scale}
         )
         self._robot, self._unit = robot, robot.mean_length
-        self._base, self._tool = pose_row(robot.base), pose_row(robot.tool)
+        self._base, self._tool, self._limits = pose_row(robot.base), pose_row(robot.tool), robot.limits.copy()
         self._allowed = problems.tolerance.position or 0.0, problems.tolerance.angle
         self._frames = np.empty((1, len(robot) + 1, 12))
         self._columns = np.empty((len(robot), 18))
@@ -124,13 +124,13 @@ class LeastSquares:
     def _jacobian(self, x: Floats, position: Floats, direction: Floats) -> Floats:
         zx, zy, zz = self._forward(x)[2:9:3].tolist()
         q = x.reshape(1, -1, 3)
-        batch.jacobians_of(q, self._frames, self._tool, len(self._robot) - 1, self._columns, self._twists)
+        batch.jacobians_of(self._limits, q, self._frames, self._tool, len(self._robot) - 1, self._columns, self._twists)
         turn, move = self._twists[0, :3], self._twists[0, 3:]
         minus_cross = np.array([[0.0, zz, -zy], [-zz, 0.0, zx], [zy, -zx, 0.0]])
         return np.concatenate([move / self._unit, minus_cross @ turn])
 
     def _forward(self, x: Floats) -> Floats:
-        batch.frames_of(x.reshape(1, -1, 3), self._base, self._frames)
+        batch.frames_of(self._limits, x.reshape(1, -1, 3), self._base, self._frames)
         tip: Floats = self._frames[0, -1]
         return tip
 

@@ -28,7 +28,7 @@ def test_it_is_no_farther_and_within_the_limits(seed: int, unit: float) -> None:
     assert np.linalg.norm(residual_of(problem, after).value) <= np.linalg.norm(residual_of(problem, before).value)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("off", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("segments", [2, 8])
 def test_the_last_digits_are_no_trouble(seed: int, off: float, segments: int) -> None:

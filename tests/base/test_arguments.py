@@ -2,8 +2,6 @@
 
 import inspect
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import UnionType
@@ -22,36 +20,6 @@ from sinuous.problem.target import TargetArguments
 from sinuous.solver.options import SolveArguments, SolveOptions
 from tests.cases import with_each
 from tests.public import public_names
-
-ROOT = Path(__file__).parents[2]
-CODE = ROOT / "tests" / "user_code"
-
-CACHE = ROOT / ".mypy_cache" / "user_code"
-FLAGS = ("--strict", "--ignore-missing-imports", "--config-file=", f"--cache-dir={CACHE}")
-
-
-def shown() -> Iterator[Path]:
-    """Every piece of Python that the pages show, as a file; always the same one, which is then checked only once."""
-    folder = CACHE / "shown"
-    folder.mkdir(parents=True, exist_ok=True)
-    for page in (ROOT / "README.md", ROOT / "docs" / "cookbook.md"):
-        for i, code in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)):
-            file = folder / f"{page.stem}_{i}.py"
-            file.write_text(code, encoding="utf-8")
-            yield file
-
-
-def test_a_checker_finds_every_mistake_and_nothing_else() -> None:
-    """Nothing in what the pages and examples show, and all in what is planted."""
-    own = [CODE / "correct.py", CODE / "mistakes.py", *shown(), ROOT / "examples" / "quickstart.py"]
-    files = [str(file) for file in own]
-    done = subprocess.run([sys.executable, "-m", "mypy", *FLAGS, *files], capture_output=True, text=True, check=False)
-    found = re.findall(r"(\w+)\.py:(\d+): error", done.stdout)
-    assert not [line for line in done.stdout.splitlines() if ": error" in line and "mistakes.py:" not in line]
-    lines = (CODE / "mistakes.py").read_text(encoding="utf-8").splitlines()
-    planted = set(range(lines.index("# Mistakes:") + 2, len(lines) + 1))
-    assert len(planted) > 50
-    assert {int(line) for name, line in found if name == "mistakes"} == planted, done.stderr
 
 
 def test_the_wheel_says_that_it_is_typed() -> None:

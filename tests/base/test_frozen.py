@@ -80,11 +80,15 @@ NOUNS: dict[str, Callable[[], Any]] = {
 }
 
 
+KEPT = ("_lock", "_reason", "_worst", "_binding", "_kept_sizes")
+"""Attributes that are found out anew when they are asked for, or a lock."""
+
+
 def attributes(noun: Any) -> dict[str, Any]:
     """Everything that a noun holds, but locks, and what it computes only when it is asked."""
     slots = [name for kind in type(noun).__mro__ for name in getattr(kind, "__slots__", ())]
     names = [*getattr(noun, "__dict__", {}), *slots]
-    return {name: getattr(noun, name) for name in names if name not in ("_lock", "_reason", "_worst", "_binding")}
+    return {name: getattr(noun, name) for name in names if name not in KEPT}
 
 
 def public(noun: Any) -> list[str]:

@@ -56,3 +56,8 @@ def test_a_plan_through_an_obstacle_is_found_out(folder: Path, monkeypatch: pyte
 def test_a_folder_without_problems_is_said_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["mbm", str(tmp_path)]) == 2
     assert "FOLDER" in capsys.readouterr().err
+
+
+def test_the_panda_itself_is_planned_and_judged(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["mbm", str(folder), "--robot", "panda", "--alone"]) == 0
+    assert "panda" in capsys.readouterr().out

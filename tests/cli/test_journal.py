@@ -2,11 +2,10 @@
 
 import json
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +18,8 @@ from sinuous.cli.work import read_solution, write_solution
 from sinuous.motion.plan import Planner
 from sinuous.motion.tracker import Tracker
 from sinuous.solver.solver import Solver
+from tests.base.processes import Command, until
 from tests.cli.conftest import Run
-
-PATIENCE = 300.0
-"""Seconds until a process that does nothing fails a test."""
 
 ARM = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.1, 0, 2), radius=0.2, name="ball")
@@ -73,20 +70,18 @@ STEPS: dict[str, tuple[type[Any], str]] = {
 }
 """What is called for every entry of a journal."""
 
-SLOWLY = """
-import sys, time
-from sinuous.cli import journal
-from sinuous.cli.app import main
-from {module} import {kind}
-journal.WRITE_SECONDS = 0.05
-step = {kind}.{name}
-def slow(self, *arguments, **options):
-    time.sleep({seconds})
-    return step(self, *arguments, **options)
-{kind}.{name} = slow
-sys.exit(main(sys.argv[1:]))
-"""
-"""The command line, where every step takes longer, so that the end finds it at work."""
+
+def take_longer(command: str, seconds: float) -> None:
+    """Let every step of a command take longer, so that the end finds it at work."""
+    kind, name = STEPS[command]
+    journal.WRITE_SECONDS = 0.05
+    step = getattr(kind, name)
+
+    def slow(self: Any, *arguments: Any, **options: Any) -> Any:
+        time.sleep(seconds)
+        return step(self, *arguments, **options)
+
+    setattr(kind, name, slow)
 
 
 def typed(command: str) -> str:
@@ -167,18 +162,13 @@ def test_wherever_it_ends(run: Run, command: str, code: int, monkeypatch: pytest
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a process alone")
 @pytest.mark.parametrize(("command", "seconds", "end"), [("track", 0.05, signal.SIGINT), ("plan", 0.3, signal.SIGKILL)])
 def test_a_real_end(run: Run, command: str, seconds: float, end: signal.Signals) -> None:
-    own, (kind, name) = typed(command), STEPS[command]
-    program = SLOWLY.format(module=kind.__module__, kind=kind.__name__, name=name, seconds=seconds)
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen([sys.executable, "-c", program, *own.split(), "--out", str(OUT)], **pipes) as process:
-        until = time.monotonic() + PATIENCE
-        while entries() < 3:
-            assert process.poll() is None, process.communicate()
-            assert time.monotonic() < until
-            time.sleep(0.02)
-        process.send_signal(end)
-        err = process.communicate(timeout=PATIENCE)[1]
-    assert process.returncode == (130 if end is signal.SIGINT else -signal.SIGKILL)
+    own = typed(command)
+    process = Command([*own.split(), "--out", str(OUT)], Path.cwd(), partial(take_longer, command, seconds))
+    assert until(lambda: entries() >= 3 or process.code is not None)
+    assert process.code is None
+    process.send(end)
+    err = process.said()
+    assert process.code == (130 if end is signal.SIGINT else -signal.SIGKILL)
     assert ("the same command goes on" in err) == (end is signal.SIGINT)
     assert "Traceback" not in err
     kept = entries()

@@ -95,6 +95,9 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
         told = run(f"{REACH} --out map.npz", 130).err
     assert told == "sinuous: interrupted; what was found is kept, the same command goes on\n"
     assert run(f"{REACH} --directions 3 --out map.npz", 2).err.startswith("--directions: ")
+    assert run(f"{REACH} --toward 0,0,1", 2).err.startswith("--toward: cannot be combined with --directions")
+    for wrong in ("--toward 0,0", "--toward 0,0,0", "--within 20 --toward 0,0,1", "--within 0.1"):
+        assert run(f"reach mapped.yaml {wrong}", 2).err.startswith(wrong.split()[0] + ": ")
     with monkeypatch.context() as patch:
         interrupt(patch, sn.Solver, "solve_many")
         said = run(f"{REACH} --out map.npz --plot map.html").out  # all is there
@@ -105,3 +108,17 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
     assert Path("map.html").exists()
     (values,) = run(f"{REACH} --out map.npz --json").results
     assert values["volumes"]["reachable"]["found"] == found.volume().found
+
+
+def test_a_file_says_what_a_map_asks_and_options_replace_it(run: Run) -> None:
+    asked = sn.studies.Workspace(60.0, (0, 0, 1), 0.4, low=(-60, -60, 0))
+    job = sn.Job(MAPPED, scene=WALL, workspace=asked)
+    job.save("asked.yaml")
+    assert sn.load("asked.yaml", sn.Job).equals(job)
+    said = run("reach asked.yaml").out
+    assert said.startswith("asked.yaml: 4 x 4 x 3 voxels of 60, a direction each")
+    assert "with the tip along 0 0 1, within 22.9 degrees" in said
+    (values,) = run("reach asked.yaml --json --spacing 40 --directions 3 --within 0.2").results
+    assert (values["spacing"], values["directions"], values["within"]) == (40.0, 3, 0.2)
+    (values,) = run("reach asked.yaml --json --toward 1,0,0").results
+    assert values["directions"] == 1

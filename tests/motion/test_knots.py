@@ -30,3 +30,23 @@ def test_orientations_go_the_shorter_way_round() -> None:
     np.testing.assert_allclose(asked(opposite.at(1.0))[1], [-1.0, 0.0, 0.0], atol=1e-12)
     same = TipLine(a, sn.Target((0, 0, 2), direction=(1, 0, 0)))
     np.testing.assert_allclose(asked(same.at(0.3))[1], [1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0, 3.0), (0.0, 1.0, 3.0)])
+def test_poses_on_the_line_are_where_they_are(place: tuple[float, ...]) -> None:
+    """Also on a line that is a turn on the spot."""
+    shares, turn = np.linspace(0.0, 1.0, 7), Rotation.from_rotvec([0.3, -0.2, 0.7]).as_matrix()
+    along = Rotation.from_rotvec([0.5, 1.0, -0.4])
+    for begin, end in (
+        (sn.Target((0, 0, 3), rotation=turn), sn.Target(place, rotation=turn @ along.as_matrix())),
+        (sn.Target((0, 0, 3), direction=turn[:, 2]), sn.Target(place, direction=along.apply(turn[:, 2]))),
+    ):
+        line, poses = TipLine(begin, end), np.tile(np.eye(4), (7, 1, 1))
+        poses[:, :3, 3] = [asked(line.at(share))[0] for share in shares.tolist()]
+        if begin.rotation is None:
+            poses[:, :3, 2] = line.direction(shares)
+        else:
+            poses[:, :3, :3] = line.rotations(shares)
+        np.testing.assert_allclose(line.shares_of(poses), shares, atol=1e-9)
+        if begin.rotation is not None:
+            assert line.angle == pytest.approx(along.magnitude())

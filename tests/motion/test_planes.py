@@ -17,7 +17,7 @@ ACROSS = np.array([-np.sin(PLANE), np.cos(PLANE)])
 HELD = (0.3 * np.cos(PLANE), 0.3 * np.sin(PLANE), 40.0)
 PLANAR = sn.Robot([sn.Segment((30.0, 60.0), (-1.0, 1.4), radius=2.0, plane=PLANE)] * 3)
 ROBOTS = {"planar": PLANAR, "locked": PLANAR.locked({2: HELD})}
-BALL = sn.Sphere(tuple(np.array([*(28.0 * ALONG), 75.0]).tolist()), 6.0)
+BALL = sn.Sphere((*(12.0 * ACROSS).tolist(), 75.0), 6.0)
 SHARES = np.linspace(0.0, 1.0, 7)[:, None, None]
 
 
@@ -84,14 +84,13 @@ def test_a_map_reaches_only_the_plane() -> None:
 
 def test_a_plan_to_a_shape_off_the_plane_is_refused_in_a_line() -> None:
     begin, away = shape(PLANAR, [0.1, 0.1, 0.1], [40.0] * 3), np.array([[*(0.2 * ACROSS), 40.0]] * 3)
-    motion = sn.plan(PLANAR, begin, away, time=1.0)
-    assert motion.status == "goal_blocked"
-    assert any("robot.clamp" in note for note in motion.notes)
+    with pytest.raises(sn.InputError, match=r"goal: bend of segment 1 is 0\.2 beyond its limit.*robot\.clamp"):
+        sn.plan(PLANAR, begin, away, time=1.0)
 
 
 def test_a_leader_in_its_plane_is_followed_there() -> None:
     robot = sn.on_stage(PLANAR, 120.0)
-    curve = [np.array([*(along * ALONG), up]) for along, up in ((0, 120), (0, 150), (12, 190), (35, 215))]
+    curve = [np.array([*(along * ALONG), up]) for along, up in ((0, 0), (0, 30), (12, 70), (35, 95))]
     motion = sn.follow_the_leader(robot, sn.Curve.bezier(curve), time=10.0, tip_deviation=1.0)
     assert motion.solved
     assert off("planar", motion.q[:, 1:]) <= 1e-9
@@ -99,7 +98,7 @@ def test_a_leader_in_its_plane_is_followed_there() -> None:
 
 def test_a_leader_that_leaves_the_plane_is_not_followed() -> None:
     robot = sn.on_stage(PLANAR, 120.0)
-    curve = [np.array([*(across * ACROSS), up]) for across, up in ((0, 120), (0, 150), (12, 190), (35, 215))]
+    curve = [np.array([*(across * ACROSS), up]) for across, up in ((0, 0), (0, 30), (12, 70), (35, 95))]
     motion = sn.follow_the_leader(robot, sn.Curve.bezier(curve), time=1.0, tip_deviation=1.0)
     assert not motion.solved
     assert off("planar", motion.q[:, 1:]) <= 1e-9
@@ -111,11 +110,9 @@ def test_a_segment_that_gives_way_leaves_its_plane_under_load_and_a_rigid_one_do
     for other, gives in ((soft, True), (sn.Segment(0.1, (-1.0, 1.0), radius=0.004, plane=0.0, mass=0.3), False)):
         robot = sn.Robot([soft, other], gravity=(0.0, -9.81, 0.0))
         q = robot.clamp(np.array([[0.4, 0.0, 0.1], [0.3, 0.0, 0.1]]))
-        held = robot.shape(q).arcs
         assert robot.violations(q) == []
-        assert (abs(held[1, 1]) > 1e-3) == gives
-        if not gives:
-            np.testing.assert_allclose(np.hypot(*held[1, :2]), 0.3, atol=1e-12)
+        across = abs(float(robot.shape(q).states[-1, 1]))
+        assert across > 1e-4 if gives else across == 0.0
 
 
 def test_what_is_locked_is_said_with_its_value() -> None:

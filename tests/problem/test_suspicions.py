@@ -140,3 +140,8 @@ def test_the_warning_can_be_switched_off_and_is_given_once() -> None:
         warnings.simplefilter("ignore", sn.SuspiciousInput)
         solution = sn.solve(robot, sn.Target((0, 0, 9)))
     solution.explain(time=1.0)  # what is tried again does not warn again
+
+
+def test_a_payload_without_gravity_is_noted() -> None:
+    (note,) = said(ROBOT.changed(payload=sn.Payload(0.1)))
+    assert "gravity" in note

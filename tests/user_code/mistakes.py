@@ -1,4 +1,7 @@
-"""Code with a mistake in every line below the mark, all of which a type checker finds. It is checked, not run."""
+"""Code with a mistake in every line below the mark, all of which a type checker finds. It is checked, not run.
+
+To find nothing in a line is an error, too: then its comment has nothing to ignore.
+"""
 
 import sinuous as sn
 
@@ -8,65 +11,65 @@ target = sn.Target((0, 0, 100))
 solution = sn.solve(robot, target, scene)
 q = [[0.0, 0.0, 50.0]] * 3
 # Mistakes:
-sn.Sphere("origin", 1)
-sn.Sphere(5, 1)
-sn.Sphere((0, 0, 0), "1")
-sn.Sphere((0, 0, 0), (1, 2))
-sn.Sphere((0, 0, 0), radius=1, outside=True)
-sn.Sphre((0, 0, 0), 1)
-sn.Box((0, 0, 0), size=1)
-sn.Box((0, 0, 0), (1, 1, 1), inside=1)
-sn.Box((0, 0, 0), (1, 1, 1), rotation="x")
-sn.Mesh([[0, 0, 0]], [[0.5, 1.5, 2.5]])
-sn.PointCloud(["a", "b"], 1)
-sn.Field(3, (0, 0, 0), (1, 1, 1), 0.1)
-sn.Scene([target])
-sn.Scene([(0, 0, 0)])
-sn.Segment("long")
-sn.Segment(50, tendons=[sn.Tendons(3, 4)])
-sn.Segment(50, radius=None)
-sn.Robot([50, 60])
-sn.Robot([sn.Segment(50)], self_collision="never")
-sn.Robot.uniform(3, 50, selfcollision="allow")
-sn.Robot.uniform(2.5, 50)
-sn.Tendons(3, 4, names="abc")
-sn.Actuators("eye")
-sn.Target((0, 0, 1), direction="up")
-sn.Target((0, 0, 1), segment=2.5)
-sn.Target("tip")
-sn.Tolerance(position="1 mm")
-sn.Tolerance(0.1, rotation=0.1)
-sn.Preferences(clearance=(1, 2))
-sn.Solver(robot, scene, method="newtn")
-sn.Solver(robot, scene, method=sn.methods.OptiPath)
-sn.Solver(robot, scene, time="1")
-sn.Solver(robot, scene, seeds=3)
-sn.Solver(scene, robot)
-sn.methods.OptiPath(metric="euclid")
-sn.methods.OptiPath.faithful(metrics="identity")
-sn.solve(robot, ("x", 0, 100))
-sn.solve(robot, target, target)
-sn.solve(robot, target, scene, start=q)
-sn.solve(robot, target, initial="q.json")
-solution.clearence
-solution.q.summ()
-solution.explain("long")
-solution.clearance + 1
-robot.tip([0.0, 0.0, 50.0])
-robot.from_actuators("pull")
-robot.changed(lenght=50)
-scene.distance("origin")
-scene.update(radius=3)
-sn.track(robot, target)
-sn.check(robot, q, scene).okay
-sn.check(robot, [q, q], scene).ok.any().foo
-sn.load("arm.yaml", sn.Robot).solve()
-sn.load(3)
-sn.pose(direction=1)
-solution.start == "routes"
-solution.to_dict().q
-sn.Solver(robot).solve_many(position=[[0, 0, 100]])
-sn.Solver(robot).solve_many(positions="grid")
-sn.Solver(robot).solve_many([target]).solvd
-sn.Solver(robot).solve_many([target], workers="all")
-sn.track(robot, positions=5)
+sn.Sphere("origin", 1)  # type: ignore[arg-type]
+sn.Sphere(5, 1)  # type: ignore[arg-type]
+sn.Sphere((0, 0, 0), "1")  # type: ignore[arg-type]
+sn.Sphere((0, 0, 0), (1, 2))  # type: ignore[arg-type]
+sn.Sphere((0, 0, 0), radius=1, outside=True)  # type: ignore[call-arg]
+sn.Sphre((0, 0, 0), 1)  # type: ignore[attr-defined]
+sn.Box((0, 0, 0), size=1)  # type: ignore[arg-type]
+sn.Box((0, 0, 0), (1, 1, 1), inside=1)  # type: ignore[arg-type]
+sn.Box((0, 0, 0), (1, 1, 1), rotation="x")  # type: ignore[arg-type]
+sn.Mesh([[0, 0, 0]], [[0.5, 1.5, 2.5]])  # type: ignore[list-item]
+sn.PointCloud(["a", "b"], 1)  # type: ignore[list-item]
+sn.Field(3, (0, 0, 0), (1, 1, 1), 0.1)  # type: ignore[arg-type]
+sn.Scene([target])  # type: ignore[list-item]
+sn.Scene([(0, 0, 0)])  # type: ignore[list-item]
+sn.Segment("long")  # type: ignore[arg-type]
+sn.Segment(50, tendons=[sn.Tendons(3, 4)])  # type: ignore[arg-type]
+sn.Segment(50, radius=None)  # type: ignore[arg-type]
+sn.Robot([50, 60])  # type: ignore[list-item]
+sn.Robot([sn.Segment(50)], self_collision="never")  # type: ignore[arg-type]
+sn.Robot.uniform(3, 50, selfcollision="allow")  # type: ignore[call-arg]
+sn.Robot.uniform(2.5, 50)  # type: ignore[arg-type]
+sn.Tendons(3, 4, names="abc")  # type: ignore[arg-type]
+sn.Actuators("eye")  # type: ignore[arg-type]
+sn.Target((0, 0, 1), direction="up")  # type: ignore[arg-type]
+sn.Target((0, 0, 1), segment=2.5)  # type: ignore[arg-type]
+sn.Target("tip")  # type: ignore[arg-type]
+sn.Tolerance(position="1 mm")  # type: ignore[arg-type]
+sn.Tolerance(0.1, rotation=0.1)  # type: ignore[call-arg]
+sn.Preferences(clearance=(1, 2))  # type: ignore[arg-type]
+sn.Solver(robot, scene, method="newtn")  # type: ignore[arg-type]
+sn.Solver(robot, scene, method=sn.methods.OptiPath)  # type: ignore[arg-type]
+sn.Solver(robot, scene, time="1")  # type: ignore[arg-type]
+sn.Solver(robot, scene, seeds=3)  # type: ignore[call-arg]
+sn.Solver(scene, robot)  # type: ignore[arg-type]
+sn.methods.OptiPath(metric="euclid")  # type: ignore[arg-type]
+sn.methods.OptiPath.faithful(metrics="identity")  # type: ignore[call-arg]
+sn.solve(robot, ("x", 0, 100))  # type: ignore[arg-type]
+sn.solve(robot, target, target)  # type: ignore[arg-type]
+sn.solve(robot, target, scene, start=q)  # type: ignore[call-arg]
+sn.solve(robot, target, initial="q.json")  # type: ignore[arg-type]
+solution.clearence  # type: ignore[attr-defined]
+solution.q.summ()  # type: ignore[attr-defined]
+solution.explain("long")  # type: ignore[arg-type]
+solution.clearance + 1  # type: ignore[operator]
+robot.tip([0.0, 0.0, 50.0])  # type: ignore[list-item]
+robot.from_actuators("pull")  # type: ignore[arg-type]
+robot.changed(lenght=50)  # type: ignore[call-arg]
+scene.distance("origin")  # type: ignore[arg-type]
+scene.update(radius=3)  # type: ignore[call-arg]
+sn.track(robot, target)  # type: ignore[arg-type]
+sn.check(robot, q, scene).okay  # type: ignore[attr-defined]
+sn.check(robot, [q, q], scene).ok.any().foo  # type: ignore[attr-defined]
+sn.load("arm.yaml", sn.Robot).solve()  # type: ignore[attr-defined]
+sn.load(3)  # type: ignore[call-overload]
+sn.pose(direction=1)  # type: ignore[arg-type]
+solution.start == "routes"  # type: ignore[comparison-overlap]
+solution.to_dict().q  # type: ignore[attr-defined]
+sn.Solver(robot).solve_many(position=[[0, 0, 100]])  # type: ignore[call-arg]
+sn.Solver(robot).solve_many(positions="grid")  # type: ignore[arg-type]
+sn.Solver(robot).solve_many([target]).solvd  # type: ignore[attr-defined]
+sn.Solver(robot).solve_many([target], workers="all")  # type: ignore[arg-type]
+sn.track(robot, positions=5)  # type: ignore[arg-type]

@@ -90,7 +90,7 @@ class Widening(NamedTuple):
         """Return the robot with this limit wider by this much."""
         limits = self.by(amount)
         if self.key != COUPLED:
-            numbered = enumerate(robot.segments, 1)
+            numbered = enumerate(robot.rows, 1)
             changed = [_segments_with(s, self.key, limits) if k in self.shared else s for k, s in numbered]
             return robot.changed(segments=changed)
         linear = _linear(robot)
@@ -126,7 +126,7 @@ def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
     if key == COUPLED:
         return _linear(robot).limits[place]
     group, _, name = key.rpartition(".")
-    segment = robot.segments[place - 1]
+    segment = robot.rows[place - 1]
     owner = getattr(segment, group) if group else segment
     if owner is None or key in OF_THICKNESS or key in HELD or segment.locked is not None:
         return None
@@ -551,7 +551,7 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
     A mount within the first segment is a sleeve; with a longer one nothing of the body would be checked.
     """
     problem, robot = case.problem, case.problem.robot
-    longest = [segment.length[1] for segment in robot.segments]
+    longest = [segment.length[1] for segment in robot.rows]
 
     def mounted(more: float) -> Problem:
         return problem.changed(robot=robot.changed(mount=rounded(robot.mount + more)))

@@ -252,7 +252,7 @@ def closed_in(problem: Problem, cell: float) -> Reason:
     """The obstacle nearest to the most distal target, where no route leads; `cell`: edge of cells that proved it."""
     ends = [(each.segment or len(problem.robot), each.position) for each in problem.targets]
     last, place = max(((end, place) for end, place in reversed(ends) if place is not None), key=itemgetter(0))
-    longest = sum(segment.length[1] for segment in problem.robot.segments[:last])
+    longest = problem.robot.longest_up_to(last)
     needed, clearance = _thinnest(problem, last)
     nearest = room_at(place, problem.scene).obstacle
     return Reason("route", needed, cell, nearest, longest=longest, clearance=clearance)

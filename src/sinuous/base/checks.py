@@ -2,6 +2,7 @@
 
 import math
 import numbers
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -21,6 +22,8 @@ Kind = TypeVar("Kind", bound=np.generic)
 
 LARGEST = 1e100
 """Largest coordinate of a point: squares and cubes of it are numbers still."""
+
+LARGEST_FLOAT = sys.float_info.max
 
 UNIT_SLACK = 4e-15
 """By how much the square of a unit vector differs from 1 at most, after rounding."""
@@ -65,6 +68,8 @@ def number(
     high: float = math.inf,
 ) -> float:
     """Check a finite number: at least `low`, greater than `above`, at most `high`."""
+    if type(value) is float and max(low, -LARGEST_FLOAT) <= value <= min(high, LARGEST_FLOAT) and value > above:
+        return value
     expected = "a finite number"
     if above > -math.inf:
         expected = f"a number greater than {above:g}"
@@ -85,6 +90,8 @@ def number(
 
 def integer(key: str, value: Any, low: int, high: int) -> int:
     """Check a whole number between `low` and `high`, both allowed."""
+    if type(value) is int and low <= value <= high:
+        return value
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not low <= int(value) <= high:
         raise InputError(key, "", value, f"a whole number from {low} to {high}")
     return int(value)

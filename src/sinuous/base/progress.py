@@ -26,7 +26,9 @@ class ProgressBar:
     what : str
         What is done to each.
     late : float
-        Seconds after which the bar is shown at first; what is done before that shows nothing.
+        Seconds after which the bar, or a line, is shown at first; what is done before that shows nothing.
+    counted : str
+        What is counted, in lines.
 
     Attributes
     ----------
@@ -35,10 +37,16 @@ class ProgressBar:
     """
 
     def __init__(
-        self, total: int | None = None, logged: bool = False, what: str = "solving", late: float = 0.0
+        self,
+        total: int | None = None,
+        logged: bool = False,
+        what: str = "solving",
+        late: float = 0.0,
+        counted: str = "rows",
     ) -> None:
-        self._total, self._done = total, 0
-        self._began = self._written = time.monotonic()
+        self._total, self._done, self._counted = total, 0, counted
+        self._began = time.monotonic()
+        self._next_line = self._began + (late or LOG_EVERY)
         self._lock = Lock()
         self.shows = sys.stderr.isatty() and (total is None or total >= LONG)
         self._logged = logged and not sys.stderr.isatty()
@@ -73,9 +81,17 @@ class ProgressBar:
             told, speed = f"{self._done:,} of {self._total:,}", f", {rate:,.0f} a second" if rate >= 1.0 else ""
             if self.shows:
                 self._bar.update(self._task, completed=self._done, count=f"{told}{speed}")
-            elif now - self._written >= LOG_EVERY:
-                self._written = now
-                sys.stderr.write(f"sinuous: {told} rows{speed}, {(self._total - self._done) / rate:,.0f} s left\n")
+            elif now >= self._next_line:
+                self._next_line = now + LOG_EVERY
+                left = (self._total - self._done) / rate
+                sys.stderr.write(f"sinuous: {told} {self._counted}{speed}, {left:,.0f} s left\n")
+
+    def expect(self, more: int) -> None:
+        """Count with so many more than was said before."""
+        if self._total:
+            self._total += more
+            if self.shows:
+                self._bar.update(self._task, total=self._total)
 
     def say(self, what: str, share: float | None = None) -> None:
         """Say what is being done, and which share of it, 0 to 1, is done where nothing is counted."""

@@ -148,7 +148,9 @@ class Reach:
     file: str = argument(PLACE)
     solving: MapSolving
     spacing: float | None = opt("Edge of a voxel; by default a 35th of the reach.", show_default=False)
-    directions: int = opt("Of the tangent, in each voxel.", "COUNT", 26)
+    directions: int | None = opt("Of the tangent, in each voxel; by default 0: positions alone.", "COUNT")
+    toward: str | None = opt("One direction of the tangent, instead of --directions.", "X,Y,Z")
+    within: float | None = opt("How far the tangent may be off a direction, rad.", "ANGLE")
     workers: int | None = opt(WORKERS, "COUNT")
     json: bool = flag(JSON)
     plot: Path | None = opt("Draw the map; .html is a page.", "FILE")

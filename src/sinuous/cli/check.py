@@ -57,7 +57,7 @@ def _alone(problem: Job, q: Floats) -> Verification:
 
 
 def _contents(problem: Job, start: Verification | None) -> dict[str, Any]:
-    lengths = [segment.length for segment in problem.robot.segments]
+    lengths = [segment.length for segment in problem.robot.rows]
     return {
         "file": problem.file,
         "segments": len(lengths),

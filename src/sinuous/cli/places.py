@@ -1,10 +1,10 @@
 """The commands about a robot among its obstacles, whatever the targets of its file: batch, explore, reach, train."""
 
 from time import perf_counter
-from typing import Any
 
 import typer
 
+from sinuous.base.documents import described
 from sinuous.base.errors import InputError
 from sinuous.cli.app import Batch, Explore, Reach, Train
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
@@ -14,6 +14,9 @@ from sinuous.solver.memory import Memory
 from sinuous.studies.batch.solve import solve_batch
 from sinuous.studies.exploring.explore import explore
 from sinuous.studies.workspace.find import reach
+
+WORKSPACE = ("spacing", "directions", "within")
+"""What may be typed instead of what a file says of its workspace."""
 
 
 def batch_file(asked: Batch) -> int:
@@ -68,20 +71,36 @@ def reach_file(asked: Reach) -> int:
     if out is not None and out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(out), "a name that ends in .npz")
     if asked.plot is not None:
-        from sinuous.view.pictures.charts import check_map  # noqa: PLC0415
+        from sinuous.view.pictures.workspace import check_map  # noqa: PLC0415
 
         check_map("--plot", asked.plot)
-    grid: dict[str, Any] = {key: getattr(asked, key) for key in ("spacing", "directions", "workers")}
+    typed = {key: value for key in WORKSPACE if (value := getattr(asked, key)) is not None}
+    if asked.toward is not None:
+        typed["directions"] = read_direction(asked)
     kept = "nothing is written" if out is None else "what was found is kept, the same command goes on"
-    with interruptible(kept), setting_of(asked.file) as setting, as_typed("out", *grid, *solving.demands):
+    with interruptible(kept), setting_of(asked.file) as setting, as_typed("out", "workers", *typed, *solving.demands):
+        grid = described(setting.workspace) | typed
         given = solving.arguments(setting.tolerance, setting.prefer)
-        found = reach(setting.robot, setting.scene, **grid, out=out, progress=True, **given)
+        found = reach(setting.robot, setting.scene, **grid, workers=asked.workers, out=out, **given)
     if asked.plot is not None:
-        from sinuous.view.pictures.charts import plot_reach  # noqa: PLC0415
+        from sinuous.view.pictures.workspace import plot_reach  # noqa: PLC0415
 
-        plot_reach(found, asked.plot)
+        plot_reach(found, asked.plot, robot=setting.robot, scene=setting.scene)
     say(asked.file, found, json=asked.json)
     return SOLVED
+
+
+def read_direction(asked: Reach) -> list[float]:
+    """Return the direction that is typed."""
+    if asked.directions is not None:
+        raise InputError("--toward", "cannot be combined with --directions", asked.toward, "one of both")
+    try:
+        numbers = [float(part) for part in str(asked.toward).split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 3 or not any(numbers):
+        raise InputError("--toward", "", asked.toward, "a direction: X,Y,Z")
+    return numbers
 
 
 def train_file(asked: Train) -> int:

@@ -38,7 +38,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Joint:
+class ChainJoint:
     """A joint, at a height on the z axis of the link before it, and the link that it moves.
 
     About x or y it turns, along z it slides; its value is `weight` times coordinate `coordinate` of the segment.
@@ -65,7 +65,7 @@ class JointChain(Frozen):
 
     Attributes
     ----------
-    joints : tuple of Joint
+    joints : tuple of ChainJoint
         `s1_1_x` is the first turn of segment `s1` about x, `s1_1_z` its first stretch.
     first : Link
         The piece before the first joint.
@@ -75,7 +75,7 @@ class JointChain(Frozen):
 
     robot: "Robot"
     joints_per_segment: int
-    joints: tuple[Joint, ...]
+    joints: tuple[ChainJoint, ...]
     first: Link
     end: float
 
@@ -101,7 +101,7 @@ class JointChain(Frozen):
         return result
 
     def values(self, q: Batch) -> Floats:
-        """Joint values (..., j) of configurations (..., n, 3): rad, and lengths."""
+        """ChainJoint values (..., j) of configurations (..., n, 3): rad, and lengths."""
         checked = checks.stack("q", q, (len(self.robot), 3))
         return checked.reshape(*checked.shape[:-2], -1) @ self.matrix.T
 
@@ -116,7 +116,7 @@ class _Build:
     """Joints and links while they are put together."""
 
     def __init__(self, robot: "Robot", count: int) -> None:
-        self.joints: list[Joint] = []
+        self.joints: list[ChainJoint] = []
         self.first = self.link = Link()
         self.height = 0.0
         for k in range(len(robot)):
@@ -141,7 +141,7 @@ class _Build:
             self.height += high
             return
         self.link.cylinders.append((self.height, self.height + 0.5 * high, self.radius))
-        self.join(Joint(name, "z", self.height, segment, 2, share, (low, high)))
+        self.join(ChainJoint(name, "z", self.height, segment, 2, share, (low, high)))
         self.link.cylinders.append((-0.5 * high, 0.0, self.radius))
 
     def turn(self, name: str, segment: int, axis: Axis, count: int, bend: tuple[float, float]) -> None:
@@ -150,9 +150,9 @@ class _Build:
             return
         coordinate, weight = (1, -1.0 / count) if axis == "x" else (0, 1.0 / count)
         low, high = sorted(weight * each for each in bend)
-        self.join(Joint(name, axis, self.height, segment, coordinate, weight, (low, high)))
+        self.join(ChainJoint(name, axis, self.height, segment, coordinate, weight, (low, high)))
 
-    def join(self, joint: Joint) -> None:
+    def join(self, joint: ChainJoint) -> None:
         self.joints.append(joint)
         self.link, self.height = joint.link, 0.0
 

@@ -26,7 +26,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
-from sinuous.files.joint_chain import Joint, JointChain, Link
+from sinuous.files.joint_chain import ChainJoint, JointChain, Link
 from sinuous.files.urdf import THIN, TURNING, text, texts
 from sinuous.kernels.packing import BendLine
 from sinuous.model.segment import coordinate_names
@@ -231,7 +231,7 @@ def model_element(driven: DrivenChain) -> Element:
         SubElement(equality, "joint", joint1=joint, joint2=leader, polycoef=f"0 {text(ratio)} 0 0 0", solref=STIFF)
     for held, constant in _held(driven.chain):
         SubElement(equality, "joint", held, polycoef=constant, solref=STIFF)
-    middle = [(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.segments]
+    middle = [(0.0, 0.0, 0.5 * sum(segment.length)) for segment in robot.rows]
     still = robot.drive.coordinates.project(np.array(middle))
     rest = texts(driven.controls(still))
     free = robot.drive.coordinates.free
@@ -243,7 +243,7 @@ def model_element(driven: DrivenChain) -> Element:
 def _bodies(world: Element, driven: DrivenChain) -> None:
     chain = driven.chain
     robot = chain.robot
-    density = driven.mass / sum(segment.length[1] for segment in robot.segments)
+    density = driven.mass / sum(segment.length[1] for segment in robot.rows)
     body = SubElement(world, "body", {"name": "base", "childclass": "arm"} | _pose(robot.base))
     thin = THIN * robot.mean_length
     _shapes(body, chain.first, density, thin)
@@ -262,9 +262,9 @@ def _bodies(world: Element, driven: DrivenChain) -> None:
     SubElement(body, "site", {"name": "tool", "size": text(thin)} | _pose(at_tip))
 
 
-def _together(joints: tuple[Joint, ...]) -> Iterator[list[Joint]]:
+def _together(joints: tuple[ChainJoint, ...]) -> Iterator[list[ChainJoint]]:
     """Yield runs of joints with nothing between them: they move one body."""
-    run: list[Joint] = []
+    run: list[ChainJoint] = []
     for joint in joints:
         run.append(joint)
         if joint.link.cylinders or joint.link.balls:
@@ -274,12 +274,12 @@ def _together(joints: tuple[Joint, ...]) -> Iterator[list[Joint]]:
         yield run
 
 
-def _middle(joint: Joint) -> float:
+def _middle(joint: ChainJoint) -> float:
     """Where a joint stands in the file: turns are straight, stretches half way."""
     return 0.5 * (joint.limits[0] + joint.limits[1])
 
 
-def _joint(joint: Joint) -> dict[str, str]:
+def _joint(joint: ChainJoint) -> dict[str, str]:
     """What is said of a joint, as in MuJoCo."""
     middle = _middle(joint)
     low, high = (middle + BEYOND * (end - middle) for end in joint.limits)

@@ -25,11 +25,24 @@ from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target, Tolerance, target_list
+from sinuous.problem.workspace import Workspace
 from sinuous.scene.scene import Scene
 
 QUESTIONS = ("target", "targets", "path", "goal")
 DEMANDS = ("clearance", "self_clearance")
-KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times", "reconfigure", *DEMANDS)
+KEYS = (
+    "robot",
+    "scene",
+    *QUESTIONS,
+    "tolerance",
+    "start",
+    "prefer",
+    "rates",
+    "times",
+    "reconfigure",
+    "workspace",
+    *DEMANDS,
+)
 
 
 def problem_arguments(value: Any, file: str, question: bool = True) -> dict[str, Any]:
@@ -49,6 +62,7 @@ def problem_arguments(value: Any, file: str, question: bool = True) -> dict[str,
         "prefer": made(entries, "prefer", Preferences),
         "rates": _rates(entries),
         "reconfigure": "refuse" if entries.get("reconfigure") is None else entries["reconfigure"],
+        "workspace": made(entries, "workspace", Workspace),
         "clearance": entries.get("clearance"),
         "self_clearance": entries.get("self_clearance"),
         "file": file,

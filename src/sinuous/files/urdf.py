@@ -14,7 +14,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
-from sinuous.files.joint_chain import Joint, JointChain, Link
+from sinuous.files.joint_chain import ChainJoint, JointChain, Link
 
 THIN = 0.005
 """Radius, as a share of the robot's mean length, of an arm that has none, to be looked at."""
@@ -77,7 +77,7 @@ def _shape(element: Element, kind: str, height: float, radius: float, thin: floa
         SubElement(SubElement(shape, "geometry"), kind, {"radius": text(radius or thin), **size})
 
 
-def _joint(root: Element, parent: str, joint: Joint) -> None:
+def _joint(root: Element, parent: str, joint: ChainJoint) -> None:
     kind = "prismatic" if joint.axis == "z" else "revolute"
     element = SubElement(root, "joint", name=joint.name, type=kind)
     SubElement(element, "origin", xyz=f"0 0 {text(joint.height)}")

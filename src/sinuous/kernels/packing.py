@@ -110,6 +110,17 @@ def segment_row(
     return row
 
 
+def make_rigid(row: list[float], tail: Floats, link: int, touches: int) -> None:
+    """Make a row that of a joint, or of a capsule of a link: see `tables.RIGID`.
+
+    `tail` (4, 4) is where the next row begins, in the frame of its end; `touches` the sum of `2 ** link` of those that
+    its link may touch.
+    """
+    row[t.RIGID], row[t.BODY], row[t.TOUCHES] = 1.0, float(link), float(touches)
+    row[t.TAIL : t.TAIL + t.POSE_WIDTH] = pose_row(tail)[0].tolist()
+    row[t.TAIL_LENGTH] = float(np.linalg.norm(tail[:3, 3]))
+
+
 def scales_of(limits: Floats) -> Floats:
     """Scales (n, 3) in which coordinates of segments (n, 18) count: 1 rad, and mean lengths; 0 for what cannot move.
 
@@ -127,6 +138,19 @@ def turns_of(limits: Floats) -> Floats:
         x, y = limits[k, t.PLANE : t.PLANE + 2]
         turns[3 * k : 3 * k + 2, 3 * k : 3 * k + 2] = (x, -y), (y, x)
     return turns
+
+
+def plain_rows(count: int) -> Floats:
+    """Return rows (n, 34) of segments of which only the kinematics is asked."""
+    return np.zeros((count, t.SEGMENT_WIDTH))
+
+
+def fine_rows(rows: Floats, per: int) -> Floats:
+    """Return rows (n per, 34) of a robot whose rows (n, 34) are cut into `per` equal parts; tails come last."""
+    fine: Floats = np.repeat(rows, per, axis=0)
+    cut = np.arange(len(fine)) % per != per - 1
+    fine[cut, t.RIGID] = fine[cut, t.TAIL_LENGTH] = 0.0
+    return fine
 
 
 def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[float, float]) -> list[float]:

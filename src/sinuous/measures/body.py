@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.obstacles import Indices, at_most, measure
+from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
@@ -60,23 +61,29 @@ def arc_poses(q: Floats, pieces: int, begin: Floats | float = 0.0) -> Floats:
 
 
 def segment_ends(robot: Robot, q: Floats) -> Floats:
-    """Poses (n + 1, 4, 4) of the base and of the ends of all segments."""
+    """Poses (n + 1, 4, 4) of the base and of the ends of all segments; of a joint or a link, of what comes next."""
     poses = [robot.base]
-    for step in arc_poses(q, 1)[:, 1]:
-        poses.append(poses[-1] @ step)
+    for row, step in zip(robot.rows, arc_poses(q, 1)[:, 1], strict=True):
+        end = poses[-1] @ step
+        poses.append(end @ row.tail if isinstance(row, RigidRow) else end)
     return np.stack(poses)
 
 
 def free_shares(robot: Robot, lengths: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Where in each segment of these lengths (..., n) the body leaves its mount, and whether any of it is beyond.
 
-    The share (..., n) of the segment that lies within the mount, 0 to 1; the mount ends exactly there.
+    The share (..., n) of the segment that lies within the mount, 0 to 1; the mount ends exactly there. It is nothing of
+    links; joints have no body.
     """
-    ends = np.cumsum(lengths, axis=-1)
-    left = robot.mount - (ends - lengths)
+    rigid = np.array([row.rigid for row in robot.rows])
+    own = np.where(rigid, 0.0, lengths)
+    ends = np.cumsum(own, axis=-1)
+    left = robot.mount - (ends - own)
     with np.errstate(divide="ignore", invalid="ignore"):
-        shares = np.where(lengths > 0.0, np.clip(left / lengths, 0.0, 1.0), 0.0)
+        shares = np.where((lengths > 0.0) & ~rigid, np.clip(left / lengths, 0.0, 1.0), 0.0)
     beyond = (ends > robot.mount + WITHIN * ends[..., -1:]) | (left <= 0.0)
+    bodies = [row.has_body for row in robot.rows if isinstance(row, RigidRow)]
+    beyond[..., : len(bodies)] = bodies
     return shares, beyond
 
 
@@ -181,6 +188,8 @@ class Places(NamedTuple):
         With half of the demanded clearance from itself, see `Robot.self_radii`.
     runs : ndarray (m,)
         The same number for neighbouring segments of the same radius.
+    apart : ndarray (r, n)
+        Which of the r rows of joints and links, the first ones, must not touch which row.
     """
 
     points: Floats
@@ -190,6 +199,7 @@ class Places(NamedTuple):
     segments: Indices
     radii: Floats
     runs: Indices
+    apart: NDArray[np.bool_]
 
 
 def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
@@ -243,6 +253,11 @@ def concerned(places: Places, first: Indices, second: Indices) -> NDArray[np.boo
         # Less than a quarter turn leaves them ahead of each other, also where rounding has it otherwise.
         astray = ((here <= 0.0) | (there <= 0.0)) & (places.turned[second] - places.turned[first] >= 0.5 * math.pi)
         result = np.where(alike, result, astray)
+    count = len(places.apart)
+    if count:
+        one, other = places.segments[first], places.segments[second]
+        linked = np.minimum(one, count - 1), other
+        return np.where(one < count, places.apart[linked], result & (radius > 0.0))
     return result & (radius > 0.0)
 
 
@@ -264,7 +279,20 @@ def places_of(robot: Robot, q: Floats, points: Floats, tangents: Floats) -> Plac
     radii = np.array(robot.self_radii)
     runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
     own = points.reshape(-1, 3), tangents.reshape(-1, 3)
-    return Places(*own, along, turned, segments, radii[segments], runs[segments])
+    return Places(*own, along, turned, segments, radii[segments], runs[segments], links_apart(robot))
+
+
+def links_apart(robot: Robot) -> NDArray[np.bool_]:
+    """Return which rows (r, n) of joints and links must not touch which rows of the robot."""
+    rigid = [row for row in robot.rows if isinstance(row, RigidRow)]
+    link, arcs = rigid[-1].link if rigid else 0, len(robot.rows) - len(rigid)
+    links = [row.link for row in rigid] + [link + 1] * min(arcs, 1) + [link + 2] * (arcs - 1)
+    bodies = [row.has_body for row in rigid] + [True] * arcs
+    result = [
+        [mine and theirs and not row.touches >> other & 1 for other, theirs in zip(links, bodies, strict=True)]
+        for row, mine in zip(rigid, bodies, strict=False)
+    ]
+    return np.array(result, np.bool_).reshape(len(rigid), len(robot.rows))
 
 
 def _nearest_first(places: Places) -> Iterator[tuple[float, Indices, Indices]]:
@@ -284,7 +312,7 @@ def _nearest_first(places: Places) -> Iterator[tuple[float, Indices, Indices]]:
     )
     turned = places.turned[runs[other, -1]] - places.turned[runs[one, 0]] >= 0.5 * math.pi
     stepped = places.runs[runs[other, -1]] != places.runs[runs[one, 0]]
-    may = np.flatnonzero(far | (turned & stepped))
+    may = np.flatnonzero(far | (turned & stepped) | (len(places.apart) > 0))
     one, other = one[may], other[may]
     low = np.linalg.norm(centers[one] - centers[other], axis=1) - reach[one] - reach[other]
     order = np.argsort(low)

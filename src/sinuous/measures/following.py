@@ -8,6 +8,7 @@ import numpy as np
 from sinuous.base.arguments import Rows
 from sinuous.base.checks import Floats
 from sinuous.base.frozen import call
+from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.problem.curve import Curve
 
@@ -58,7 +59,7 @@ class Deviation:
 
 def deviation(robot: Robot, q: Floats, curve: Curve) -> Deviation:
     """Measure how far the body in configurations (T, n, 3) is off a curve."""
-    bending = [k for k, segment in enumerate(robot.segments) if segment.max_bend > 0.0 and segment.length[1] > 0.0]
+    bending = [k for k, segment in enumerate(robot.rows) if segment.max_bend > 0.0 and segment.length[1] > 0.0]
     chosen = bending or list(range(len(robot)))
     tips, shapes = [], []
     for part in together(len(q), q.shape[1]):
@@ -66,7 +67,7 @@ def deviation(robot: Robot, q: Floats, curve: Curve) -> Deviation:
         shapes.append(curve.distance(places[:, chosen]).ravel())
         tips.append(curve.distance(places[:, -1, -1]))
     tip, shape = np.concatenate(tips), np.concatenate(shapes)
-    length = sum(robot.segments[k].length[1] for k in chosen)
+    length = sum(robot.rows[k].length[1] for k in chosen)
     return Deviation(float(tip.max()), float(tip.mean()), float(shape.max()), float(shape.mean()), length)
 
 
@@ -115,4 +116,8 @@ def backbones(robot: Robot, q: Floats, begin: Floats) -> tuple[Floats, Floats]:
         tangents[:, k] = np.einsum("tij,tsj->tsi", turn, along)
         start = points[:, k, -1]
         frame = frame * Rotation.from_rotvec(np.stack([-bend[:, 1], bend[:, 0], np.zeros(len(q))], axis=-1))
+        row = robot.rows[k]
+        if isinstance(row, RigidRow):
+            start = start + frame.apply(np.array(row.tail[:3, 3]))
+            frame = frame * Rotation.from_matrix(np.array(row.tail[:3, :3]))
     return points, tangents

@@ -68,7 +68,7 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
     """Yield what a target asks for, and what the lengths and bends of the segments before it allow at most."""
     last = len(robot) if target.segment is None else target.segment
     near, angle = tolerance.position or 0.0, tolerance.angle
-    segments = robot.segments[:last]
+    segments = robot.rows[:last]
     low, high = (np.array([segment.length[i] for segment in segments]) for i in range(2))
     bends = np.array(
         [
@@ -84,7 +84,9 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
         loose += near
         chord = place - robot.base[:3, 3]
         far = float(np.linalg.norm(chord))
-        yield Bound("length", far - loose, float(high.sum()))
+        yield Bound("length", far - loose, robot.longest_up_to(last))
+        if segments[0].rigid:
+            return
         if turning < math.pi:
             yield Bound("near", float(low.sum()) * math.cos(0.5 * turning), far + loose)
         yield from _cone(low, high, bends, chord, axis, loose)
@@ -94,7 +96,7 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
             swing = loose + min(2.0, angle + tilt) * (far + loose)
             backwards = _cone(low[::-1], high[::-1], bends[::-1], -chord, -tangent, swing)
             yield from (bound._replace(pointing=True) for bound in backwards)
-    if target.direction is not None and turning < math.pi:
+    if target.direction is not None and turning < math.pi and not segments[0].rigid:
         yield Bound("turning", angle_between(axis, target.direction), turning + tilt + angle)
 
 

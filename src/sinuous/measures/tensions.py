@@ -25,7 +25,7 @@ def lacking_stretch(robot: Robot, q: Floats) -> float:
     """
     from scipy.optimize import linprog  # noqa: PLC0415
 
-    lines = [(k, *each) for k, segment in enumerate(robot.segments) for each in _elastic(segment)]
+    lines = [(k, *each) for k, segment in enumerate(robot.rows) for each in _elastic(segment)]
     if not lines:
         return 0.0
     arms, bounds = np.zeros((len(lines), *q.shape)), np.zeros((len(lines), 4))
@@ -38,7 +38,7 @@ def lacking_stretch(robot: Robot, q: Floats) -> float:
         bounds[row] = *own.tensions, *own.displacements[j]
     stiff = np.array([own.stiffnesses[j] for _, own, j in lines])
     pulled = (arms != 0.0).any(axis=0) & _moves(robot)
-    needed = np.array([_moments(segment, one) for segment, one in zip(robot.segments, q, strict=True)])
+    needed = np.array([_moments(segment, one) for segment, one in zip(robot.rows, q, strict=True)])
     pulled |= _moves(robot) & [True, True, False] & _stiff(robot)[:, None] & ~_driven(robot)
     there, size = np.tensordot(arms, q, 2), max(float(np.abs(needed[pulled]).max(initial=0.0)), 1e-300)
     # Tensions t and the lack s: low - s <= t / K <= high + s, and the same of displacements a . q + t / K.
@@ -72,7 +72,7 @@ def _moves(robot: Robot) -> np.ndarray:
 
 
 def _stiff(robot: Robot) -> np.ndarray:
-    return np.array([each.stiffness is not None for each in robot.segments])
+    return np.array([each.stiffness is not None for each in robot.rows])
 
 
 def _driven(robot: Robot) -> np.ndarray:

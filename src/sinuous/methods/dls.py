@@ -130,7 +130,7 @@ def descend(problem: Problem, check: Check, work: Work, most: int, damping: floa
     origin = frame(check.frames, 0)[1]
     least, slow, iteration = math.inf, 0, 0
     while True:
-        forward_with_columns(work.q, check.frames, work.columns)
+        forward_with_columns(problem.limits, work.q, check.frames, work.columns)
         count, off, turn = add_rows(problem.targets, 0, check.frames, problem.tool, origin, problem.unit, work.rows, 0)
         wrong = off / problem.unit + turn
         slow = 0 if wrong < 0.99 * least else slow + 1

@@ -8,7 +8,7 @@ its whole solve is then one compiled call, with a workspace for each thread.
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from functools import partial
+from functools import cache, partial
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Self, cast
@@ -203,7 +203,12 @@ class Prepared:
         self._preferences = preferences.beyond(robot._least_clearances[0]) or None  # to ask an object is a call
         self._segments = len(robot)
         self._local = threading.local()
-        self._load(robot, scene.snapshot(), tolerance)
+        self._loads_with = scene, tolerance
+
+    def load(self) -> None:
+        """Compile the search, or load it; else the first problem does."""
+        scene, tolerance = self._loads_with
+        self._load(self._own_robot, scene.snapshot(), tolerance)
 
     def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         """Compile the search, or load it from the cache: it is called for no problem at all."""
@@ -444,7 +449,12 @@ def options_class(name: str) -> type[Options]:
     InputError
         When there is no such method.
     """
-    home, _, class_name = METHODS[_known(name)].rpartition(".")
+    return _class_at(METHODS[_known(name)])
+
+
+@cache
+def _class_at(path: str) -> type[Options]:
+    home, _, class_name = path.rpartition(".")
     return cast(type[Options], getattr(import_module(f"sinuous.methods.{home}"), class_name))
 
 

@@ -87,7 +87,7 @@ def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float
 
     Obstacles are looked at only when the rest is better than `enough`.
     """
-    forward(q, check.frames)
+    forward(problem.limits, q, check.frames)
     off, turn = target_errors(problem, check.frames)
     wrong = off * off / (problem.unit * problem.unit) + turn * turn
     met = off <= problem.position_tolerance and turn <= problem.angle_tolerance

@@ -41,10 +41,13 @@ class PreparedNewton(Prepared):
     That entry returns its record as numbers, not in an array: the quickest way out of compiled code.
     """
 
-    def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
-        """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
+    def __init__(self, name: str, capabilities: Capabilities, compiled: Compiled, robot: Robot, *place: Any) -> None:
+        super().__init__(name, capabilities, compiled, robot, *place)
         self._shape = self._segments, 3
         self._settings[tables.CLEARANCE_MARGIN] = 0.0 if self._preferences else ROOM * thinnest(robot)
+
+    def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
+        """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene, tolerance)
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:

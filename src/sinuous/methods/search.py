@@ -41,7 +41,7 @@ from sinuous.kernels.maths.vectors import (
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
-from sinuous.kernels.step.actuation import runs_through
+from sinuous.kernels.step.actuation import runs_through, sums_from
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.step.targets import end_pose, end_segment, miss_of
 from sinuous.kernels.tables import Budget
@@ -108,11 +108,12 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
 def excess(problem: Problem, q: Array) -> tuple[float, float]:
     """By how much `q` (n, 3) exceeds its limits: lengths and actuators (length unit), bends (rad)."""
     length = bend = 0.0
-    total = ZERO
+    total, first = ZERO, sums_from(problem.actuation)
     j = 0
     for k in range(q.shape[0]):
         own = get_vec(q, k, 0)
-        total = add(total, own)
+        if k >= first:
+            total = add(total, own)
         length = max(length, problem.limits[k, t.MIN_LENGTH] - own[2], own[2] - problem.limits[k, t.MAX_LENGTH])
         bend = max(bend, math.hypot(own[0], own[1]) - bend_cap(problem.limits, k, max(0.0, own[2])))
         while j < problem.actuation.shape[0] and problem.actuation[j, t.LAST_SEGMENT] == k:
@@ -132,7 +133,7 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
     """
     if not finite(q):  # comparisons with NaN are false, also those that should find something wrong
         return t.FAILED, math.inf, math.inf, math.inf, math.inf, True, math.inf
-    forward(q, check.frames)
+    forward(problem.limits, q, check.frames)
     off, turn = target_errors(problem, check.frames)
     length, bend = excess(problem, q)
     bound = not (length <= ROUNDING * problem.unit and bend <= ROUNDING)

@@ -265,7 +265,7 @@ def grow(
     growth = Growth(int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level, options[5])
     for k in range(n):
         put_vec(work.q, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
-    forward(work.q, check.frames)
+    forward(problem.limits, work.q, check.frames)
     place, tangent, aimed = end_goal(problem, check.frames)
     goal = Goal(place, tangent, aimed)
     rotation, base = frame(check.frames, 0)

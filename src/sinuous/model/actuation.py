@@ -119,6 +119,7 @@ class Actuation(Frozen):
     _weights: Floats
     _sums: NDArray[np.intp]
     _matrix: Floats
+    _before: int
 
     def __init__(self, segments: Sequence[Segment], linear: Actuators | None, curvatures: Sequence[float]) -> None:
         count = len(segments)
@@ -144,7 +145,8 @@ class Actuation(Frozen):
             array.flags.writeable = False
         gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
         motors = Motors(gain, offset, tuple(each.unit for each in listed))
-        self._set(actuators=listed, motors=motors, **arrays)
+        before = sum(segment.rigid for segment in segments)
+        self._set(actuators=listed, motors=motors, _before=before, **arrays)
         stretching = list(_elastic(segments))
         rigid = np.array(self.limits)
         rigid[[place for place, _, _ in stretching]] = UNLIMITED
@@ -194,7 +196,8 @@ class Actuation(Frozen):
 
     def _sums_of(self, q: Floats) -> Floats:
         """Compute the same from sums over the segments, without a matrix whose size is that of the robot squared."""
-        both = np.concatenate([q, np.cumsum(q, axis=-2)], axis=-2)
+        summed = np.cumsum(q[..., self._before :, :], axis=-2)
+        both = np.concatenate([q, q[..., : self._before, :], summed], axis=-2)
         lines = np.einsum("...lc,lc->...l", both[..., self._sums, :], self._weights)
         return np.concatenate([lines, flat(q) @ self._matrix.T], axis=-1)
 
@@ -215,7 +218,7 @@ class Actuation(Frozen):
         for i, (each, weights, (low, high)) in enumerate(lines):
             last = each.segment - 1
             if (math.isfinite(low) or math.isfinite(high)) and self.coordinates.sees(self.jacobian[i]):
-                yield actuator_row(0 if each.kind == "tendon" else last, last, weights, (low, high))
+                yield actuator_row(self._before if each.kind == "tendon" else last, last, weights, (low, high))
 
     def excess(self, q: Floats) -> Floats:
         """By how much actuators (..., m) are below or above their limits, in the length unit; negative within them."""

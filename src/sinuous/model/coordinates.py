@@ -203,7 +203,7 @@ def _runs(numbers: Sequence[int]) -> Iterator[tuple[int, int]]:
 
 def _own(segment: Segment, curvature: float) -> Bends:
     """Bends that a segment may have by itself; none where it has no length, or must be straight."""
-    if segment.length[1] > 0.0 and curvature > 0.0:
+    if (segment.length[1] > 0.0 or segment.rigid) and curvature > 0.0:
         return segment.bends
     return 0.0 if isinstance(segment.bends, float) else locked_bend(segment.bends.home)
 
@@ -211,6 +211,8 @@ def _own(segment: Segment, curvature: float) -> Bends:
 def _said(segments: Sequence[Segment], bends: Sequence[Bends]) -> Iterator[Held]:
     """Say what segments themselves hold."""
     for k, (segment, own) in enumerate(zip(segments, bends, strict=True), 1):
+        if segment.rigid:
+            continue
         if segment.locked is not None:
             for key, value in zip(("bend_x", "bend_y", "length"), segment.locked, strict=True):
                 if value is not None:
@@ -227,6 +229,8 @@ def _drive(segments: Sequence[Segment], jacobian: Floats, bends: list[Bends]) ->
     if not any(len(each) for each in weights):
         return
     for k, (own, seen, segment) in enumerate(zip(bends, weights, segments, strict=True)):
+        if segment.rigid:
+            continue
         rest = segment.rest
         if isinstance(own, BendLine):
             if own.low < own.high and not len(seen):

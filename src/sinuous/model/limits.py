@@ -119,26 +119,31 @@ class LimitSet:
     Parameters
     ----------
     segments : sequence of Segment
+        Joints and links among them, see `Robot.rows`.
     radii, curvatures : sequence of float (n,)
         Radii of the body with half of its clearance from itself; and the largest curvatures.
     drive : Actuation
-
-    Attributes
-    ----------
     mean_length : float
         Of the robot.
     """
 
     def __init__(
-        self, segments: Sequence[Segment], radii: Sequence[float], curvatures: Sequence[float], drive: Actuation
+        self,
+        segments: Sequence[Segment],
+        radii: Sequence[float],
+        curvatures: Sequence[float],
+        drive: Actuation,
+        mean_length: float,
     ) -> None:
         self._segments, self._radii, self._curvatures, self._drive = segments, radii, curvatures, drive
-        self.mean_length = 0.5 * sum(sum(segment.length) for segment in segments)
+        self.mean_length = mean_length
         self._numbers = np.arange(1, len(segments) + 1)
         self._bends = drive.coordinates.bends
         self._low, self._high = drive.coordinates.lengths.T
         self._discs = np.array([math.inf if isinstance(each, BendLine) else each for each in self._bends])
         self._planar = [(k, each) for k, each in enumerate(self._bends) if isinstance(each, BendLine)]
+        columns = self._low, self._high, self._discs, np.array(curvatures)
+        self._rows = np.stack(columns, axis=-1).tolist()
         self._curved = np.flatnonzero(np.isfinite(curvatures))
         self._largest = np.array(curvatures)[self._curved]
 
@@ -169,6 +174,8 @@ class LimitSet:
 
     def violations(self, q: Floats, slack: float = LIMIT_ROUNDING) -> list[Violation]:
         """List what a configuration (n, 3) violates by more than a `slack`, segment by segment, actuators last."""
+        if self._keeps_segments(q) and not len(self._drive):  # most are, and that is soon seen
+            return []
         found = [
             (name, int(number), float(amount))
             for name, numbers, amounts in self._amounts(q)
@@ -243,6 +250,16 @@ class LimitSet:
                 for sign, end in ((1.0, most - inset), (-1.0, -least - inset)):
                     if np.isfinite(end) and sign * values[i] > end - slack:
                         yield sign * slopes[i], float(sign * slopes[i] @ q.ravel() + end - sign * values[i])
+
+    def _keeps_segments(self, q: Floats) -> bool:
+        """Whether a configuration (n, 3) is well within the limits of all segments, none of which bends in a plane."""
+        if self._planar:
+            return False
+        for (x, y, length), (low, high, most, curvature) in zip(q.tolist(), self._rows, strict=True):
+            bend = math.hypot(x, y)
+            if not (low <= length <= high and bend <= most and (bend == 0.0 or bend <= curvature * length)):
+                return False
+        return True
 
     def _amounts(self, q: Floats) -> Iterator[tuple[LimitKind, NDArray[Any], Floats]]:
         """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""

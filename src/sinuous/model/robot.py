@@ -28,11 +28,12 @@ from sinuous.base.entrance import Renamed, door
 from sinuous.base.errors import InputError, answers_attributes
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.base.words import listed, number
-from sinuous.kernels import packing
+from sinuous.kernels import packing, tables
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
 from sinuous.model.home import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
+from sinuous.model.joints import Joint, RigidRows, joint_list, mean_reach, rigid_rows, with_links
 from sinuous.model.limits import LimitSet, Violation, curvature_limits, held_back
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
@@ -100,6 +101,7 @@ class RobotArguments(WholeArguments, total=False):
     """Arguments of `Robot`."""
 
     segments: Iterable[Segment]
+    joints: Iterable[Joint]
     radius: Number | None
 
 
@@ -120,7 +122,9 @@ class Robot(NotebookMixin, Frozen):
     Parameters
     ----------
     segments : iterable of Segment
-        Base to tip; at least one, and not all of length 0.
+        Base to tip; at least one without joints, and not all of length 0.
+    joints : iterable of Revolute, Prismatic, optional
+        From the base to where the first segment begins: see `sinuous.read_joints`.
     radius : float, optional
         Radius of the body for all segments, instead of each one's own.
     mount : float
@@ -178,6 +182,8 @@ class Robot(NotebookMixin, Frozen):
     """
 
     segments: tuple[Segment, ...]
+    joints: tuple[Joint, ...]
+    rows: tuple[Segment, ...]
     segment_names: tuple[str, ...]
     radii: tuple[float, ...]
     needed_radii: tuple[float, ...]
@@ -197,13 +203,15 @@ class Robot(NotebookMixin, Frozen):
     limits: Floats
     actuation: Floats
     drive: Actuation
+    _rigid: RigidRows
 
     _arguments: ClassVar[Mapping[str, str]] = {"actuators": "linear"}
 
     def __init__(
         self,
-        segments: Iterable[Segment],
+        segments: Iterable[Segment] = (),
         *,
+        joints: Iterable[Joint] = (),
         radius: Number | None = None,
         mount: Number = 0.0,
         base: Rows | None = None,
@@ -221,21 +229,23 @@ class Robot(NotebookMixin, Frozen):
         payload: Payload | Iterable[Payload] | None = None,
     ) -> None:
         checks.instance("segments", segments, Iterable, "a list of Segment")
-        listed = tuple(segments)
-        checks.integer("segments", len(listed), 1, MOST_SEGMENTS)
+        listed, given_joints = tuple(segments), joint_list(joints)
+        rigid = rigid_rows(given_joints)
+        checks.integer("segments", len(listed), 0 if rigid.links else 1, MOST_SEGMENTS)
         for k, segment in enumerate(listed):
             checks.instance(f"segments[{k}]", segment, Segment, "a Segment")
-        if all(segment.length[1] == 0.0 for segment in listed):
+        if all(segment.length[1] == 0.0 for segment in listed) and not rigid.links:
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
         shared = {"radius": radius, "stiffness": stiffness, "mass": mass, "arcs": arcs}
         given: Any = {key: value for key, value in shared.items() if value is not None}
         if given:
             listed = tuple(segment.changed(**given) for segment in listed)
-        names = segment_names(listed)
+        chain = (*rigid.rows, *listed)
+        names = segment_names(chain)
         carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
         checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")
-        radii = tuple(segment.radius for segment in listed)
+        radii = tuple(segment.radius for segment in chain)
         away = each_segment("clearance", clearance, names)
         apart = each_segment("self_clearance", self_clearance, names)
         if self_collision == "allow" and np.any(apart):
@@ -245,16 +255,26 @@ class Robot(NotebookMixin, Frozen):
             unsure = 0.0 if uncertainty is None else each_segment("bound", uncertainty.bound, names)
         needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
         own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
-        curvatures = curvature_limits(listed, own, self_collision == "avoid")
-        drive = Actuation(listed, actuators, curvatures)
+        curvatures = curvature_limits(chain, own, self_collision == "avoid")
+        if actuators is not None and given_joints:
+            wanted = "tendons, chambers and stages of segments, where the robot has joints"
+            raise InputError("actuators", "cannot be combined with joints", actuators, wanted)
+        if isinstance(away, tuple) or isinstance(apart, tuple):
+            for key, value in (("clearance", away), ("self_clearance", apart)):
+                if isinstance(value, tuple) and given_joints:
+                    raise InputError(key, "one for each segment, with joints", value, "one number")
+        drive = Actuation(chain, actuators, curvatures)
         held = drive.coordinates
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, held)
         actuation = packing.actuator_table([*drive.limit_rows(), *coupled])
         homes = find_home(held, actuation)
         rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
-        table = packing.segment_table([packing.segment_row(*row) for row in rows])
+        table = packing.segment_table(with_links([packing.segment_row(*row) for row in rows], rigid))
         self._set(
             segments=listed,
+            joints=given_joints,
+            rows=chain,
+            _rigid=rigid,
             segment_names=names,
             self_collision=self_collision,
             curvatures=curvatures,
@@ -323,7 +343,7 @@ class Robot(NotebookMixin, Frozen):
         return self._changed(values)
 
     def __len__(self) -> int:
-        return len(self.segments)
+        return len(self.rows)
 
     def __repr__(self) -> str:
         low, high = (sum(segment.length[i] for segment in self.segments) for i in (0, 1))
@@ -331,10 +351,20 @@ class Robot(NotebookMixin, Frozen):
         driven = [f"{len(self.drive)} actuators"] if len(self.drive) else []
         return call("Robot", [*name, f"{len(self)} segments", f"total length {low:g} to {high:g}", *driven])
 
-    @property
+    @cached_property
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
-        return 0.5 * sum(sum(segment.length) for segment in self.segments)
+        return 0.5 * sum(sum(segment.length) for segment in self.segments) + mean_reach(self.joints)
+
+    @cached_property
+    def longest(self) -> float:
+        """How far its tip is from its base at most: lengths of segments, and those of links and prismatic joints."""
+        return self.longest_up_to(len(self))
+
+    def longest_up_to(self, last: int) -> float:
+        """Return how far the end of segment `last` (1 = first) is from the base at most."""
+        links = float(self.limits[:last, tables.TAIL_LENGTH].sum())
+        return sum(row.length[1] for row in self.rows[:last]) + links
 
     @property
     def largest_bends(self) -> tuple[float, ...]:
@@ -350,6 +380,12 @@ class Robot(NotebookMixin, Frozen):
     def _least_clearances(self) -> tuple[float, float]:
         """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
         return float(np.min(self.clearance)), float(np.min(self.self_clearance))
+
+    @cached_property
+    def _group(self) -> Floats:
+        """The robot as kernels read it, whatever loads it: to be copied."""
+        tables = self.limits, self.actuation, self.base, self.tool
+        return checks.closed(packing.robot_group(*tables, self.avoids_itself))
 
     @cached_property
     def _demands_clearance(self) -> bool:
@@ -378,7 +414,7 @@ class Robot(NotebookMixin, Frozen):
     @property
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments that are too thick for their own limits, and what `coordinate_notes` say."""
-        return (*held_back(self.segments, self.self_radii, self.curvatures), *self.coordinate_notes)
+        return (*held_back(self.rows, self.self_radii, self.curvatures), *self.coordinate_notes)
 
     @cached_property
     def held_notes(self) -> tuple[str, ...]:
@@ -508,7 +544,9 @@ class Robot(NotebookMixin, Frozen):
         end = len(self) if segment is None else segment_number("segment", segment, self.segment_names)
         flat, frames, lead = self._frames(q)
         out = np.zeros((len(flat), 6, 3 * len(self)))
-        batch.jacobians_of(flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
+        batch.jacobians_of(
+            self.limits.copy(), flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out
+        )
         return out.reshape(*lead, 6, 3 * len(self))
 
     def _frames(self, q: Batch) -> tuple[Floats, Floats, tuple[int, ...]]:
@@ -519,7 +557,7 @@ class Robot(NotebookMixin, Frozen):
         lead = checked.shape[:-2]
         flat = np.array(checked.reshape(-1, len(self), 3))
         frames = np.empty((len(flat), len(self) + 1, 12))
-        batch.frames_of(flat, packing.pose_row(self.base), frames)
+        batch.frames_of(self.limits.copy(), flat, packing.pose_row(self.base), frames)
         return flat, frames, lead
 
     def shape(self, q: Batch, load: Loads = ()) -> "sn.Equilibrium":
@@ -635,7 +673,7 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def limit_set(self) -> LimitSet:
         """All limits of the robot, as verbs ask them."""
-        return LimitSet(self.segments, self.self_radii, self.curvatures, self.drive)
+        return LimitSet(self.rows, self.self_radii, self.curvatures, self.drive, self.mean_length)
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:
@@ -741,7 +779,7 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     robot._refuse_load()
-    return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
+    return robot._group.copy()
 
 
 def same_body(one: Robot, other: Robot) -> bool:

@@ -181,6 +181,9 @@ class Segment(Frozen):
     own_length: tuple[float, float]
     own_max_bend: float | tuple[float, float]
 
+    rigid: ClassVar[bool] = False
+    """Whether it stands for a joint or a link, see `sinuous.model.joints`."""
+
     _arguments: ClassVar[Mapping[str, str]] = {"length": "own_length", "max_bend": "own_max_bend"}
 
     def __init__(
@@ -341,8 +344,9 @@ def coordinate_names(segments: Sequence[str]) -> list[str]:
 
 
 def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:
-    """Names of all segments; by default `s1`, `s2`, ... from base to tip."""
-    return tuple(segment.name or f"s{k + 1}" for k, segment in enumerate(segments))
+    """Names of all segments; by default `s1`, `s2`, ... from base to tip, without counting joints and links."""
+    before = sum(segment.rigid for segment in segments)
+    return tuple(segment.name or f"s{k + 1 - before}" for k, segment in enumerate(segments))
 
 
 def from_arc_parameters(curvature: Number | Stack, plane_angle: Number | Stack, length: Number | Stack) -> Floats:

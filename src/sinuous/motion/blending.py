@@ -138,7 +138,7 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     far a loaded body turns between knots is not looked at.
     """
     if len(set(robot.self_radii)) == 1:
-        stretching = robot.has_external_load or any(segment.length[0] < segment.length[1] for segment in robot.segments)
+        stretching = robot.has_external_load or any(segment.length[0] < segment.length[1] for segment in robot.rows)
         own = steps.room[1] / (3.0 if stretching else 2.0)
     else:
         turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)

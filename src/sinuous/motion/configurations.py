@@ -44,7 +44,7 @@ def distances(robot: Robot, q: Floats) -> Floats:
 
 def lever_metric(robot: Robot) -> Floats:
     """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
-    return _levers_of(robot.segments)
+    return _levers_of(robot.rows)
 
 
 @lru_cache(maxsize=KEPT)
@@ -64,7 +64,7 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
 
     In a plane bends are drawn evenly between their limits.
     """
-    low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
+    low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.rows]).T
     angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
     drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
     for k, line in enumerate(robot.drive.coordinates.bends):
@@ -113,13 +113,13 @@ def check_limits(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, 
     return settled, notes
 
 
-def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:
+def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0, within: bool = False) -> Worst | None:
     """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself at a time.
 
-    `None` when it is within all limits and no overlap is seen. What is too near to contact to be proved clear is no
-    claim that it is clear: the first step is not proved then.
+    `None` when it is within all limits, as may be known (`within`), and no overlap is seen. What is too near to contact
+    to be proved clear is no claim that it is clear: the first step is not proved then.
     """
-    return violated_by(robot, q) or overlap_at(robot, q, prover, when)
+    return (None if within else violated_by(robot, q)) or overlap_at(robot, q, prover, when)
 
 
 def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:

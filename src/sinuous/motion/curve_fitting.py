@@ -38,7 +38,7 @@ ENOUGH = 1e-3
 
 def depths_of(robot: Robot) -> tuple[float, float]:
     """Least and greatest length of the whole chain."""
-    low, high = np.array([segment.length for segment in robot.segments]).sum(axis=0).tolist()
+    low, high = np.array([segment.length for segment in robot.rows]).sum(axis=0).tolist()
     return low, high
 
 
@@ -92,7 +92,7 @@ def _first(robot: Robot, curve: Curve, depths: Floats) -> Floats:
     """Chains whose ends of segments have the tangents of the curve beside them; all stretch by the same share."""
     from scipy.spatial.transform import Rotation  # noqa: PLC0415
 
-    low, high = np.array([segment.length for segment in robot.segments]).T
+    low, high = np.array([segment.length for segment in robot.rows]).T
     spread = max(float((high - low).sum()), 1e-300)
     share = np.clip((depths - low.sum()) / spread, 0.0, 1.0)[:, None]
     q = np.zeros((len(depths), len(robot), 3))

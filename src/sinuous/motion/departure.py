@@ -1,6 +1,5 @@
 """Where the tip leaves the line between two waypoints, and how far, by dense sampling."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -82,38 +81,21 @@ def find_departure(
         for step in range(begin, end):
             shares = shares_between(robot, q[step], q[step + 1])
             between = (1.0 - shares)[:, None, None] * q[step] + shares[:, None, None] * q[step + 1]
-            off, turned = _off(leg.line, tips(robot, between), (step - begin + shares) / (end - begin))
+            off, turned = off_line(leg.line, tips(robot, between))
             if off > most + (leg.tolerance.position or 0.0) or turned > turned_most * leg.tolerance.angle:
                 steps.append(step + 1)
                 position, angle = max(position, off), max(angle, turned)
     return Departure(tuple(steps), position, angle)
 
 
-def _off(line: TipLine, poses: Floats, evenly: Floats) -> tuple[float, float]:
-    """How far poses (k, 4, 4) are off a line and turned from it, at most; at shares `evenly` (k,) of one that turns."""
+def off_line(line: TipLine, poses: Floats) -> tuple[float, float]:
+    """How far poses (k, 4, 4) are off a line (length unit), and turned from it (rad), at most."""
     begin, end = line.begin.position, line.end.position
     assert begin is not None
     assert end is not None
-    along, away = end - begin, poses[:, :3, 3] - begin
-    square = float(along @ along)
-    shares = np.clip(away @ along / square, 0.0, 1.0) if square > 0.0 else evenly
-    off = np.linalg.norm(away - shares[:, None] * along, axis=1)
-    return float(off.max()), _turned(line, poses, shares)
-
-
-def _turned(line: TipLine, poses: Floats, shares: Floats) -> float:
-    """How far poses (k, 4, 4) are turned from a line at shares (k,) of it, at most (rad)."""
-    if line.begin.direction is not None:
-        asked = np.stack([line.direction(share) for share in shares.tolist()])
-        chords = np.linalg.norm(poses[:, :3, 2] - asked, axis=1) / 2.0
-    elif line.begin.rotation is not None:
-        # The chord between two rotations is 2 sqrt(2) sin(angle / 2).
-        chords = np.linalg.norm(poses[:, :3, :3] - line.rotation(shares).as_matrix(), axis=(1, 2)) / (
-            2.0 * math.sqrt(2.0)
-        )
-    else:
-        return 0.0
-    return 2.0 * math.asin(min(1.0, float(chords.max())))
+    shares = line.shares_of(poses)
+    off = np.linalg.norm(poses[:, :3, 3] - begin - shares[:, None] * (end - begin), axis=1)
+    return float(off.max()), line.turned(poses, shares)
 
 
 def tip_poses(robot: Robot, q: Floats) -> Floats:

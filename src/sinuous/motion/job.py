@@ -24,6 +24,7 @@ from sinuous.motion.track import TimedArguments, track
 from sinuous.problem.problem import Preferences, Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance
+from sinuous.problem.workspace import Workspace
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.options import SolveArguments
@@ -55,6 +56,8 @@ class Job(Frozen):
         How fast the robot may move.
     reconfigure : str
         Whether the tip may leave the line between two waypoints, see `track`: `refuse` or `allow`.
+    workspace : Workspace, optional
+        What a map of the workspace asks.
     clearance, self_clearance : float or array_like (n,), optional
         Distance from obstacles, and from itself, that the body has to keep, instead of what the robot demands.
     file : str
@@ -85,6 +88,7 @@ class Job(Frozen):
     prefer: Preferences
     rates: Rates
     reconfigure: Reconfigure
+    workspace: Workspace
     file: str
 
     def __init__(
@@ -101,6 +105,7 @@ class Job(Frozen):
         prefer: Preferences | None = None,
         rates: Rates | None = None,
         reconfigure: Reconfigure = "refuse",
+        workspace: Workspace | None = None,
         clearance: OneEach | None = None,
         self_clearance: OneEach | None = None,
         file: str = "",
@@ -111,6 +116,7 @@ class Job(Frozen):
             raise InputError("target", f"cannot be combined with {asked[1]}", target, "one of target, path, goal")
         checks.instance("prefer", prefer, Preferences | None, "Preferences")
         checks.instance("rates", rates, Rates | None, "Rates")
+        checks.instance("workspace", workspace, Workspace | None, "a Workspace")
         if rates is not None:
             with checks.inside("rates"):
                 rates.check(robot)
@@ -132,6 +138,7 @@ class Job(Frozen):
             prefer=prefer or Preferences(),
             rates=Rates() if rates is None else rates,
             reconfigure=checks.choice("reconfigure", reconfigure, report.RECONFIGURE),
+            workspace=Workspace() if workspace is None else workspace,
             file=file,
         )
 
@@ -202,6 +209,7 @@ class Job(Frozen):
             "prefer": described(self.prefer),
             "rates": described(self.rates),
             "reconfigure": "" if self.reconfigure == "refuse" else self.reconfigure,
+            "workspace": described(self.workspace),
         }
         return {key: value for key, value in parts.items() if value}
 

@@ -1,7 +1,8 @@
 """The straight line of the tip from one waypoint to the next, and the knots of a motion along it."""
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,9 +11,6 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.kernels.tables import Outcome
 from sinuous.problem.target import Target
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
 
 
 class TipLine:
@@ -34,26 +32,130 @@ class TipLine:
             return None
         return None if end[0].position is None or end[0].segment is not None else cls(begin[0], end[0])
 
+    @property
+    def oriented(self) -> bool:
+        """Whether an orientation is asked of the tip."""
+        return self.begin.direction is not None or self.begin.rotation is not None
+
+    @property
+    def length(self) -> float:
+        """How far it is from one end to the other (length unit)."""
+        assert self.begin.position is not None
+        assert self.end.position is not None
+        return float(np.linalg.norm(self.end.position - self.begin.position))
+
+    @cached_property
+    def angle(self) -> float:
+        """How far the tip turns along it (rad)."""
+        one, other = self.begin, self.end
+        if one.direction is not None and other.direction is not None:
+            return 2.0 * math.asin(min(1.0, 0.5 * float(np.linalg.norm(one.direction - other.direction))))
+        if one.rotation is not None and other.rotation is not None:
+            # The chord between two rotations is 2 sqrt(2) sin(angle / 2).
+            chord = float(np.linalg.norm(one.rotation - other.rotation))
+            return 2.0 * math.asin(min(1.0, chord / math.sqrt(8.0)))
+        return 0.0
+
     def at(self, share: float) -> Target:
         """Return what is asked of the tip at a share of the line, from 0 to 1."""
         direction = None if self.begin.direction is None else self.direction(share)
-        rotation = None if self.begin.rotation is None else self.rotation(share)
+        rotation = None if self.begin.rotation is None else self.rotations(share)
         return Target(self._place(share), direction=direction, rotation=rotation)
 
-    def direction(self, share: float) -> Floats:
-        """Return where the tangent points at a share of the line, where it is asked to point anywhere."""
+    def direction(self, share: float | Floats) -> Floats:
+        """Return where the tangent points at a share of the line, or at many, where it is asked to point anywhere."""
         assert self.begin.direction is not None
         assert self.end.direction is not None
-        return _turned(self.begin.direction, self.end.direction, share)
+        if self._great_circle is None:
+            return self.begin.direction if isinstance(share, float) else np.tile(self.begin.direction, (len(share), 1))
+        across, whole = self._great_circle
+        if isinstance(share, float):
+            return math.cos(share * whole) * self.begin.direction + math.sin(share * whole) * across
+        angles = share[:, None] * whole
+        return np.asarray(np.cos(angles) * self.begin.direction + np.sin(angles) * across)
 
-    def rotation(self, share: float | Floats) -> "Rotation":
-        """Return the orientation at a share of the line, or at many, where one is asked for."""
-        from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415  # as long as all of this package
+    @cached_property
+    def _great_circle(self) -> tuple[Floats, float] | None:
+        """Where the direction turns to (3,) and by how much (rad), opposite ones about any axis; `None` of the same."""
+        assert self.begin.direction is not None
+        assert self.end.direction is not None
+        return _turn_between(self.begin.direction, self.end.direction)
+
+    def rotations(self, share: float | Floats) -> Floats:
+        """Return the orientation (3, 3) at a share of the line, or at many (k, 3, 3), where one is asked for."""
+        assert self.begin.rotation is not None
+        angle, axis = self._turn
+        angles = np.asarray(share)[..., None, None] * angle
+        turned = np.eye(3) + np.sin(angles) * axis + (1.0 - np.cos(angles)) * (axis @ axis)
+        return np.asarray(self.begin.rotation @ turned)
+
+    @cached_property
+    def _turn(self) -> tuple[float, Floats]:
+        """The angle (rad) from one rotation to the other, and the cross product with its axis (3, 3)."""
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415  # as long as all of this package
 
         assert self.begin.rotation is not None
         assert self.end.rotation is not None
-        ends = Rotation.from_matrix(np.stack([self.begin.rotation, self.end.rotation]))
-        return Slerp([0.0, 1.0], ends)(share)
+        turn = Rotation.from_matrix(self.begin.rotation.T @ self.end.rotation).as_rotvec()
+        angle = float(np.linalg.norm(turn))
+        x, y, z = turn / max(angle, 1e-300)
+        return angle, np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+    def shares_of(self, poses: Floats) -> Floats:
+        """Return the shares (k,) of the line that are nearest to poses (k, 4, 4): by places, or of a turn by angles."""
+        assert self.begin.position is not None
+        assert self.end.position is not None
+        along = self.end.position - self.begin.position
+        square = float(along @ along)
+        if square > 0.0:
+            return np.clip((poses[:, :3, 3] - self.begin.position) @ along / square, 0.0, 1.0)
+        if self.angle == 0.0:
+            return np.zeros(len(poses))
+        if self.begin.rotation is None:
+            ahead = self.direction(0.5 * math.pi / self.angle)  # across the first direction, in the plane of the turn
+            sine, cosine = poses[:, :3, 2] @ ahead, poses[:, :3, 2] @ self.direction(0.0)
+        else:
+            turned = self.begin.rotation.T @ poses[:, :3, :3]
+            sine = 0.5 * (turned * self._turn[1]).sum(axis=(1, 2))
+            cosine = 0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0)
+        return np.asarray(np.clip(np.arctan2(sine, cosine) / self.angle, 0.0, 1.0))
+
+    def turned(self, poses: Floats, shares: Floats) -> float:
+        """How far poses (k, 4, 4) are turned from the line at shares (k,) of it, at most (rad)."""
+        if self.begin.direction is not None:
+            cosines = poses[:, :3, 2] @ self.begin.direction
+            if self._great_circle is not None:
+                across, whole = self._great_circle
+                angles = shares * whole
+                cosines = np.cos(angles) * cosines + np.sin(angles) * (poses[:, :3, 2] @ across)
+            return math.acos(max(-1.0, min(1.0, float(cosines.min()))))
+        if self.begin.rotation is None:
+            return 0.0
+        # The chord between two rotations is 2 sqrt(2) sin(angle / 2).
+        chord = float(np.linalg.norm(poses[:, :3, :3] - self.rotations(shares), axis=(1, 2)).max())
+        return 2.0 * math.asin(min(1.0, chord / math.sqrt(8.0)))
+
+    @cached_property
+    def turn_rows(self) -> Floats:
+        """How the tip turns along it (5, 3), where an orientation is asked; see `kernels.certificate.tip.turn_off`."""
+        rows = np.zeros((5, 3))
+        if self.begin.rotation is not None:
+            _, cross = self._turn
+            rows[0] = self.begin.rotation @ [cross[2, 1], cross[0, 2], cross[1, 0]]
+            rows[1], rows[2:] = (self._turn[0], 3.0, 0.0), self.begin.rotation.T
+            return rows
+        assert self.begin.direction is not None
+        assert self.end.direction is not None
+        (ax, ay, az), (bx, by, bz) = self.begin.direction.tolist(), self.end.direction.tolist()
+        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        sine, cosine = math.sqrt(x * x + y * y + z * z), ax * bx + ay * by + az * bz
+        rows[1, 1], rows[2] = 1.0, self.begin.direction
+        if sine > 1e-12:
+            rows[0], rows[1, 0] = (x / sine, y / sine, z / sine), math.atan2(sine, cosine)
+        elif self._great_circle is not None:
+            across, rows[1, 0] = self._great_circle
+            rows[0] = np.cross(self.begin.direction, across)
+        return rows
 
     def draw(self, shares: tuple[float, float], line: Floats) -> None:
         """Fill `line` (2, 3) with where the tip is meant to be at two shares of the line."""
@@ -73,17 +175,16 @@ def _kind(target: Target) -> tuple[bool, bool, bool, int | None]:
     return position, direction, rotation, target.segment
 
 
-def _turned(a: Floats, b: Floats, share: float) -> Floats:
-    """Turn unit vector `a` by a share of the angle to `b`; opposite ones about any axis across."""
-    across = b - (a @ b) * a
+def _turn_between(a: Floats, b: Floats) -> tuple[Floats, float] | None:
+    along = float(a @ b)
+    across = b - along * a
     length = float(np.linalg.norm(across))
     if length < 1e-12:
-        if a @ b > 0.0:
-            return a
+        if along > 0.0:
+            return None
         across = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
         length = float(np.linalg.norm(across))
-    angle = share * math.atan2(length if a @ b > -1.0 else 0.0, float(a @ b))
-    return math.cos(angle) * a + math.sin(angle) * across / length
+    return across / length, math.atan2(length if along > -1.0 else 0.0, along)
 
 
 class Knot(NamedTuple):

@@ -93,8 +93,8 @@ class Motion(NotebookMixin, Frozen):
     waypoint_knots : tuple of (int or None)
         The knot of each of these waypoints (0 = first): of what is not solved, none.
     reconfigured : tuple of int
-        Waypoints (1 = first) to which the tip could not go straight: the robot changed its configuration on another
-        way, or, where no way was found, on a step that is not proved.
+        Waypoints (1 = first) to which the tip could not go straight: the robot changed its configuration while the tip
+        stayed, or on another way, or, where no way was found, on a step that is not proved.
     reconfigure : str
         `refuse`: a motion of which the tip left the line between two waypoints is `left_path`. `allow`: it may.
     remaining : int

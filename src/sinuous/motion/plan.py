@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import Any, Unpack, cast
+from functools import cache, cached_property, partial
+from typing import Any, Self, Unpack, cast
 
 import numpy as np
 
@@ -62,8 +62,8 @@ def plan(
 
     The straight line in the space of configurations is tried first, then trees of configurations that grow towards each
     other from the start and from the goals (RRT-Connect, Kuffner & LaValle 2000). What can be left out of the way that
-    is found is left out. With a target as goal, it is solved from the start first, and more configurations that meet
-    it become goals while the trees grow.
+    is found is left out. With a target as goal, it is solved from the start first, then from no configuration, and
+    more configurations that meet it become goals while the trees grow.
 
     Where obstacles are `Moving`, the way is one through space and time: the straight line and ways past what stands
     still are paced, on, waiting or back (Kant & Zucker 1986), then a tree grows forwards in time (LaValle & Kuffner
@@ -102,11 +102,11 @@ def plan(
     InputError
         When an argument is not what it should be, or a configuration as goal violates a limit.
     """
-    return Planner(robot, scene, **options).plan(start, goal)
+    return Planner._for_one_query(robot, scene, **options).plan(start, goal)
 
 
 @dataclass(eq=False)
-class Workspace:
+class PlanWork:
     """Memory for plans of a robot in a scene: what proves motions, what grows trees, and what walks in a memory."""
 
     scene: Snapshot
@@ -125,13 +125,13 @@ class Workspaces:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._free: list[Workspace] = []
+        self._free: list[PlanWork] = []
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._robot,)
 
     @contextmanager
-    def lent(self, scene: Snapshot) -> Iterator[Workspace]:
+    def lent(self, scene: Snapshot) -> Iterator[PlanWork]:
         """Lend a workspace for a scene in which nothing moves: one that was given back, or a new one."""
         work = self._take(scene)
         try:
@@ -139,7 +139,7 @@ class Workspaces:
         finally:
             self._free.append(work)
 
-    def _take(self, scene: Snapshot) -> Workspace:
+    def _take(self, scene: Snapshot) -> PlanWork:
         while self._free:
             try:
                 work = self._free.pop()
@@ -147,7 +147,8 @@ class Workspaces:
                 break
             if work.scene is scene:
                 return work
-        return Workspace(scene, Prover(self._robot, scene), RRTConnect(self._robot, scene))
+        prover = Prover(self._robot, scene)
+        return PlanWork(scene, prover, RRTConnect(self._robot, scene, prover))
 
 
 class Planner:
@@ -168,24 +169,39 @@ class Planner:
     """
 
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
+        self._prepare(robot, scene, options)
+        self._load()
+
+    @classmethod
+    def _for_one_query(cls, robot: Robot, scene: SceneLike | None, **options: Unpack[PlanArguments]) -> Self:
+        """Prepare a planner for one plan: what is compiled, or loaded, is so where it is needed first."""
+        planner = object.__new__(cls)
+        planner._prepare(robot, scene, options)
+        return planner
+
+    def _prepare(self, robot: Robot, scene: SceneLike | None, options: PlanArguments) -> None:
+        """Check all arguments."""
         given: dict[str, Any] = dict(options)
         refuse_unknown(given, PlanArguments.__annotations__)
         checks.instance("robot", robot, Robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
         self._pace = Pace.of(robot, **{key: given.pop(key) for key in ("rates", "duration", "begin") if key in given})
-        self._scene, self._options = as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        self._scene, self._options = as_scene(scene), SolveOptions.of({"time": TIME, **given}) if given else _options()
         self._robot = robot = self._options.demanded_of(robot)
         self._pace.check(self._scene.snapshot())
         check_sizes(robot, self._scene)
         if self._options.memory is not None:
             self._options.memory.check(robot)
         warn_of(suspicions(robot, self._scene.snapshot()))
-        load_motions(robot, self._scene.snapshot())
         self._workspaces = Workspaces(robot)
+
+    def _load(self) -> None:
+        """Compile all that a plan needs, or load it, and look up what is kept of a robot: no plan waits for that."""
+        robot = self._robot
+        load_motions(robot, self._scene.snapshot())
         with self._workspaces.lent(standing(self._scene.snapshot())) as work:
             if not robot.has_external_load:
                 work.trees.load()
-        # What is kept of a robot is looked up now: the first plan takes no longer than others.
         violated_by(robot, np.zeros((len(robot), 3)))
         lever_metric(robot)
 
@@ -199,16 +215,21 @@ class Planner:
         end, more = self._end(goal)
         scene = self._scene.snapshot()
         if scene.moves:
-            return self._plan_in_time(scene, begin, end).with_notes(notes + more)
+            return self._plan_in_time(scene, begin, end, within=not notes).with_notes(notes + more)
         if not isinstance(end, np.ndarray):
             _ = self._solver  # loaded now, because compiling is no planning
         deadline = Deadline(self._options.time)
         with self._workspaces.lent(scene) as work:
-            return self._plan_still(work, deadline, begin, end).with_notes(notes + more)
+            return self._plan_still(work, deadline, begin, end, within=not notes).with_notes(notes + more)
 
-    def _plan_still(self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]) -> Motion:
-        """Plan a motion among obstacles that stand still: along motions that a memory holds, or by trees."""
-        report = self._blocked(begin, end, work.prover, work.prover)
+    def _plan_still(
+        self, work: PlanWork, deadline: Deadline, begin: Floats, end: Floats | list[Target], *, within: bool
+    ) -> Motion:
+        """Plan a motion among obstacles that stand still: along motions that a memory holds, or by trees.
+
+        `within`: whether the start is known to keep all limits.
+        """
+        report = self._blocked(begin, end, (work.prover, work.prover), within)
         if report is not None:
             return self._made(work.scene, deadline, begin, report)
         goals = FixedGoal(end) if isinstance(end, np.ndarray) else TargetGoals(self._solver, end, [])
@@ -229,8 +250,8 @@ class Planner:
             remember(self._options.memory, self._robot, path)
         return self._made(query.scene, deadline, begin, _arrived(path, goals), path)
 
-    def _plan_in_time(self, scene: Snapshot, begin: Floats, end: Floats | list[Target]) -> Motion:
-        """Plan a motion among obstacles that move.
+    def _plan_in_time(self, scene: Snapshot, begin: Floats, end: Floats | list[Target], *, within: bool) -> Motion:
+        """Plan a motion among obstacles that move; `within` as before.
 
         Where the duration is given, the goal is solved, and must be clear, among what is there then; otherwise among
         what stands still.
@@ -242,7 +263,7 @@ class Planner:
             solver = Solver._of_checked(self._robot, Scene.of(there), self._options)
         deadline, prover = Deadline(self._options.time), Prover(self._robot, scene)
         made = partial(self._made, scene, deadline, begin)
-        report = self._blocked(begin, end, prover, Prover(self._robot, there))
+        report = self._blocked(begin, end, (prover, Prover(self._robot, there)), within)
         if report is not None:
             return made(report)
         goals: FixedGoal | TargetGoals
@@ -273,14 +294,17 @@ class Planner:
         return again if np.array_equal(again.q, solution.q) else solution
 
     def _blocked(
-        self, begin: Floats, end: Floats | list[Target], prover: Prover, prover_there: Prover
+        self, begin: Floats, end: Floats | list[Target], provers: tuple[Prover, Prover], within: bool
     ) -> Report | None:
-        """Say what keeps the robot from beginning, or from being at a configuration as goal; `None`: nothing does."""
+        """Say what keeps the robot from beginning, or from being at a configuration as goal; `None`: nothing does.
+
+        `provers`: of the scenes at both ends.
+        """
         to_configuration = isinstance(end, np.ndarray)
-        worst = blocked_by(self._robot, begin, prover, self._pace.begin)
+        worst = blocked_by(self._robot, begin, provers[0], self._pace.begin, within)
         if worst is not None:
             return Report(ended=Status.START_BLOCKED, blocking=worst, remaining=0 if to_configuration else 1)
-        worst = overlap_at(self._robot, end, prover_there) if isinstance(end, np.ndarray) else None
+        worst = overlap_at(self._robot, end, provers[1]) if isinstance(end, np.ndarray) else None
         return None if worst is None else Report(ended=Status.TARGET_BLOCKED, blocking=worst)
 
     @cached_property
@@ -311,6 +335,12 @@ class Planner:
         if listed or isinstance(goal, Target) or is_place(goal):
             return list(target_list("goal", goal, self._robot)), ()
         return check_limits(self._robot, "goal", self._configuration("goal", cast(Initial, goal)))
+
+
+@cache
+def _options() -> SolveOptions:
+    """Options where nothing is said."""
+    return SolveOptions.of({"time": TIME})
 
 
 def _of_waypoint(solution: Solution) -> Report:

@@ -147,7 +147,7 @@ def _solved(diagonal: Floats, beside: Floats, right: Floats) -> Floats:
 
 def _null_space(robot: Robot, knot: Knot) -> Floats:
     """Return the projection (3 n, 3 n) on what the targets of a knot leave open, in the units of `_units`."""
-    rigid = [3 * k + 2 for k, segment in enumerate(robot.segments) if segment.length[0] == segment.length[1]]
+    rigid = [3 * k + 2 for k, segment in enumerate(robot.rows) if segment.length[0] == segment.length[1]]
     rows = [np.eye(3 * len(robot))[rigid], *(_rows(robot, target, knot.q) for target in knot.targets)]
     values, vectors = np.linalg.svd(np.concatenate(rows), full_matrices=False)[1:]
     kept = vectors[values > SINGULAR * values[0]]

@@ -84,8 +84,8 @@ def track(
     reconfigure : str
         Whether the tip may leave that line where the robot cannot follow it: `refuse` or `allow`. It then changes its
         configuration on another way, to go on from there, and `Motion.left_steps` says where. Unless that is allowed,
-        the motion is `left_path` and not solved; before that is said, where no start was given and nothing moves,
-        other shapes at the first waypoint are tried.
+        the motion is `left_path` and not solved; before that is said, where nothing moves, the shapes along the whole
+        path are searched for, from the start if one is given, and changes of the shape while the tip stays.
     shortest : str, optional
         `configuration` or `actuators`: at last, the whole motion is made shorter in these, all knots together, as far
         as the waypoints and the line between them leave it open. By default it is not.

@@ -1,8 +1,7 @@
 """Goes from waypoint to waypoint, and proves the way."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by, settle
 from sinuous.motion.knots import Knot, TipLine, TrackedWaypoint
 from sinuous.motion.motion import Motion
+from sinuous.motion.path_solver import PathSolver
 from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
 from sinuous.motion.planning.planners import find_path, find_timed_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals
@@ -23,22 +23,13 @@ from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
 from sinuous.motion.report import Report
 from sinuous.motion.shortening import metric_of, shorten
 from sinuous.motion.timetable import Timetable, spread_times, with_start
+from sinuous.motion.tip_steps import SLACK, TipSteps
 from sinuous.problem.target import Target, Targets
-from sinuous.solver.certificates.steps import Prover, Steps, is_passable, load_motions
-from sinuous.solver.certificates.tip import Tip
+from sinuous.solver.certificates.steps import Steps
 from sinuous.solver.solver import Initial, Solver
-
-SLACK = 0.5
-"""How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""
-
-OTHERS = 6
-"""Other shapes that are tried at a waypoint, where the tip had to leave a line."""
 
 SHORTCUTS = 10
 """How many are tried on a way around."""
-
-SHORTEST = 1.0 / 64.0
-"""Share of the way between two waypoints below which steps are not halved."""
 
 
 class Tracker:
@@ -75,20 +66,15 @@ class Tracker:
         timetable: Timetable | None = None,
         reconfigure: Reconfigure = "refuse",
     ) -> None:
-        scene = solver.scene.snapshot() if timetable is None else timetable.scene
         self._timetable = timetable
-        load_motions(solver.robot, scene)
+        self._steps = TipSteps(solver, deviation, timetable)
         self._solver, self._began = solver, work_time()
-        self._prover = Prover(solver.robot, scene)
         self._outdated = 0  # number of knots, from the first on, whose steps were proved before the last update
         self._knots: list[Knot] = []
         self._tried: list[tuple[Solution, int | None]] = []
         self._at: tuple[Target, ...] | None = None
-        self._deviation, self._reconfigure = deviation, reconfigure
+        self._reconfigure = reconfigure
         self._reconfigured: list[int] = []
-        self._follows: Solver | None = None
-        self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
-        self._tip = Tip(solver.robot)
         self._walks: MemorySearch | None = None
         self._approaches = self._started = start is not None
         self.blocked: Worst | None = None
@@ -101,7 +87,7 @@ class Tracker:
         begin = 0.0 if self._timetable is None else self._timetable.begin
         q, self._notes = settle(self._solver.robot, "start", q)
         self._knots.append(Knot(q, None, fixed=True, time=begin))
-        self.blocked = blocked_by(self._solver.robot, q, self._prover, begin)
+        self.blocked = blocked_by(self._solver.robot, q, self._steps.prover, begin)
 
     @property
     def tried(self) -> int:
@@ -132,53 +118,26 @@ class Tracker:
             solution = self.go_to(targets) if entry is None else self.go_on(targets, entry)
             if progress is not None:
                 progress(solution)
-        if self._reconfigured and self._reconfigure == "refuse" and not self._started and self._timetable is None:
-            self._begin_otherwise()
+        if self._reconfigured and self._reconfigure == "refuse" and self._timetable is None:
+            self._follow_otherwise()
 
-    def _begin_otherwise(self) -> None:
-        """Follow the path from other shapes at its first waypoint, where all that is wrong is that it was left."""
-        if self.motion().status is not Status.LEFT_PATH:
+    def _follow_otherwise(self) -> None:
+        """Look for another way along the whole path, where all that is wrong is that its line was left."""
+        if self.motion().status not in (Status.LEFT_PATH, Status.UNPROVED):
             return
         waypoints = [solution.problem.targets for solution, _ in self._tried]
-        for q in self._other_shapes(waypoints):
-            other = self._anew()
-            if other._follows_whole(waypoints, q):
-                self.__dict__.update({**vars(other), "_began": self._began})
-                return
-
-    def _other_shapes(self, waypoints: list[tuple[Target, ...]]) -> Iterator[Floats]:
-        """Shapes at the first waypoint: some that were looked for there, and some that are led back from elsewhere."""
-        for solution in self._solver.solve_all(list(waypoints[0]), count=OTHERS):
-            yield solution.q
-        back = waypoints[: self._reconfigured[0]][
-            ::-1
-        ]  # from the first waypoint to which the tip could not go straight
-        for solution in self._solver.solve_all(list(back[0]), count=OTHERS):
-            way = self._anew()
-            if way._follows_whole(back, solution.q):
-                yield way._knots[-1].q
-
-    def _anew(self) -> "Tracker":
-        return Tracker(self._solver, None, self._deviation, None, self._reconfigure)
-
-    def _follows_whole(self, waypoints: list[tuple[Target, ...]], q: Floats) -> bool:
-        """Lead the tip straight from waypoint to waypoint, the first one met near `q`; say whether that can be done."""
-        for targets in waypoints:
-            solution: Solution | None = self._follower().solve(
-                list(targets), self._knots[-1].begin if self._knots else q
-            )
-            assert solution is not None
-            if not solution.solved:
-                return False
-            if self._knots:
-                solution = self._go_straight(solution)
-            else:
-                self._knots.append(Knot(solution.q, None, solution.problem.targets, solution))
-            if solution is None:
-                return False
-            self._at = solution.problem.targets
-            self._keep(solution)
-        return True
+        begun = [self._knots[knot]._replace(solution=solution) for solution, knot in self._tried if knot is not None]
+        solver = PathSolver(self._steps, waypoints, begun[0] if self._started else None)
+        found = solver.solve([(number - 1, begun[number - 1]) for number in (1, *self._reconfigured)])
+        if found is not None:
+            kept = (self._tried[0][1] or 0) + 1 if self._started else 0
+            self._knots = [*self._knots[:kept], *found.knots[min(1, kept) :]]
+            solutions = [
+                found.knots[at].solution or before for at, (before, _) in zip(found.waypoints, self._tried, strict=True)
+            ]
+            self._tried = [(one, at + max(0, kept - 1)) for one, at in zip(solutions, found.waypoints, strict=True)]
+            self._reconfigured = found.reconfigured
+            self._at = waypoints[-1]
 
     def go_to(self, targets: Targets) -> Solution:
         """Solve the next waypoint from where the robot is, and move there on a way that is proved, where one is found.
@@ -246,73 +205,32 @@ class Tracker:
 
     def _look_at(self, solution: Solution) -> None:
         """Prove from now on in the scene that a solution was found in: the robot moves after an update."""
-        if self._timetable is None and self._prover.scene is not solution.problem.scene:
-            self._prover = Prover(self._solver.robot, solution.problem.scene)
+        if self._steps.look_at(solution):
             self._outdated = len(self._knots)
 
     def _prove_anew(self) -> None:
         """Prove in the scene of now what was proved before it was updated: a motion is proved in one scene."""
         count, self._outdated = self._outdated, 0
         if count > 1:
-            answers = self._prover.prove(np.array([knot.q for knot in self._knots[:count]]), SLACK)
+            answers = self._steps.prover.prove(np.array([knot.q for knot in self._knots[:count]]), SLACK)
             for i, proof in enumerate(np.split(answers, count - 1), start=1):
                 self._knots[i] = self._knots[i]._replace(proof=proof)
-
-    def _clear(self, knot: Knot) -> tuple[float, float]:
-        """Proved clearance and self-clearance of a knot in the scene of now; 0 where they are not known."""
-        current = (
-            self._timetable is not None or knot.solution is None or self._prover.scene is knot.solution.problem.scene
-        )
-        return knot.clear if current else (0.0, 0.0)
 
     def _stays(self, solution: Solution) -> bool:
         """Whether a robot that is at its start is at the first waypoint already."""
         return len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q)
 
     def _go_straight(self, solution: Solution) -> Solution | None:
-        """Lead the tip straight to a waypoint, in smaller steps where one is not proved or leaves the line.
-
-        Where obstacles move, it goes on evenly in time.
-        """
-        goal, begin, end = solution.problem.targets, self._knots[-1].time, self._knots[-1].time
-        if self._timetable is not None:
-            end = self._timetable.of(len(self._tried))
-        line = TipLine.between(self._at, goal)
-        done, step = 0.0, 1.0
-        while done < 1.0:
-            share = min(1.0, done + step)
-            before, when = self._knots[-1], (1.0 - share) * begin + share * end
-            found: Solution | None = solution
-            if line is not None and (share < 1.0 or done > 0.0):
-                if self._timetable is not None:
-                    self._timetable.look_at(when)
-                found = self._follower().solve(line.at(share) if share < 1.0 else goal, before.begin)
-            knot = None
-            if found is not None and found.solved:
-                self._look_at(found)
-                knot = Knot(found.q, None, found.problem.targets, found, line, (done, share), time=when)
-            proof = None if knot is None else self._prove(before, knot)
-            if found is not None and knot is not None and proof is not None:
-                self._knots.append(knot._replace(proof=proof))
-                done, step, solution = share, min(2.0 * step, 1.0), found
-            elif line is None or step <= SHORTEST:
-                return None
-            else:
-                step *= 0.5
-        return solution
-
-    def _prove(self, before: Knot, knot: Knot) -> Floats | None:
-        """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
-        ends, times = self._two(before.q, knot.q), None
-        if knot.line is not None:
-            knot.line.draw(knot.shares, self._tip.line)
-            if self._tip.deviation(ends, self._deviation) > self._deviation:
-                return None
-        self._known[0], self._known[1] = self._clear(before), self._clear(knot)
-        if self._timetable is not None:
-            times = np.array([before.time, knot.time])
-        proof = self._prover.prove(ends, SLACK, times=times, known=self._known)
-        return proof if is_passable(proof[0]) else None
+        """Lead the tip straight to a waypoint; see `TipSteps.lead`."""
+        line = TipLine.between(self._at, solution.problem.targets)
+        prover = self._steps.prover
+        knots = self._steps.lead(self._knots[-1], solution, line, end=self._when())
+        if prover is not self._steps.prover:  # there was an update meanwhile
+            self._outdated = len(self._knots) + len(knots or ())
+        if knots is None:
+            return None
+        self._knots += knots
+        return knots[-1].solution
 
     def _go_around(self, solution: Solution) -> Solution:
         """Change the configuration to one of a waypoint on any path; the step is not proved where none is found.
@@ -327,7 +245,7 @@ class Tracker:
         goals = TargetGoals(self._solver, list(solution.problem.targets), [solution])
         path = self._find_path(last, when, goals)
         if path is None:
-            proof = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)
+            proof = self._steps.prover.prove(self._steps.two(last.q, solution.q), SLACK, times=times)
             self._knots.append(Knot(solution.q, proof, solution.problem.targets, solution, time=when))
             return solution
         steps = np.split(path.answers, len(path.answers))
@@ -340,7 +258,7 @@ class Tracker:
 
     def _find_path(self, last: Knot, when: float, goals: TargetGoals) -> ProvedPath | None:
         """Plan a path from where the robot is to a waypoint, in the time that a solve may take."""
-        robot, options, scene = self._solver.robot, self._solver.options, self._prover.scene
+        robot, options, scene = self._solver.robot, self._solver.options, self._steps.prover.scene
         if self._timetable is None:
             began = work_time()
             load_trees(robot, scene)
@@ -354,23 +272,11 @@ class Tracker:
                 remember(options.memory, robot, path)
             return path
         query = Query(robot, scene, last.q, goals, options.seed, Deadline(options.time))
-        return find_timed_path(query.in_time(self._prover, last.time, when))
+        return find_timed_path(query.in_time(self._steps.prover, last.time, when))
 
     def _when(self) -> float:
         """When the robot is at the next waypoint, where obstacles move; otherwise 0."""
         return 0.0 if self._timetable is None else self._timetable.of(len(self._tried))
-
-    def _two(self, q0: Floats, q1: Floats) -> Floats:
-        """Put two configurations into one array (2, n, 3), always the same."""
-        self._ends[0], self._ends[1] = q0, q1
-        return self._ends
-
-    def _follower(self) -> Solver:
-        """The solver for what lies between waypoints: it goes on from where the robot is, or not at all."""
-        if self._follows is None:
-            options = replace(self._solver.options, max_starts=1, routes=False)
-            self._follows = Solver._of_checked(self._solver.robot, self._solver.scene, options)
-        return self._follows
 
     def shorten(self, shortest: Shortest) -> None:
         """Make the motion so far shorter in configurations or actuators, all knots together."""
@@ -379,7 +285,7 @@ class Tracker:
         self._prove_anew()
         robot = self._solver.robot
         durations = np.diff(self.motion().times)
-        self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, self._meet, self._prove)
+        self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, self._meet, self._steps.prove)
         self._tried = [
             (solution if at is None else self._knots[at].solution or solution, at) for solution, at in self._tried
         ]
@@ -388,8 +294,8 @@ class Tracker:
         """Meet the targets of a knot from a configuration beside it."""
         if self._timetable is not None:
             self._timetable.look_at(knot.time)
-        found = self._follower().solve(knot.targets, q)
-        return knot._replace(q=found.q, proof=None, solution=found) if found.solved else None
+        found = self._steps.meet(knot.targets, q)
+        return None if found is None else knot._replace(q=found.q, proof=None, solution=found)
 
     def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""
@@ -404,7 +310,7 @@ class Tracker:
             waypoint_knots=tuple(knot for _, knot in self._tried),
             reconfigured=tuple(self._reconfigured),
             reconfigure=self._reconfigure,
-            deviation=self._deviation,
+            deviation=self._steps.deviation,
             remaining=remaining,
             seconds=work_time() - self._began,
             method=self._solver.method,
@@ -414,7 +320,7 @@ class Tracker:
             notes=self._notes,
         )
         when = self._times(q, times) if self._timetable is None else np.array([knot.time for knot in self._knots])
-        return Motion.made(robot, self._prover.scene, q, when, steps, found)
+        return Motion.made(robot, self._steps.prover.scene, q, when, steps, found)
 
     def _times(self, q: Floats, of_waypoints: Floats | None = None) -> Floats:
         """Times of the knots: the first one is at 0, and every waypoint takes 1, unless they have times."""

@@ -250,12 +250,17 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
     Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
     within `bound_sway` of the straight line.
     """
-    if len(scene) == 0:
+    if len(scene) == 0 or robot.joints:
+        return False
+    leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
+    rounding = ROUNDING * robot.mean_length + float(scene.table[:, ROUNDOFF].max())
+    distance = float(scene.at_most(leaves))
+    if distance >= max(robot.needed_radii) - rounding:
         return False
     reached, radius = 0.0, robot.needed_radii[0]
     ramps: list[Ramp] = []
     if robot.mount > 0.0:
-        of_each = robot.segments, robot.needed_radii, robot.curvatures, robot.largest_bends
+        of_each = robot.rows, robot.needed_radii, robot.curvatures, robot.largest_bends
         for segment, own, curvature, bend in zip(*of_each, strict=True):
             # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
             radius = min(radius, own)
@@ -267,9 +272,7 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
                 break
         else:
             return False
-    leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
-    rounding = ROUNDING * robot.mean_length + float(scene.table[:, ROUNDOFF].max())
-    return bool(scene.at_most(leaves) + bound_sway(robot.mount, ramps) < radius - rounding)
+    return bool(distance + bound_sway(robot.mount, ramps) < radius - rounding)
 
 
 def bound_sway(mount: float, ramps: Sequence[Ramp]) -> float:

@@ -5,6 +5,7 @@ Every length is compared with that of the robot. Nothing is changed for what is 
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,13 +38,15 @@ small change of a tool, as of a difference quotient."""
 TIGHT, SLACK = 50.0, 300.0
 """How many times smaller, or larger, than what the largest bends need the limits of tendons are in another unit."""
 
+KEPT = 64
+"""Robots of which is kept what is suspicious."""
+
 FULL_TURN = 2.0 * math.pi
 
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
-    thick = held_back(robot.segments, robot.self_radii, robot.curvatures)
-    return [*_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick, *_of_obstacles(robot, scene)]
+    return [*_of_robot(robot), *_of_obstacles(robot, scene)]
 
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
@@ -51,16 +54,23 @@ def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[T
     return [*suspicions(robot, scene), *_of_base(robot, scene.first), *_of_targets(robot, waypoints)]
 
 
+@lru_cache(maxsize=KEPT)
+def _of_robot(robot: Robot) -> tuple[str, ...]:
+    """What is suspicious of a robot alone."""
+    thick = held_back(robot.rows, robot.self_radii, robot.curvatures)
+    return *_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick
+
+
 def _longest(robot: Robot) -> float:
-    return sum(segment.length[1] for segment in robot.segments)
+    return robot.longest
 
 
 def _of_angles(robot: Robot) -> Iterator[str]:
-    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.segments, 1)}):
+    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.rows, 1) if not s.rigid}):
         if most > FULL_TURN * (1.0 + 1e-9):
             which = words.segments(numbers, len(robot))
             yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
-    for k, segment in enumerate(robot.segments, 1):
+    for k, segment in enumerate(robot.rows, 1):
         if float(np.hypot(*segment.rest)) > FULL_TURN * (1.0 + 1e-9):
             yield f"rest of segment {k} is more than a full turn; is it in degrees?"
         for key in ("tendons", "chambers"):
@@ -79,16 +89,16 @@ def _of_lengths(robot: Robot) -> Iterator[str]:
     ask = "are both in one length unit?"
     for key, radii, most in (
         ("radius", [segment.radius for segment in robot.segments], 1.0),
-        ("radius of the tendons", [s.tendons.radius for s in robot.segments if s.tendons is not None], 1.0),
+        ("radius of the tendons", [s.tendons.radius for s in robot.rows if s.tendons is not None], 1.0),
     ):
         odd = [radius for radius in radii if radius > most * length or length / LINE < radius < length / THIN]
         if odd:
             yield f"the {key} is {odd[0]:.4g}, the robot {length:.4g} long; {ask}"
     tool = float(np.linalg.norm(robot.tool[:3, 3]))
-    segment_length = max(segment.length[1] for segment in robot.segments)
+    segment_length = max((segment.length[1] for segment in robot.segments), default=length)
     if tool > LONG_TOOL * length or segment_length / NO_TOOL < tool < segment_length / SHORT_TOOL:
         yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
-    for k, segment in enumerate(robot.segments, 1):
+    for k, segment in enumerate(robot.rows, 1):
         if segment.tendons is None or segment.max_bend == 0.0:
             continue
         limits = np.abs(segment.tendons.displacements)
@@ -102,10 +112,10 @@ def _of_loads(robot: Robot) -> Iterator[str]:
     """Compare what a robot carries with what bends it by a radian: a thousandth or thousandfold is another unit."""
     if robot.gravity is None and robot.payload:
         yield "the payload weighs nothing without gravity; gravity=(0, 0, -9.81) is that of the earth, for lengths in m"
-    soft = [segment.stiffness.bend for segment in robot.segments if segment.stiffness is not None]
+    soft = [segment.stiffness.bend for segment in robot.rows if segment.stiffness is not None]
     if robot.gravity is None or not soft:
         return
-    masses = [segment.mass * segment.length[1] for segment in robot.segments] + [each.mass for each in robot.payload]
+    masses = [segment.mass * segment.length[1] for segment in robot.rows] + [each.mass for each in robot.payload]
     length = _longest(robot)
     bent = sum(masses) * float(np.linalg.norm(robot.gravity)) * length**2 / min(soft)
     if bent > ODD or 0.0 < bent < 1.0 / ODD**2:
@@ -118,18 +128,14 @@ def _of_loads(robot: Robot) -> Iterator[str]:
 
 def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:
     length = _longest(robot)
-    boxes = {i: box for i, each in enumerate(scene.obstacles) if (box := each._box) is not None}
-    if not boxes:
-        return
-    corners = np.array([*boxes.values()])
-    sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)
-    for i, size in zip(boxes, sizes, strict=True):
+    sizes, together = scene._sizes
+    large = {} if max(sizes.values(), default=0.0) <= min(ODD, ODD_FILE) * length else sizes
+    for i, size in large.items():
         of_file = isinstance(scene.obstacles[i], Mesh | PointCloud)
         if size > (ODD_FILE if of_file else ODD) * length:
             yield f"{scene.name(i)} is {size:.4g} large, the robot {length:.4g} long; are both in one length unit?"
-    size = float(np.linalg.norm(corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)))
-    if len(boxes) == len(scene) and ODD * size < length:
-        yield f"all obstacles lie within {size:.4g}, the robot is {length:.4g} long; are both in one length unit?"
+    if sizes and len(sizes) == len(scene) and ODD * together < length:
+        yield f"all obstacles lie within {together:.4g}, the robot is {length:.4g} long; are both in one length unit?"
 
 
 def _of_base(robot: Robot, scene: Snapshot) -> Iterator[str]:

@@ -104,8 +104,9 @@ class Snapshot(Surroundings, Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_group", "_lock", "_moves", "_obstacles", "_parts")
+    __slots__ = ("_group", "_kept_sizes", "_lock", "_moves", "_obstacles", "_parts")
 
+    _kept_sizes: tuple[dict[int, float], float] | None
     _group: Floats | None
     _lock: threading.Lock
     _moves: bool | None
@@ -113,7 +114,8 @@ class Snapshot(Surroundings, Frozen):
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        self._set(_obstacles=obstacles, _parts=parts, _group=None, _moves=None, _lock=threading.Lock())
+        kept: dict[str, Any] = {"_group": None, "_moves": None, "_kept_sizes": None}
+        self._set(_obstacles=obstacles, _parts=parts, _lock=threading.Lock(), **kept)
 
     def snapshot(self) -> "Snapshot":
         """Return itself."""
@@ -155,6 +157,17 @@ class Snapshot(Surroundings, Frozen):
         if self._moves is None:  # every plan asks several times
             self._set(_moves=any(isinstance(obstacle, Moving) for obstacle in self._obstacles))
         return bool(self._moves)
+
+    @property
+    def _sizes(self) -> tuple[dict[int, float], float]:
+        """Diagonals of boxes around the obstacles that end somewhere, by their index, and around all of these."""
+        if self._kept_sizes is None:  # every solver and plan asks
+            boxes = {i: box for i, each in enumerate(self._obstacles) if (box := each._box) is not None}
+            corners = np.reshape([*boxes.values()], (len(boxes), 2, 3))
+            sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1).tolist()
+            span = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0) if boxes else np.zeros(3)
+            self._set(_kept_sizes=(dict(zip(boxes, sizes, strict=True)), float(np.linalg.norm(span))))
+        return self._kept_sizes  # type: ignore[return-value]  # set above
 
     @property
     def first(self) -> "Snapshot":

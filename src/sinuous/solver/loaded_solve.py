@@ -198,7 +198,7 @@ def solve_under_load(
             break
     assert best is not None
     if math.isinf(best.position_error):  # no start has an equilibrium: a straight body may
-        best = correct_start(own, problem, unsolved_start(straight(problem.robot.segments)), seconds)
+        best = correct_start(own, problem, unsolved_start(straight(problem.robot.rows)), seconds)
     spent = work_time() - began
     code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

@@ -107,6 +107,7 @@ class Solver:
     ) -> None:
         uses = _uses("ready", (ready,) if isinstance(ready, str) else ready)
         self._prepare(*_checked(robot, scene, options))
+        (self if self._load is None else self._free)._prepared.load()
         self._strategy.load()
         self._warm(uses)
 
@@ -142,8 +143,7 @@ class Solver:
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
         self._no_initial: Floats = np.empty((0, *self._shape))
-        self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
-        self._look_at_base()
+        self._place = self._take_scene()
 
     def _borrow(self, free: "Solver") -> None:
         """Share what a solver of the robot without load has prepared."""
@@ -209,10 +209,11 @@ class Solver:
         if self._load is not None:
             return self._solve_under_load(self._load, target, initial, within, time)
         began = work_time()
-        scene, blocked = self._place
-        looked = scene is not self.scene.snapshot()
+        place = self._place
+        looked = place[0] is not self.scene.snapshot()
         if looked:
-            scene, blocked = self._look_at_base()
+            place = self._place = self._take_scene()
+        scene, blocked = place
         targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given, reference = self._no_initial, None
@@ -234,10 +235,23 @@ class Solver:
             if starts is not given and outcome.source == GIVEN and len(starts):
                 outcome = outcome._replace(source=REMEMBERED)
         if outcome.code != SOLVED:
+            if blocked is None and self._look_at_base(scene)[1]:
+                outcome = self._look(problem, given)
             outcome = self._go_on(outcome, problem, given, budget[3])
         if self.options.memory is not None and outcome.code == SOLVED:
             self._strategy.learn(outcome.q[None], None if starts is given else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def descend(self, target: Target, q: Floats, seconds: float) -> Floats | None:
+        """Follow one configuration (n, 3) to one that meets a target of the tip; `None` where that fails.
+
+        It is what `solve` does where `max_starts` is 1 and nothing is searched for, without a solution around it. Not
+        under load.
+        """
+        problem = Problem.prepared(self.robot, (target,), self.scene.snapshot(), self.tolerance)
+        given = np.array(q[None], order="C")
+        outcome = self._prepared.run(problem, given, (0, 0, self.options.seed, seconds), given[0])
+        return outcome.q if outcome.code == SOLVED else None
 
     def _solve_under_load(
         self,
@@ -564,12 +578,21 @@ class Solver:
             return (target,)
         return target_list("target", target, self.robot)
 
-    def _look_at_base(self) -> tuple[Snapshot, bool]:
-        """Take the scene as it is now, and look at the base in it: at first, and after an update."""
-        place, scene = self._place, self.scene.snapshot()
-        if place[0] is not scene:
-            place = self._place = scene, base_blocked(self.robot, scene)
-        return place
+    def _take_scene(self) -> tuple[Snapshot, bool | None]:
+        """Return the scene as it is now, ready for kernels, and that nobody has looked at the base in it."""
+        scene = self.scene.snapshot()
+        if len(scene):
+            _ = scene._kernel_group
+        return scene, None
+
+    def _look_at_base(self, scene: Snapshot | None = None) -> tuple[Snapshot, bool]:
+        """Look at the base in a scene, by default in that of now; once, unless it was updated."""
+        at = self.scene.snapshot() if scene is None else scene
+        seen, blocked = self._place
+        if seen is not at or blocked is None:
+            blocked = base_blocked(self.robot, at)
+            self._place = at, blocked
+        return at, blocked
 
     def _budget(self, given: int, time: Number) -> Budget:
         """What the first call may spend, after so many initial configurations."""
@@ -686,7 +709,7 @@ class KeptOptions(SolveAgain):
 
 
 def _warm_solve(solver: Solver) -> None:
-    solver.solve(_beyond_reach(solver), straight(solver.robot.segments), time=0.0)
+    solver.solve(_beyond_reach(solver), straight(solver.robot.rows), time=0.0)
     solver._strategy.load(anew=True)
 
 
@@ -695,7 +718,7 @@ def _warm_many(solver: Solver) -> None:
 
 
 def _warm_step(solver: Solver) -> None:
-    solver.step(straight(solver.robot.segments), (0.0,) * 6, 1.0)
+    solver.step(straight(solver.robot.rows), (0.0,) * 6, 1.0)
 
 
 READY: dict[str, Callable[[Solver], None]] = {

@@ -61,7 +61,7 @@ class RateLimits:
             elastic = robot.drive.elastic
             assert elastic is not None
             self.limited += tuple(robot.actuators[elastic.places[i]] for i in self.tensions.lines)
-            rows = self._of_tensions(self.tensions, straight(robot.segments))
+            rows = self._of_tensions(self.tensions, straight(robot.rows))
             if not self.tensions.linear:
                 rows[:, [3 * n + a.LOWEST, 3 * n + a.HIGHEST]] = -np.inf, np.inf  # until `write_tensions`
             self.actuators = np.concatenate([self.actuators, rows])

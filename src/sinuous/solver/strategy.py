@@ -143,7 +143,7 @@ class Strategy:
     """
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions) -> None:
-        takes_routes = capabilities(options.method).routes and len(scene) > 0
+        takes_routes = capabilities(options.method).routes and len(scene) > 0 and not robot.joints
         self._for_routes = (robot, scene, tolerance) if options.routes and takes_routes else None
         takes_memory = capabilities(options.method).initial and REMEMBERED not in options.without
         own = options.memory is not None and options.memory._serves(robot)  # a remedy's robot is another one

@@ -133,7 +133,7 @@ class Body(NamedTuple):
 @lru_cache(maxsize=KEPT)
 def body_of(robot: "Robot") -> Body:
     """Return the body of a robot."""
-    segments = robot.segments
+    segments = robot.rows
     counts = np.array([segment.arcs for segment in segments], np.intp)
     gravity = np.zeros(3) if robot.gravity is None else robot.gravity
     stiffness = np.array([_stiffness(segment) for segment in segments])
@@ -164,8 +164,8 @@ def _stiffness(segment: "Segment") -> tuple[float, float, float]:
 def _lines(robot: "Robot", bending: Floats) -> ElasticLines:
     """Tendons and chambers through segments of these stiffnesses EI (n,)."""
     rows, at = [], 0
-    lengths = np.array([0.5 * sum(segment.length) for segment in robot.segments])
-    for k, segment in enumerate(robot.segments):
+    lengths = np.array([0.5 * sum(segment.length) for segment in robot.rows])
+    for k, segment in enumerate(robot.rows):
         for own, first in ((segment.tendons, 0), (segment.chambers, k)):
             for j in range(0 if own is None else len(own.angles)):
                 through = bending[first : k + 1]

@@ -130,7 +130,7 @@ class Rest:
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         result = np.empty((1, len(self.arcs) + 1, 12))
-        batch.frames_of(self.arcs[None], packing.pose_row(self.robot.base), result)
+        batch.frames_of(packing.plain_rows(len(self.arcs)), self.arcs[None], packing.pose_row(self.robot.base), result)
         return result
 
     def pose(self, segment: int | None) -> Floats:

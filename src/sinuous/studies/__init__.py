@@ -6,6 +6,7 @@ __getattr__, __dir__, __all__ = entrance(
     __name__,
     {
         "sinuous.base.errors": "UnfinishedError",
+        "sinuous.problem.workspace": "Workspace",
         "sinuous.studies.batch.batch": "Batch",
         "sinuous.studies.batch.solve": "solve_batch",
         "sinuous.studies.calibration.calibrate": "calibrate suggest",

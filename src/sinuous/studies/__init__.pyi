@@ -1,6 +1,7 @@
 """The names of `__init__.py` for type checkers."""
 
 from sinuous.base.errors import UnfinishedError as UnfinishedError
+from sinuous.problem.workspace import Workspace as Workspace
 from sinuous.studies.batch.batch import Batch as Batch
 from sinuous.studies.batch.solve import solve_batch as solve_batch
 from sinuous.studies.calibration.calibrate import calibrate as calibrate

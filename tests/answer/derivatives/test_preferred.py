@@ -29,7 +29,8 @@ def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Fl
         q = near.copy()
         q.ravel()[moves] += scale[moves] * x[: len(moves)]
         ends = residual_of(problem, q)
-        limits = [list(problem.robot.limit_set.sides(q))[i] for i in active]
+        listed = list(problem.robot.limit_set.sides(q))
+        limits = [listed[i] for i in active]
         rows = np.vstack([ends.jacobian, *(each.gradient.ravel() for each in limits)])
         slope = prefer.start * ((q - start).ravel()[moves] / scale[moves])
         slope += prefer.bends * (q * [1.0, 1.0, 0.0]).ravel()[moves] * scale[moves]

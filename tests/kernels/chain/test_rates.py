@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, acceleration_bound, measure_rates
+from sinuous.kernels.packing import plain_rows
 from tests.helpers import Floats, frames_of
 
 STEP = 1e-3
@@ -31,7 +32,7 @@ def test_no_place_bows_more_than_its_bound_nor_travels_farther(seed: int) -> Non
     n = int(rng.integers(1, 6))
     q0, q1 = way(rng, n)
     rates = np.empty((n, MOTION_RATES_WIDTH))
-    travel = measure_rates(q0, q1, rates)
+    travel = measure_rates(plain_rows(len(q0)), q0, q1, rates)
     for _ in range(40):
         k, s, t = int(rng.integers(n)), float(rng.random()), float(rng.uniform(STEP, 1.0 - STEP))
         before, here, after = (place(q0, q1, t + d, k, s) for d in (-STEP, 0.0, STEP))

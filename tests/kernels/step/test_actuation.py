@@ -122,8 +122,8 @@ def test_a_bound_step_moves_up_to_the_limits_and_not_beyond(seed: int) -> None:
     root, mean, bound = np.empty((N, 9)), np.zeros((N, 3)), np.empty(N, np.int64)
     limits.release(ROBOT.limits, root, mean, bound)
     for _ in range(len(TABLE) + 1):
-        sweeps.forward(columns, root, mean, rows, 1e-3, True)
-        sweeps.backward(columns, root, mean, rows, step, True)
+        sweeps.forward(columns, root, mean, rows, 1e-3, 0)
+        sweeps.backward(columns, root, mean, rows, step, 0)
         before = np.count_nonzero(rows.kind == HARD)
         assert excess(q + step) > 0.0 or actuation.bind(TABLE, q, step, rows) == 0
         count = actuation.bind(TABLE, q, step, rows)

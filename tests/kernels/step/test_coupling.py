@@ -30,9 +30,9 @@ def coupled_step(
     rest = np.full(SPAN_WIDTH * (n + 1) + 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1), np.nan)
     step = np.full((n, 3), np.nan)
     work = Work(root, mean, step, nothing.copy(), *whole, rest)
-    sweeps.forward(columns, root, mean, rows, mu, coupled)
-    sweeps.backward(columns, root, mean, rows, step, coupled)
-    couple(state, work, mu, coupled)
+    sweeps.forward(columns, root, mean, rows, mu, coupled - 1)
+    sweeps.backward(columns, root, mean, rows, step, coupled - 1)
+    couple(state, work, mu, coupled - 1)
     return step
 
 

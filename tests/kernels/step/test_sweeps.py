@@ -78,8 +78,8 @@ def dense_step(
 
 def sweep(columns: Floats, root: Floats, mean: Floats, rows: Rows, mu: float, coupled: bool) -> Floats:
     step = np.full((len(columns), 3), np.nan)
-    sweeps.forward(columns, root, mean, rows, mu, coupled)
-    sweeps.backward(columns, root, mean, rows, step, coupled)
+    sweeps.forward(columns, root, mean, rows, mu, coupled - 1)
+    sweeps.backward(columns, root, mean, rows, step, coupled - 1)
     return step
 
 

@@ -16,14 +16,14 @@ import pytest
 
 import sinuous as sn
 from sinuous.studies.batch.batch import Batch
+from tests.base.processes import PATIENCE, Command
 from tests.studies.batch.questions import BALL, ROBOT, points
 
 ROWS, CHUNK = 6_000, 100
-PATIENCE = 300.0
 TIME = 60.0
 """Seconds for a target: none ends by the clock, whatever else the machine does, so files are equal byte for byte."""
 
-Process = subprocess.Popen[str]
+Process = Command | subprocess.Popen[str]
 
 
 @pytest.fixture
@@ -41,22 +41,9 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return (folder / "out.npz").read_bytes()
 
 
-def begin(folder: Path, *options: str, out: str = "out.npz") -> Process:
-    own = (
-        "--targets",
-        "in.npz",
-        "--out",
-        out,
-        "--chunk",
-        str(CHUNK),
-        "--max-starts",
-        "4",
-        "--no-routes",
-        "--time",
-        str(TIME),
-    )
-    command = [sys.executable, "-m", "sinuous", "batch", "arm.yaml", *own, *options]
-    return subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+def typed(*options: str, out: str = "out.npz") -> list[str]:
+    own = f"batch arm.yaml --targets in.npz --out {out} --chunk {CHUNK} --max-starts 4 --no-routes --time {TIME}"
+    return [*own.split(), *options]
 
 
 def parts(folder: Path, out: str = "out.npz") -> dict[str, int]:
@@ -65,13 +52,12 @@ def parts(folder: Path, out: str = "out.npz") -> dict[str, int]:
     return {file.name: file.stat().st_mtime_ns for file in found}
 
 
-def until(process: Process, ready: Callable[[], Any]) -> Any:
+def until(process: Process, ready: Callable[[], Any]) -> None:
     end = time.monotonic() + PATIENCE
-    while not (found := ready()):
-        assert process.poll() is None, process.communicate()
+    while not ready():
+        assert (process.code if isinstance(process, Command) else process.poll()) is None
         assert time.monotonic() < end
         time.sleep(0.005)
-    return found
 
 
 def go_on(out: Path, **options: Any) -> Batch:
@@ -92,27 +78,27 @@ def finish(folder: Path, expected: bytes) -> None:
     assert (folder / "out.npz").read_bytes() == expected
 
 
-def one_line(process: Process, *words: str) -> None:
-    told = process.communicate(timeout=PATIENCE)[1]
-    told = "".join(line for line in told.splitlines(keepends=True) if not line.startswith("note: "))
+def one_line(process: Command, *words: str) -> None:
+    told = "".join(line for line in process.said().splitlines(keepends=True) if not line.startswith("note: "))
     assert told.count("\n") == 1, told
     assert all(word in told for word in words), told
 
 
 def test_killed(folder: Path, expected: bytes) -> None:
-    process = begin(folder)
-    until(process, lambda: len(parts(folder)) >= 5)
-    process.kill()
-    process.communicate()
+    """As somebody types it, in a process that begins with nothing."""
+    command = [sys.executable, "-m", "sinuous", *typed()]
+    with subprocess.Popen(command, cwd=folder, text=True, stderr=subprocess.DEVNULL) as process:
+        until(process, lambda: len(parts(folder)) >= 5)
+        process.kill()
     finish(folder, expected)
 
 
 def test_interrupted(folder: Path, expected: bytes) -> None:
-    process = begin(folder)
+    process = Command(typed(), folder)
     until(process, lambda: len(parts(folder)) >= 5)
-    process.send_signal(signal.SIGINT)
+    process.send(signal.SIGINT)
     one_line(process, "interrupted", "kept")
-    assert process.returncode == 130
+    assert process.code == 130
     finish(folder, expected)
 
 
@@ -130,9 +116,9 @@ def small_disk(place: Path, size: str) -> Iterator[None]:
 
 def test_the_disk_is_full(folder: Path, expected: bytes) -> None:
     with small_disk(folder / "small", "400k"):
-        process = begin(folder, out="small/out.npz")
+        process = Command(typed(out="small/out.npz"), folder)
         one_line(process, "No space left on device", "chunks are kept", "goes on")
-        assert process.returncode == 1
+        assert process.code == 1
         assert parts(folder, "small/out.npz")
         for file in (folder / "small").rglob("*.npz"):
             assert not file.name.startswith(".")  # no half of a file
@@ -141,7 +127,7 @@ def test_the_disk_is_full(folder: Path, expected: bytes) -> None:
 
 
 @contextmanager
-def cluster(folder: Path, workers: int) -> Iterator[tuple[str, Process, list[Process]]]:
+def cluster(folder: Path, workers: int) -> Iterator[tuple[str, subprocess.Popen[str], list[subprocess.Popen[str]]]]:
     pytest.importorskip("distributed")
     file = folder / "scheduler.json"
     own = {"cwd": folder, "text": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -161,11 +147,11 @@ def cluster(folder: Path, workers: int) -> Iterator[tuple[str, Process, list[Pro
 
 def test_dask_loses_a_worker_and_then_its_scheduler(folder: Path, expected: bytes) -> None:
     with cluster(folder, 2) as (address, scheduler, workers):
-        process = begin(folder, "--dask", address)
+        process = Command(typed("--dask", address), folder)
         until(process, lambda: len(parts(folder)) >= 5)
         workers[0].kill()
         until(process, lambda: len(parts(folder)) >= 12)
         scheduler.kill()
         one_line(process, "scheduler", "chunks are kept", "goes on")
-        assert process.returncode == 1
+        assert process.code == 1
     finish(folder, expected)

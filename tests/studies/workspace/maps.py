@@ -10,4 +10,4 @@ SPACING = 20.0
 
 
 def made(**options: Any) -> sn.studies.Reach:
-    return sn.studies.reach(ROBOT, WALL, SPACING, **options)
+    return sn.studies.reach(ROBOT, WALL, SPACING, **{"directions": 26, **options})

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.studies.runs.checkpoint import Checkpoint
 from sinuous.studies.workspace import find, rounds
 from sinuous.studies.workspace.reach import Verdict
-from tests.studies.workspace.maps import ROBOT, WALL, made
+from tests.studies.workspace.maps import ROBOT, SPACING, WALL, made
 
 
 def test_it_is_the_same_whatever_the_number_of_workers(found: sn.studies.Reach) -> None:
@@ -51,9 +52,55 @@ def test_random_shapes_refute_no_proof() -> None:
         assert not proved & set(many.status.tolist())
 
 
+def test_positions_are_the_default_and_can_be_solved(positions: sn.studies.Reach) -> None:
+    default = sn.studies.reach(ROBOT, WALL, SPACING)
+    np.testing.assert_array_equal(default.positions, positions.positions)
+    places = default.voxels.middles[default.reachable]
+    some = places[np.random.default_rng(0).choice(len(places), 100, replace=False)]
+    many = sn.Solver(ROBOT, WALL, max_starts=50).solve_many(positions=some)
+    assert many.solved.mean() > 0.98
+    left = default.voxels.middles[default.positions == Verdict.LIMITS]
+    some = left[np.random.default_rng(0).choice(len(left), 100, replace=False)]
+    assert sn.Solver(ROBOT, WALL, max_starts=50).solve_many(positions=some).solved.mean() < 0.02
+
+
+def test_a_cone_holds_what_random_shapes_reach_in_it() -> None:
+    """The places of tips that are within the cone are found, and what is found is within: no solve says otherwise."""
+    axis, within = np.array([0.6, 0.0, 0.8]), 0.5
+    rng = np.random.default_rng(4)
+    q = np.concatenate([rng.uniform(-1.1, 1.1, (4000, 2, 2)), rng.uniform(40, 60, (4000, 2, 1))], axis=-1)
+    tips = ROBOT.tip(q)
+    places = tips[tips[:, :3, 2] @ axis > np.cos(within), :3, 3]
+    assert len(places) > 300
+    solver = sn.Solver(ROBOT, None, max_starts=1, routes=False)
+    query, calls = rounds.PlaceQuery(solver, axis[None], within), rounds.Calls(1, Checkpoint(None, {}, "this map"))
+    codes, shapes = query.solve(calls, places, np.zeros(len(places), np.int64), None)
+    assert (codes == Verdict.SOLVED).mean() > 0.98
+    assert not ((codes > Verdict.SOLVED) & (codes <= Verdict.BASE_BLOCKED)).any()
+    found = ROBOT.tip(shapes[codes == Verdict.SOLVED].astype(float))
+    assert (found[:, :3, 2] @ axis > np.cos(within) - 1e-9).all()
+    assert np.abs(found[:, :3, 3] - places[codes == Verdict.SOLVED]).max() < 0.02
+
+
+def test_a_cone_of_half_a_turn_is_a_map_of_positions(positions: sn.studies.Reach) -> None:
+    whole = made(directions=(0, 0, 1), within=np.pi)
+    np.testing.assert_array_equal(whole.dexterous, whole.reachable)
+    assert (whole.reachable >= positions.reachable).all()
+
+
+def test_it_is_told_how_long_it_takes(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(find, "PATIENCE", 1e-9)
+    made(directions=0)
+    told = capsys.readouterr().err
+    assert told.startswith("sinuous: ")
+    assert "s left" in told
+    made(directions=0, progress=False)
+    assert capsys.readouterr().err == ""
+
+
 def test_obstacles_only_take_away(found: sn.studies.Reach) -> None:
     assert (found.share <= found.free_share).all()
-    alone = sn.studies.reach(ROBOT, None, 20.0)
+    alone = sn.studies.reach(ROBOT, None, 20.0, 26)
     np.testing.assert_array_equal(alone.verdicts, found.free)
     np.testing.assert_array_equal(alone.verdicts, alone.free)
     assert (alone.obstacles == -1).all()
@@ -93,8 +140,7 @@ def test_a_base_that_is_blocked_is_said_of_all() -> None:
 def test_wherever_it_ends_the_same_call_goes_on(
     found: sn.studies.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in (find, rounds):
-        monkeypatch.setattr(module, "CALL_SIZE", 3000)
+    monkeypatch.setattr(rounds, "CALL_SIZE", 3000)
     calls, solve_many = 0, sn.Solver.solve_many
 
     def interrupted(*arguments: Any, **options: Any) -> Any:
@@ -125,6 +171,7 @@ def test_wherever_it_ends_the_same_call_goes_on(
     [
         ("seed", {"seed": 1}),
         ("directions", {"directions": 6}),
+        ("within", {"within": 0.2}),
         ("low", {"low": (-20, -20, 0)}),
         ("high", {"high": (0, 0, 60)}),
     ],
@@ -144,7 +191,8 @@ def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: di
     [
         ({"spacing": 0.0}, "spacing"),
         ({"spacing": 0.01}, "spacing"),
-        ({"spacing": 20.0, "directions": 0}, "directions"),
+        ({"spacing": 20.0, "directions": -1}, "directions"),
+        ({"spacing": 20.0, "within": 0.1}, "within"),
         ({"spacing": 20.0, "directions": [[0.0, 0.0, 0.0]]}, "directions"),
         ({"low": (0, 0, 0), "high": (-1, 0, 0)}, "high"),
         ({"low": (1, 1, 1), "high": (2, 2, 2), "spacing": 20.0}, "spacing"),

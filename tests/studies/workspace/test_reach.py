@@ -2,12 +2,15 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.studies.workspace.reach import Verdict, Voxels, directions_of, reach_of
+from sinuous.base.checks import Floats
+from sinuous.problem.workspace import Workspace, directions_of
+from sinuous.studies.workspace.reach import Codes, Verdict, Voxels, reach_of
 from tests.studies.workspace.maps import ROBOT
 
 
@@ -19,9 +22,20 @@ def ball(radius: float, spacing: float) -> sn.studies.Reach:
     inner = np.where(far <= radius + spacing, Verdict.LIMITS, Verdict.OUT_OF_REACH)
     verdicts = np.where(far <= radius, Verdict.SOLVED, inner).astype(np.uint8)
     verdicts[..., 1][verdicts[..., 1] == Verdict.LIMITS] = Verdict.OUT_OF_REACH
+    return mapped(voxels, np.eye(3)[:2], verdicts, sampled=False)
+
+
+def mapped(voxels: Voxels, directions: Floats, verdicts: Codes, *, sampled: bool) -> sn.studies.Reach:
+    """A map of these verdicts."""
+    some = (verdicts == Verdict.SOLVED).any(axis=-1)
+    places = np.where(some, Verdict.SOLVED, verdicts.max(axis=-1)).astype(np.uint8)
     return sn.studies.Reach(
         voxels=voxels,
-        directions=np.eye(3)[:2],
+        directions=directions,
+        within=None,
+        sampled=sampled,
+        positions=places,
+        free_positions=places.copy(),
         verdicts=verdicts,
         free=verdicts.copy(),
         obstacles=np.full(voxels.shape, -1, np.int16),
@@ -81,19 +95,19 @@ def test_farther_than_the_robot_is_long_it_is_out_of_reach_and_else_outside_it_i
 
 def test_a_voxel_is_about_the_base_and_all_hold_the_reach() -> None:
     robot = ROBOT.changed(base=sn.pose((3, -4, 5)), tool=sn.pose((0, 0, 7)))
-    voxels = Voxels.about(robot, 10.0, None, None)
+    voxels = Voxels.about(robot, Workspace(10.0))
     assert reach_of(robot) == 127.0
     assert voxels.shape == (25, 25, 25)
     np.testing.assert_allclose(voxels.middles[12, 12, 12], (3, -4, 5))
-    assert Voxels.about(robot, None, None, None).shape == (71, 71, 71)
+    assert Voxels.about(robot, Workspace()).shape == (71, 71, 71)
 
 
 def test_corners_make_a_slice() -> None:
-    voxels = Voxels.about(ROBOT, 10.0, (-30, 0, 0), (30, 0, 50))
+    voxels = Voxels.about(ROBOT, Workspace(10.0, low=(-30, 0, 0), high=(30, 0, 50)))
     assert voxels.shape == (7, 1, 6)
 
 
-@pytest.mark.parametrize("count", [1, 6, 26, 100])
+@pytest.mark.parametrize("count", [0, 1, 6, 26, 100])
 def test_directions_are_unit_vectors_all_round(count: int) -> None:
     axes = directions_of(count)
     np.testing.assert_allclose(np.linalg.norm(axes, axis=1), 1.0)
@@ -101,3 +115,57 @@ def test_directions_are_unit_vectors_all_round(count: int) -> None:
     assert len(np.unique(axes.round(9), axis=0)) == count
     if count > 1:
         assert np.linalg.norm(axes.mean(axis=0)) < 0.2
+
+
+def test_a_map_of_positions_has_no_directions(positions: sn.studies.Reach, tmp_path: Path) -> None:
+    assert positions.directions.shape == (0, 3)
+    np.testing.assert_array_equal(positions.verdicts[..., 0], positions.positions)
+    assert "dexterous" not in positions.to_dict()["volumes"]
+    assert "positions" in str(positions)
+    with pytest.raises(sn.InputError, match=r"^directions: .*map of positions"):
+        positions.volume(dexterous=True)
+    positions.save(tmp_path / "map.npz")
+    assert sn.studies.Reach.load(tmp_path / "map.npz").equals(positions)
+
+
+def test_directions_take_nothing_from_positions(found: sn.studies.Reach, positions: sn.studies.Reach) -> None:
+    assert (found.reachable >= positions.reachable).all()
+    assert (found.reachable >= (found.share > 0.0)).all()
+    assert found.volume().found > found.volume(dexterous=True).found
+
+
+@pytest.mark.parametrize("count", [8, 26, 100])
+def test_the_error_of_all_directions_covers_those_between(count: int) -> None:
+    """A place is reached in a direction where it is behind a plane across it: in all directions it is in a ball."""
+    voxels, axes = Voxels((-12.0,) * 3, 1.0, (25, 25, 25)), directions_of(count)
+    verdicts = np.where(voxels.middles @ axes.T <= 8.0, Verdict.SOLVED, Verdict.OUT_OF_REACH).astype(np.uint8)
+    found = mapped(voxels, axes, verdicts, sampled=True)
+    volume, ball_volume = found.volume(dexterous=True), 4.0 / 3.0 * np.pi * 8.0**3
+    assert abs(volume.found - ball_volume) <= volume.error
+    given = mapped(voxels, axes, verdicts, sampled=False).volume(dexterous=True)
+    assert given.found == volume.found
+    assert given.error < volume.error  # directions that are given stand for no others
+
+
+def test_an_old_file_says_nothing_of_positions_that_it_does_not_prove(found: sn.studies.Reach, tmp_path: Path) -> None:
+    found.save(tmp_path / "map.npz")
+    with np.load(tmp_path / "map.npz") as data:
+        old = {name: data[name] for name in data.files if name not in {"positions", "free_positions", "within"}}
+    np.savez(tmp_path / "old.npz", **(old | {"reach": np.array(2)}))
+    loaded = sn.studies.Reach.load(tmp_path / "old.npz")
+    np.testing.assert_array_equal(loaded.verdicts, found.verdicts)
+    np.testing.assert_array_equal(loaded.reachable, found.share > 0.0)
+    assert loaded.volume().at_most >= found.volume().found
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"within": 0.3}, r"^within: no direction is asked for"),
+        ({"directions": (0, 0, 1), "within": 20}, r"^within: expected an angle up to pi, rad \(20 degrees are 0.349\)"),
+        ({"directions": -1}, r"^directions: "),
+    ],
+)
+def test_a_question_that_cannot_be_meant_is_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        Workspace(**arguments)

@@ -32,12 +32,15 @@ ROUGH = """
         return own.call(this, kind, {...words, antialias: false});
     };
     const draw = requestAnimationFrame;
-    window.requestAnimationFrame = act => setTimeout(() => draw(act), 60);
+    window.requestAnimationFrame = act => setTimeout(() => draw(act), 180);
     window.cancelAnimationFrame = clearTimeout;
 """
-"""Lets the page draw without smooth edges, which software draws four times for, and at most 16 pictures a second."""
+"""Lets the page draw without smooth edges, which software draws four times for, and at most 6 pictures a second."""
 
 SIZE = (900, 560)
+COARSE = 2
+"""Units of the page to a pixel: software draws four times as fast as with one."""
+
 PATIENCE = 300.0
 """Seconds: kernels may have to be compiled first, and on a busy machine software takes many to draw a picture."""
 
@@ -59,7 +62,7 @@ def chromium() -> Iterator[Any]:
 
 def opened(browser: Any, address: str) -> Any:
     """Open an address, and wait until it shows something."""
-    tab = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]}, device_scale_factor=1)
+    tab = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]}, device_scale_factor=1.0 / COARSE)
     tab.set_default_timeout(1e3 * PATIENCE)
     tab.add_init_script(ROUGH)
     tab.problems = []
@@ -115,7 +118,7 @@ def pixels(tab: Any) -> NDArray[np.uint8]:
     from matplotlib.image import imread
 
     picture = imread(io.BytesIO(tab.screenshot()), format="png")
-    return np.asarray(np.round(255.0 * picture[..., :3]), np.uint8)
+    return np.asarray(np.round(255.0 * picture[..., :3]), np.uint8).repeat(COARSE, axis=0).repeat(COARSE, axis=1)
 
 
 def projected(camera: Any, point: Floats) -> tuple[float, float]:

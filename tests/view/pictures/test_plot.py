@@ -9,7 +9,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.view.display.style import ARMS, ROUTE, TARGET, UNSOLVED
-from tests.helpers import Floats
+from tests.helpers import Floats, refused
 from tests.view.pictures.arms import BALL, PATH, ROBOT, SCENE, TARGETS
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -174,3 +174,12 @@ def test_large_meshes_are_thinned(tmp_path: Path) -> None:
     assert len(surfaces(axes)[0].get_facecolor()) < 2 * len(faces)
     axes.figure.savefig(tmp_path / "tube.svg")
     assert (tmp_path / "tube.svg").stat().st_size < 3e6  # as pixels, not as many thousand polygons
+
+
+def test_a_picture_goes_into_a_file(tmp_path: Path) -> None:
+    for name in ("arm.png", "arm.svg"):
+        axes = sn.plot(ROBOT, path=tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 1000
+        assert hasattr(axes, "get_proj")
+    refused("path", lambda: sn.plot(ROBOT, path=tmp_path / "arm.txt"), "png")
+    refused("path", lambda: sn.plot(ROBOT, path=tmp_path / "nowhere" / "arm.png"), "can be written")

@@ -199,7 +199,7 @@ def circles_of(robot: Robot) -> tuple[tuple[str, int, float], ...]:
     """All circles of tendons and chambers: which of the two, the segment (0 = first), and the radius."""
     return tuple(
         (kind, k, lines.radius)
-        for k, segment in enumerate(robot.segments)
+        for k, segment in enumerate(robot.rows)
         for kind, lines in (("tendons", segment.tendons), ("chambers", segment.chambers))
         if lines is not None
     )

@@ -45,7 +45,7 @@ def contacts(
     if scene is None:
         return at, math.inf
     q, frames = body.q, body.frames
-    start, length, radius = free_part(q, k, mount), q[k, 2], body.limits[k, RADIUS]
+    start, length, radius = free_part(body.limits, q, k, mount), q[k, 2], body.limits[k, RADIUS]
     part = 1.0 - start
     least = math.inf
     among, clock = scratch.among, scratch.clock

@@ -7,7 +7,7 @@ from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene, evaluate, work_of
 from sinuous.kernels.fields.solids import INTERPOLATED, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec
-from sinuous.kernels.tables import KIND, ROUNDOFF, TREE
+from sinuous.kernels.tables import KIND, RIGID, ROUNDOFF, TREE
 
 Scratch = namedtuple("Scratch", ["among", "clock"])
 """What examining obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
@@ -15,9 +15,14 @@ Scratch = namedtuple("Scratch", ["among", "clock"])
 evaluate_here = inline(evaluate)
 
 
-def free_part(q: Array, k: int, mount: float) -> float:
+def backbone_of(limits: Array, q: Array, k: int) -> float:
+    """Length of the backbone in row `k`: joints and links have none."""
+    return float(q[k, 2]) if limits[k, RIGID] == 0.0 else 0.0
+
+
+def free_part(limits: Array, q: Array, k: int, mount: float) -> float:
     """Fraction of segment `k` that lies within the mount; `mount` is what is left of it where the segment begins."""
-    if mount <= 0.0:
+    if mount <= 0.0 or limits[k, RIGID] != 0.0:
         return 0.0
     if mount >= q[k, 2]:
         return 1.0

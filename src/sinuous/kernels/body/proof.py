@@ -15,7 +15,16 @@ The same is true of each triangle of a mesh, and of each ball of a cloud.
 import math
 
 from sinuous.kernels.body.chords import sagitta_bound
-from sinuous.kernels.body.pieces import Scratch, closest, evaluate_here, following, free_part, near, work_among
+from sinuous.kernels.body.pieces import (
+    Scratch,
+    backbone_of,
+    closest,
+    evaluate_here,
+    following,
+    free_part,
+    near,
+    work_among,
+)
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import shared
@@ -23,7 +32,7 @@ from sinuous.kernels.fields.distances import Scene, beside, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
-from sinuous.kernels.tables import RADIUS, ROUNDOFF
+from sinuous.kernels.tables import RADIUS, ROUNDOFF, TAIL_LENGTH
 
 BODY_ROUNDING = 1e-13
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world. What it makes of the
@@ -41,11 +50,11 @@ def _decided(sure: float, least: float, slack: float) -> bool:
     return sure > 0.0 and sure >= (1.0 - slack) * least
 
 
-def rounding_of(q: Array, frames: Array) -> float:
+def rounding_of(limits: Array, q: Array, frames: Array) -> float:
     """What arithmetic may make of a place of the body (length unit), for how far it is from the origin of the world."""
     far = norm(frame(frames, 0)[1])
     for k in range(q.shape[0]):
-        far += q[k, 2]
+        far += q[k, 2] + limits[k, TAIL_LENGTH]
     return BODY_ROUNDING * far
 
 
@@ -98,11 +107,11 @@ def prove(
     bound = least = math.inf
     where, fraction, which = -1, 0.0, -1
     undecided = False
-    rounding = rounding_of(q, frames)
+    rounding = rounding_of(limits, q, frames)
     among, clock = scratch.among, scratch.clock
     for k in range(q.shape[0]):
-        start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
-        mount -= length
+        start, length, radius = free_part(limits, q, k, mount), q[k, 2], limits[k, RADIUS]
+        mount -= backbone_of(limits, q, k)
         part = 1.0 - start
         if part <= 0.0:
             continue

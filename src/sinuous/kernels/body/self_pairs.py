@@ -25,8 +25,8 @@ from collections import namedtuple
 
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
-from sinuous.kernels.tables import SELF_RADIUS
+from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, norm, scale, sub
+from sinuous.kernels.tables import BODY, RIGID, SELF_RADIUS, TAIL_LENGTH, TOUCHES
 
 ALONG, TURNED, CURVATURE, RUN, FIRST_PARTNER = range(5)
 """Columns of `spans`, a row a segment and one more for the tip: length and turn (rad) of the backbone before the
@@ -42,6 +42,9 @@ HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
 """Turn (rad) from which on places are examined: of one run, and of two."""
 
 NO_LENGTH = 1e-300
+
+KINK = 10.0
+"""What the turn at the end of a link counts, in rad: more than any that excludes that two places concern each other."""
 
 Meeting = tuple[int, float, int, float]
 """Two places of the body: segment and fraction of it, segment and fraction; segments are -1 where none are known."""
@@ -59,13 +62,15 @@ def survey(shape: Shape) -> tuple[float, float]:
     run = 0
     for k in range(n):
         radius, length = limits[k, SELF_RADIUS], q[k, 2]
-        if k > 0 and radius != limits[k - 1, SELF_RADIUS]:
+        if k > 0 and (radius != limits[k - 1, SELF_RADIUS] or limits[k - 1, RIGID] != 0.0):
             most = min(most, least_of_run(limits[k - 1, SELF_RADIUS], along - begun, tightest))
             run, begun, tightest = run + 1, along, 0.0
         bend = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1])
         curvature = bend / max(length, NO_LENGTH)
         spans[k, ALONG], spans[k, TURNED], spans[k, CURVATURE], spans[k, RUN] = along, turned, curvature, run
         along, turned = along + length, turned + bend
+        if limits[k, RIGID] != 0.0:
+            along, turned = along + limits[k, TAIL_LENGTH], turned + KINK
         tightest, thickest = max(tightest, curvature), max(thickest, radius)
     spans[n, ALONG], spans[n, TURNED], spans[n, CURVATURE], spans[n, RUN] = along, turned, 0.0, run
     first = 0
@@ -80,7 +85,7 @@ def survey(shape: Shape) -> tuple[float, float]:
 def least_of_run(radius: float, length: float, curvature: float) -> float:
     """Lower bound of the gap of places pi radii apart along a run of this length and of no more than this curvature."""
     apart = math.pi * radius
-    if radius == 0.0 or length < apart:
+    if radius <= 0.0 or length < apart:
         return math.inf
     return arc_chord(curvature, apart) - 2.0 * radius
 
@@ -90,9 +95,21 @@ def enough_between(shape: Shape, i: int, j: int) -> float:
     return HALF_TURN if shape.spans[i, RUN] == shape.spans[j, RUN] else QUARTER_TURN
 
 
-def _middle(frames: Array, k: int) -> Vec:
+def middle_of(shape: Shape, k: int) -> Vec:
     """Middle of the chord of segment k, from which no point of it is farther than half its length."""
-    return scale(0.5, add(frame(frames, k)[1], frame(frames, k + 1)[1]))
+    rotation, position = frame(shape.frames, k)
+    if shape.limits[k, RIGID] != 0.0:
+        return add_scaled(position, 0.5 * shape.q[k, 2], (rotation[0][2], rotation[1][2], rotation[2][2]))
+    return scale(0.5, add(position, frame(shape.frames, k + 1)[1]))
+
+
+def may_touch(limits: Array, i: int, j: int) -> bool:
+    """Whether rows i < j never concern each other: one has no body, or they belong to links that may touch."""
+    if limits[i, RIGID] == 0.0:
+        return False
+    if limits[i, SELF_RADIUS] < 0.0 or limits[j, SELF_RADIUS] < 0.0:
+        return True
+    return bool((int(limits[i, TOUCHES]) >> int(limits[j, BODY])) & 1)
 
 
 def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tuple[int, int, float]:
@@ -101,7 +118,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
     Also returns a lower bound of the gaps of all that were passed over, infinite where there were none. The first pair
     comes after (-1, n).
     """
-    limits, q, frames, spans = shape.limits, shape.q, shape.frames, shape.spans
+    limits, q, spans = shape.limits, shape.q, shape.spans
     n = q.shape[0]
     low = math.inf
     while True:
@@ -118,12 +135,14 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
         needed = limits[i, SELF_RADIUS] + limits[j, SELF_RADIUS]
         if needed == 0.0 or spans[j + 1, TURNED] - spans[i, TURNED] < enough_between(shape, i, j):
             continue
-        sure = norm(sub(_middle(frames, i), _middle(frames, j))) - 0.5 * (q[i, 2] + q[j, 2]) - needed
+        if may_touch(limits, i, j):
+            continue
+        sure = norm(sub(middle_of(shape, i), middle_of(shape, j))) - 0.5 * (q[i, 2] + q[j, 2]) - needed
         if sure < level:
             return i, j, low
         low = level
         # What follows within this length of backbone is far enough away, too.
-        reached = spans[j + 1, ALONG] + sure - level - (thickest - limits[j, SELF_RADIUS])
+        reached = spans[j + 1, ALONG] - limits[j, TAIL_LENGTH] + sure - level - (thickest - limits[j, SELF_RADIUS])
         while j + 1 < n and spans[j + 2, ALONG] <= reached:
             j += 1
 
@@ -132,6 +151,8 @@ def meets_itself(shape: Shape, i: int) -> bool:
     """Whether segment `i` alone turns far enough to come back to itself."""
     radius = shape.limits[i, SELF_RADIUS]
     turn = shape.spans[i + 1, TURNED] - shape.spans[i, TURNED]
+    if shape.limits[i, RIGID] != 0.0:
+        return False
     return bool(radius > 0.0 and turn >= HALF_TURN and shape.q[i, 2] >= math.pi * radius)
 
 

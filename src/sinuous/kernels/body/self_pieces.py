@@ -16,9 +16,9 @@ from sinuous.kernels.body.chords import arc_chord, chord_distance, sagitta_bound
 from sinuous.kernels.body.pieces import following
 from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Shape, enough_between
 from sinuous.kernels.chain.kinematics import frame, place_on, tangent
-from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, added_acceleration
+from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TAIL, TURNING, added_acceleration
 from sinuous.kernels.maths.vectors import TINY, Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
-from sinuous.kernels.tables import SELF_RADIUS
+from sinuous.kernels.tables import RIGID, SELF_RADIUS, TAIL_LENGTH
 
 Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
 """The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 5) of the whole
@@ -33,6 +33,9 @@ enough. All are lengths, but for `slack`."""
 
 GAP_SLACK = 0.1
 """How far below the true gap its bound may be at rest, as a share of it."""
+
+NO_CURVE = 1e300
+"""Curvature of what is no curve."""
 
 MOST_PAIRS_OF_PIECES = 4000
 """Most pairs of pieces that are examined for one pair of segments."""
@@ -79,12 +82,18 @@ def _longest(swept: Swept, k: int) -> float:
 
 
 def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
-    """W and A past the segments from `begin` on, up to `end` without that one."""
+    """W and A past the segments from `begin` on, up to `end` without that one, and past the tails between them."""
     rates = swept.rates
     turning = acceleration = 0.0
     for k in range(begin, end, step):
+        if step < 0:
+            acceleration += rates[k, TAIL] * turning * turning
         acceleration += added_acceleration(turning, rates[k, BEND_RATE], rates[k, LENGTH_RATE], _longest(swept, k), 1.0)
         turning += rates[k, BEND_RATE]
+        if step > 0:
+            acceleration += rates[k, TAIL] * turning * turning
+    if step < 0:
+        acceleration += rates[end, TAIL] * turning * turning
     return turning, acceleration
 
 
@@ -100,6 +109,8 @@ def pair_of(swept: Swept, i: int, j: int) -> Pair:
     if swept.h > 0.0:
         junction = _junction(swept.rates, i, j)
         back, ahead = _past(swept, junction - 1, i, -1), _past(swept, junction, j, 1)
+    if first.limits[i, RIGID] != 0.0:  # what stands at any angle has no curvature between, and nothing is ahead of it
+        return Pair(i, j, needed, 0.0, NO_CURVE, False, junction, back, ahead)
     return Pair(i, j, needed, enough_between(first, i, j), tightest, stepped, junction, back, ahead)
 
 
@@ -144,9 +155,14 @@ def _by_circle(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     return min(arc_chord(pair.tightest, far), arc_chord(pair.tightest, pair.enough / pair.tightest)) - pair.needed
 
 
+def _place_on(shape: Shape, k: int, s: float) -> Vec:
+    """A place of the body."""
+    return place_on(shape.q, shape.frames, shape.limits[k, TAIL_LENGTH], k, s)
+
+
 def _from_junction(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
     """A place of the body, as it is seen from the junction of a pair."""
-    place = place_on(shape.q, shape.frames, k, s)
+    place = _place_on(shape, k, s)
     if pair.junction < 0:
         return place
     rotation, position = frame(shape.frames, pair.junction)
@@ -171,6 +187,8 @@ def _lag(swept: Swept, pair: Pair, pieces: Pieces) -> float:
 
 def _bend(swept: Swept, k: int) -> float:
     """Largest bend (rad) of segment `k` in the interval."""
+    if swept.first.limits[k, RIGID] != 0.0:
+        return 0.0
     first, last = swept.first.spans, swept.last.spans
     return float(max(first[k + 1, TURNED] - first[k, TURNED], last[k + 1, TURNED] - last[k, TURNED]))
 
@@ -245,7 +263,7 @@ def _concern(shape: Shape, pair: Pair, s: float, t: float) -> bool:
         return False
     if not pair.stepped:
         return True
-    across = sub(place_on(shape.q, shape.frames, pair.j, t), place_on(shape.q, shape.frames, pair.i, s))
+    across = sub(_place_on(shape, pair.j, t), _place_on(shape, pair.i, s))
     here, there = tangent(shape.q, shape.frames, pair.i, s), tangent(shape.q, shape.frames, pair.j, t)
     return bool(dot(across, here) <= 0.0 or dot(across, there) <= 0.0)
 
@@ -264,7 +282,7 @@ def _gap_at(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tup
             here, there = pieces[0], pieces[2] + pieces[3]
             if not _concern(shape, pair, here, there):
                 continue
-        first, second = place_on(shape.q, shape.frames, pair.i, here), place_on(shape.q, shape.frames, pair.j, there)
+        first, second = _place_on(shape, pair.i, here), _place_on(shape, pair.j, there)
         gap = norm(sub(first, second)) - pair.needed
         if gap < least:
             least, at, on, when = gap, here, there, swept.begin + at_end * swept.h

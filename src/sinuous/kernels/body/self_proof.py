@@ -30,7 +30,7 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
     where = (-1, 0.0, -1, 0.0)
     if thickest == 0.0:
         return CLEAR, math.inf, where
-    rounding = rounding_of(shape.q, shape.frames)
+    rounding = rounding_of(shape.limits, shape.q, shape.frames)
     # What the survey bounds needs no better bound; where it bounds nothing, a radius is enough.
     worth = most if 0.0 < most < math.inf else thickest
     accuracy = GapAccuracy(worth, worth, -math.inf, GAP_SLACK, 0.0, finest, rounding, True)

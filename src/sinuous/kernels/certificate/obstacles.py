@@ -12,18 +12,30 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.body.chords import sagitta_bound
-from sinuous.kernels.body.pieces import evaluate_here, following, free_part
+from sinuous.kernels.body.pieces import backbone_of, evaluate_here, following, free_part
 from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
 from sinuous.kernels.certificate.drift import OF, drift_of
 from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Motion, Sweep
 from sinuous.kernels.chain.kinematics import body_point, place_on
-from sinuous.kernels.chain.rates import acceleration_bound
+from sinuous.kernels.chain.rates import TAIL, acceleration_bound
 from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import Scene, beside, evaluate, slope, tangents_pay, work_of
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING_RADIUS, ROUNDOFF, SIGN, SPHERE, TREE
+from sinuous.kernels.tables import (
+    CENTER,
+    KIND,
+    MAX_LENGTH,
+    RADIUS,
+    RIGID,
+    ROUNDING_RADIUS,
+    ROUNDOFF,
+    SIGN,
+    SPHERE,
+    TAIL_LENGTH,
+    TREE,
+)
 
 Accuracy = namedtuple("Accuracy", ["slack", "finest", "rounding", "mount", "prefix"])
 """How far below the truth a clearance may be, as a share of it, and by `finest` more: with 1 it is enough that it is
@@ -71,6 +83,7 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
     for k in range(limits.shape[0]):
         along += limits[k, MAX_LENGTH]
         within, count = GRACE * (along + limits[k, RADIUS]), 0
+        along += limits[k, TAIL_LENGTH]
         for i in range(scene.table.shape[0]):
             far = within + scene.table[i, ROUNDOFF]
             if evaluate_here(scene, i, base, far, LOWER_BOUND)[0] < far:
@@ -95,11 +108,13 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
 
-def _begin_of(q: Array, k: int) -> float:
-    """Length of the backbone before segment `k`."""
+def _begin_of(limits: Array, q: Array, k: int) -> float:
+    """Length of the backbone before segment `k`; infinite for a joint or a link, which the mount does not concern."""
+    if limits[k, RIGID] != 0.0:
+        return math.inf
     along = 0.0
     for j in range(k):
-        along += q[j, 2]
+        along += backbone_of(limits, q, j)
     return along
 
 
@@ -129,7 +144,13 @@ def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> PieceCorners:
     """The ends of a piece when an interval begins, and when it ends."""
     qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
     k, r, t = piece.k, piece.s - 0.5 * piece.width, piece.s + 0.5 * piece.width
-    return place_on(qa, fa, k, r), place_on(qa, fa, k, t), place_on(qb, fb, k, r), place_on(qb, fb, k, t)
+    tail = sweep.rates[k, TAIL]
+    return (
+        place_on(qa, fa, tail, k, r),
+        place_on(qa, fa, tail, k, t),
+        place_on(qb, fb, tail, k, r),
+        place_on(qb, fb, tail, k, t),
+    )
 
 
 def _sagitta(piece: Piece) -> float:
@@ -236,18 +257,20 @@ def _decide(
     return verdict, space, time, units
 
 
-def _free_from(sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, begins: tuple[float, float]) -> float:
+def _free_from(
+    limits: Array, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, begins: tuple[float, float]
+) -> float:
     """Fraction of segment `k` from which on it is beyond the mount some time in an interval; `begins` as above."""
     return min(
-        free_part(sweep.q[interval.a], k, accuracy.mount - begins[0]),
-        free_part(sweep.q[interval.b], k, accuracy.mount - begins[1]),
+        free_part(limits, sweep.q[interval.a], k, accuracy.mount - begins[0]),
+        free_part(limits, sweep.q[interval.b], k, accuracy.mount - begins[1]),
     )
 
 
 def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, seen: Array) -> None:
     """Leave for the halves of an interval only the obstacles that may be too near to segment `k` in it."""
-    begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
-    start = _free_from(sweep, interval, k, accuracy, begins)
+    begins = (_begin_of(motion.limits, sweep.q[interval.a], k), _begin_of(motion.limits, sweep.q[interval.b], k))
+    start = _free_from(motion.limits, sweep, interval, k, accuracy, begins)
     part = 1.0 - start
     sweep.counts[interval.level + 1, k] = 0
     if part > 0.0:
@@ -265,8 +288,8 @@ def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accu
     counts[level + 1, k] = 0
     if counts[level, k] == 0:
         return CLEAR
-    begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
-    start = _free_from(sweep, interval, k, accuracy, begins)
+    begins = (_begin_of(motion.limits, sweep.q[interval.a], k), _begin_of(motion.limits, sweep.q[interval.b], k))
+    start = _free_from(motion.limits, sweep, interval, k, accuracy, begins)
     part = 1.0 - start
     if part <= 0.0:
         return CLEAR

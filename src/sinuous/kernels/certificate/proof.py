@@ -22,7 +22,7 @@ from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array, norm
-from sinuous.kernels.tables import RADIUS, SELF_RADIUS
+from sinuous.kernels.tables import RADIUS, SELF_RADIUS, TAIL_LENGTH
 
 MOTION_ROUNDING = 1e-12
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
@@ -89,7 +89,7 @@ def forget(seen: Array) -> None:
 def narrow_obstacles(motion: Motion, sweep: Sweep, accuracy: Accuracy, seen: Array) -> None:
     """Let every segment check only at the obstacles that it may touch some time in the motion, none of which moves."""
     list_obstacles(sweep)
-    measure_rates(motion.q0, motion.q1, sweep.rates)
+    measure_rates(motion.limits, motion.q0, motion.q1, sweep.rates)
     knot(motion, 0.0, sweep, 0)
     knot(motion, 1.0, sweep, 1)
     for k in range(motion.q0.shape[0]):
@@ -202,10 +202,10 @@ def _thickest(limits: Array) -> float:
 
 def _measure(motion: Motion, sweep: Sweep, accuracy: Accuracy) -> tuple[Accuracy, float]:
     """The aim with what arithmetic may be wrong by, and how far anything comes nearer in the motion, at most."""
-    travel = measure_rates(motion.q0, motion.q1, sweep.rates)
+    travel = measure_rates(motion.limits, motion.q0, motion.q1, sweep.rates)
     base, reach = frame(sweep.frames[0], 0)[1], 0.0
     for k in range(motion.q0.shape[0]):
-        reach += max(motion.q0[k, 2], motion.q1[k, 2])
+        reach += max(motion.q0[k, 2], motion.q1[k, 2]) + motion.limits[k, TAIL_LENGTH]
     nearing, far = measure_paces(motion, base, reach + _thickest(motion.limits), sweep)
     rounding = MOTION_ROUNDING * (norm(base) + reach + far)
     return Accuracy(accuracy.slack, accuracy.finest, rounding, accuracy.mount, accuracy.prefix), travel + nearing

@@ -18,18 +18,19 @@ from sinuous.kernels.body.self_pairs import (
     Shape,
     enough_between,
     least_of_run,
+    may_touch,
     meets_itself,
+    middle_of,
     own_gap,
 )
 from sinuous.kernels.body.self_pieces import Swept, nearest_places, pair_of
 from sinuous.kernels.body.self_proof import PAIR_WORK
 from sinuous.kernels.certificate.obstacles import Accuracy, good_enough
 from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Sweep
-from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING
 from sinuous.kernels.clock import spend
-from sinuous.kernels.maths.vectors import Array, add, norm, sub
-from sinuous.kernels.tables import SELF_RADIUS
+from sinuous.kernels.maths.vectors import Array, norm, sub
+from sinuous.kernels.tables import RIGID, SELF_RADIUS
 
 
 def _most_curved(qa: Array, qb: Array, k: int) -> float:
@@ -45,7 +46,7 @@ def passed_over(limits: Array, qa: Array, qb: Array) -> float:
     for k in range(n):
         length += max(qa[k, 2], qb[k, 2])
         curvature = max(curvature, _most_curved(qa, qb, k))
-        if k == n - 1 or limits[k + 1, SELF_RADIUS] != limits[k, SELF_RADIUS]:
+        if k == n - 1 or limits[k + 1, SELF_RADIUS] != limits[k, SELF_RADIUS] or limits[k, RIGID] != 0.0:
             low = min(low, least_of_run(limits[k, SELF_RADIUS], length, curvature))
             length = curvature = 0.0
     return low
@@ -56,6 +57,8 @@ def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
     first = second = 0.0
     enough = HALF_TURN
     for k in range(limits.shape[0]):
+        if limits[k, RIGID] != 0.0:
+            return False
         if limits[k, SELF_RADIUS] != limits[0, SELF_RADIUS]:
             enough = QUARTER_TURN
         first += math.hypot(qa[k, 0], qa[k, 1])
@@ -70,7 +73,7 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
     """
     radius, length = limits[k, SELF_RADIUS], max(qa[k, 2], qb[k, 2])
     bend = max(math.hypot(qa[k, 0], qa[k, 1]), math.hypot(qb[k, 0], qb[k, 1]))
-    if radius == 0.0 or bend < HALF_TURN or length < math.pi * radius:
+    if radius <= 0.0 or bend < HALF_TURN or length < math.pi * radius:
         return math.inf
     shortest = min(qa[k, 2], qb[k, 2])
     return arc_chord(bend / max(shortest, NO_LENGTH), shortest) - 2.0 * radius
@@ -111,14 +114,15 @@ def _apart(swept: Swept, i: int, j: int) -> float:
 
 def _balls(shape: Shape, i: int, j: int) -> float:
     """Lower bound of the distance between places of segments i and j, from balls about them."""
-    first, second = add(frame(shape.frames, i)[1], frame(shape.frames, i + 1)[1]), frame(shape.frames, j)[1]
-    middles = 0.5 * norm(sub(first, add(second, frame(shape.frames, j + 1)[1])))
+    middles = norm(sub(middle_of(shape, i), middle_of(shape, j)))
     return middles - 0.5 * float(shape.q[i, 2] + shape.q[j, 2])
 
 
 def _never_concern(swept: Swept, i: int, j: int) -> bool:
     """Whether no two places of segments i < j concern each other during an interval."""
     first, last = swept.first, swept.last
+    if may_touch(first.limits, i, j):
+        return True
     most = max(first.spans[j + 1, TURNED] - first.spans[i, TURNED], last.spans[j + 1, TURNED] - last.spans[i, TURNED])
     needed = first.limits[i, SELF_RADIUS] + first.limits[j, SELF_RADIUS]
     return bool(most < enough_between(first, i, j) or needed == 0.0)

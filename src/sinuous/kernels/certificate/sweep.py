@@ -109,4 +109,4 @@ def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:
 def knot(motion: Motion, t: float, sweep: Sweep, at: int) -> None:
     """Put the configuration at time t into a place of the sweep, with its frames."""
     at_time(motion.q0, motion.q1, t, sweep.q[at])
-    forward(sweep.q[at], sweep.frames[at])
+    forward(motion.limits, sweep.q[at], sweep.frames[at])

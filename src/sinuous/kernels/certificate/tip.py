@@ -1,4 +1,4 @@
-"""How far the tip is from a straight line, while the robot goes linearly in q from one configuration to another.
+"""How far the tip is off a line and turned from it, while the robot goes linearly in q between two configurations.
 
 The tip's acceleration is bounded as `sweep` says. So between two of its places, a duration of h apart, it is within
 `h^2 / 8` of that bound of the chord of its way.
@@ -9,14 +9,15 @@ import math
 from sinuous.kernels.certificate.sweep import at_time
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.compile import entry
-from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, sub
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_vec, norm, scale, sub, transpose
 from sinuous.kernels.problem import read_robot
+from sinuous.kernels.tables import TAIL_LENGTH
 
 TIP_PIECES = 8
 """Pieces of a step between whose ends the tip's way is examined, where the bound alone is not enough."""
 
 
-def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
+def tip_acceleration(limits: Array, q0: Array, q1: Array, lever: float) -> float:
     """Bound of the tip's acceleration in a motion that takes a unit of time; `lever`: how far the tool is off."""
     total = turning = 0.0
     for k in range(q0.shape[0]):
@@ -24,14 +25,19 @@ def tip_acceleration(q0: Array, q1: Array, lever: float) -> float:
         turning += math.hypot(q1[k, 0] - q0[k, 0], q1[k, 1] - q0[k, 1])
         total += max(q0[k, 2], q1[k, 2]) * (before * before + before * turning + turning * turning) / 3.0
         total += abs(q1[k, 2] - q0[k, 2]) * (before + turning)
+        total += limits[k, TAIL_LENGTH] * turning * turning
     return total + lever * turning * turning
+
+
+def _share(p: Vec, a: Vec, along: Vec) -> float:
+    """Share of a straight line that begins at `a` at which it is nearest to a place; 0 of one without length."""
+    square = dot(along, along)
+    return min(1.0, max(0.0, dot(sub(p, a), along) / square)) if square > 0.0 else 0.0
 
 
 def _distance(p: Vec, a: Vec, along: Vec) -> float:
     """Distance of a place from the straight line that begins at `a`."""
-    square, away = dot(along, along), sub(p, a)
-    fraction = min(1.0, max(0.0, dot(away, along) / square)) if square > 0.0 else 0.0
-    return norm(add_scaled(away, -fraction, along))
+    return norm(add_scaled(sub(p, a), -_share(p, a, along), along))
 
 
 @entry
@@ -43,7 +49,7 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     """
     own = read_robot(robot)
     offset, shift = frame(own.tool, 0)
-    acceleration = tip_acceleration(ends[0], ends[1], norm(shift))
+    acceleration = tip_acceleration(own.limits, ends[0], ends[1], norm(shift))
     if acceleration <= 8.0 * enough:
         return acceleration / 8.0
     rotation, position = frame(own.base, 0)
@@ -52,7 +58,50 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     along, far = sub(get_vec(line, 1, 0), begin), 0.0
     for i in range(TIP_PIECES + 1):
         at_time(ends[0], ends[1], i / TIP_PIECES, q)
-        forward(q, frames)
+        forward(own.limits, q, frames)
         rotation, position = frame(frames, q.shape[0])
         far = max(far, _distance(compose(rotation, position, offset, shift)[1], begin, along))
     return far + acceleration / (8.0 * TIP_PIECES * TIP_PIECES)
+
+
+def _turned(b: Vec, axis: Vec, sine: float, cosine: float) -> Vec:
+    """A vector turned about an axis by an angle."""
+    return add_scaled(add_scaled(scale(cosine, b), sine, cross(axis, b)), (1.0 - cosine) * dot(axis, b), axis)
+
+
+@entry
+def turn_off(robot: Array, ends: Array, line: Array, turn: Array, q: Array, frames: Array) -> float:
+    """Largest angle of the tip from its line at places of a motion; no bound of what is between these.
+
+    `turn` (5, 3): the axis, the angle and the number of columns of the orientation at the beginning, and these: all
+    three, or the direction alone. A line without length is one by angles. Other arguments are those of `leave_line`.
+    """
+    own = read_robot(robot)
+    offset, shift = frame(own.tool, 0)
+    rotation, position = frame(own.base, 0)
+    put_frame(frames, 0, rotation, position)
+    begin, axis = get_vec(line, 0, 0), get_vec(turn, 0, 0)
+    along, angle, three = sub(get_vec(line, 1, 0), begin), turn[1, 0], turn[1, 1] > 1.0
+    most = 0.0
+    for i in range(1, TIP_PIECES):
+        at_time(ends[0], ends[1], i / TIP_PIECES, q)
+        forward(own.limits, q, frames)
+        rotation, position = frame(frames, q.shape[0])
+        columns, place = compose(rotation, position, offset, shift)
+        x, y, z = transpose(columns)
+        share = _share(place, begin, along)
+        if dot(along, along) == 0.0 and angle > 0.0:
+            first = get_vec(turn, 2, 0)
+            sine, cosine = dot(cross(axis, first), x if three else z), dot(first, x if three else z)
+            if three:
+                second, third = get_vec(turn, 3, 0), get_vec(turn, 4, 0)
+                sine = 0.5 * (sine + dot(cross(axis, second), y) + dot(cross(axis, third), z))
+                cosine = 0.5 * (cosine + dot(second, y) + dot(third, z) - 1.0)
+            share = min(1.0, max(0.0, math.atan2(sine, cosine) / angle))
+        sine, cosine = math.sin(share * angle), math.cos(share * angle)
+        met = dot(_turned(get_vec(turn, 2, 0), axis, sine, cosine), x if three else z)
+        if three:
+            met += dot(_turned(get_vec(turn, 3, 0), axis, sine, cosine), y)
+            met = 0.5 * (met + dot(_turned(get_vec(turn, 4, 0), axis, sine, cosine), z) - 1.0)
+        most = max(most, math.acos(min(1.0, max(-1.0, met))))
+    return most

@@ -6,12 +6,12 @@ from sinuous.kernels.maths.vectors import Array, add, cross, get_vec, mat_vec, p
 
 
 @entry
-def frames_of(q: Array, base: Array, out: Array) -> None:
+def frames_of(limits: Array, q: Array, base: Array, out: Array) -> None:
     """Fill `out` (m, n + 1, 12) with the frames of all configurations `q` (m, n, 3)."""
     rotation, position = frame(base, 0)
     for i in range(q.shape[0]):
         put_frame(out[i], 0, rotation, position)
-        forward(q[i], out[i])
+        forward(limits, q[i], out[i])
 
 
 @entry
@@ -25,12 +25,12 @@ def points_of(q: Array, frames: Array, samples: int, out: Array) -> None:
 
 
 @entry
-def jacobians_of(q: Array, frames: Array, tool: Array, segment: int, columns: Array, out: Array) -> None:
+def jacobians_of(limits: Array, q: Array, frames: Array, tool: Array, segment: int, columns: Array, out: Array) -> None:
     """Fill `out` (m, 6, 3 n): angular velocity, and velocity of the end of `segment` (with the tool at the tip)."""
     n = q.shape[1]
     for i in range(q.shape[0]):
         origin = frame(frames[i], 0)[1]
-        forward_with_columns(q[i], frames[i], columns)
+        forward_with_columns(limits, q[i], frames[i], columns)
         rotation, point = frame(frames[i], segment + 1)
         if segment == n - 1:
             point = add(point, mat_vec(rotation, get_vec(tool, 0, 9)))

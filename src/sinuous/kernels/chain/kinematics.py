@@ -3,7 +3,9 @@
 Layouts, all float64 and C-contiguous:
 
 - `q` (n, 3): bend_x, bend_y, length of every segment;
-- `frames` (n + 1, 12): rotation (row by row) and position of the base and of every segment's end, in the world;
+- `limits` (n, 34): rows of the segments, and of the joints and links before them, see `tables`;
+- `frames` (n + 1, 12): rotation (row by row) and position of the base, and of every segment's end, in the world; of a
+  joint or a link, of where the next row begins;
 - `columns` (n, 18): three twists `(omega, v)` a segment, one for each coordinate: how the world beyond the segment
   moves, in world axes, about the base (`origin`).
 """
@@ -25,6 +27,7 @@ from sinuous.kernels.maths.vectors import (
     put_vec,
     sub,
 )
+from sinuous.kernels.tables import POSE_POSITION, RIGID, TAIL
 
 
 def compose(rotation: Mat, position: Vec, inner_rotation: Mat, inner_position: Vec) -> tuple[Mat, Vec]:
@@ -42,12 +45,20 @@ def put_frame(frames: Array, k: int, rotation: Mat, position: Vec) -> None:
     put_vec(frames, k, 9, position)
 
 
-def forward(q: Array, frames: Array) -> None:
+def past_tail(limits: Array, k: int, rotation: Mat, position: Vec) -> tuple[Mat, Vec]:
+    """The frame in which the row after row `k` begins, of that in which row `k` ends."""
+    if limits[k, RIGID] == 0.0:
+        return rotation, position
+    return compose(rotation, position, get_mat(limits, k, TAIL), get_vec(limits, k, TAIL + POSE_POSITION))
+
+
+def forward(limits: Array, q: Array, frames: Array) -> None:
     """Fill rows 1 to n of `frames`; row 0 holds the base."""
     rotation, position = frame(frames, 0)
     for k in range(q.shape[0]):
         turn, shift = pose(q[k, 0], q[k, 1], q[k, 2])
         rotation, position = compose(rotation, position, turn, shift)
+        rotation, position = past_tail(limits, k, rotation, position)
         put_frame(frames, k + 1, rotation, position)
 
 
@@ -57,11 +68,14 @@ def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
     return add(position, mat_vec(rotation, point(s * q[k, 0], s * q[k, 1], s * q[k, 2])))
 
 
-def place_on(q: Array, frames: Array, k: int, s: float) -> Vec:
-    """The same; at the ends of a segment the frames know it, so nothing is computed."""
+def place_on(q: Array, frames: Array, tail: float, k: int, s: float) -> Vec:
+    """The same; at the ends of a segment the frames know it, so nothing is computed.
+
+    `tail`: how far the end is from where the next row begins, see `tables.TAIL_LENGTH`.
+    """
     if s <= 0.0:
         return frame(frames, k)[1]
-    return frame(frames, k + 1)[1] if s >= 1.0 else body_point(q, frames, k, s)
+    return frame(frames, k + 1)[1] if s >= 1.0 and tail == 0.0 else body_point(q, frames, k, s)
 
 
 def tangent(q: Array, frames: Array, k: int, s: float) -> Vec:
@@ -86,7 +100,7 @@ def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tupl
     )
 
 
-def forward_with_columns(q: Array, frames: Array, columns: Array) -> None:
+def forward_with_columns(limits: Array, q: Array, frames: Array, columns: Array) -> None:
     """Fill rows 1 to n of `frames`, and `columns` for the ends of all segments, about the base."""
     rotation, position = frame(frames, 0)
     origin = position
@@ -101,4 +115,5 @@ def forward_with_columns(q: Array, frames: Array, columns: Array) -> None:
         put_vec(columns, k, 12, ZERO)
         put_vec(columns, k, 15, mat_vec(rotation, stretch))
         rotation, position = compose(rotation, position, turn, shift)
+        rotation, position = past_tail(limits, k, rotation, position)
         put_frame(frames, k + 1, rotation, position)

@@ -10,16 +10,17 @@ of duration h a place stays within `h^2 A / 8` of the chord of its path.
 import math
 
 from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.tables import TAIL_LENGTH
 
-TURNING, STRETCHING, ACCELERATION_BOUND, BEND_RATE, LENGTH_RATE = range(5)
+TURNING, STRETCHING, ACCELERATION_BOUND, BEND_RATE, LENGTH_RATE, TAIL = range(6)
 """Columns of `rates`: W (rad), the sum of the rates of lengths, and A (length unit) where a segment begins; how much
-it bends (rad) and changes its length in the whole motion."""
+it bends (rad) and changes its length in the whole motion; and how far its end is from where the next row begins."""
 
-MOTION_RATES_WIDTH = 5
+MOTION_RATES_WIDTH = 6
 
 
-def measure_rates(q0: Array, q1: Array, rates: Array) -> float:
-    """Fill `rates` (n, 5); return a bound of how far any place of the body travels."""
+def measure_rates(limits: Array, q0: Array, q1: Array, rates: Array) -> float:
+    """Fill `rates` (n, 6); return a bound of how far any place of the body travels."""
     turning = stretching = acceleration = travel = 0.0
     for k in range(q0.shape[0]):
         bend = math.hypot(q1[k, 0] - q0[k, 0], q1[k, 1] - q0[k, 1])
@@ -29,6 +30,11 @@ def measure_rates(q0: Array, q1: Array, rates: Array) -> float:
         acceleration = acceleration_bound(rates, k, max(q0[k, 2], q1[k, 2]), 1.0)
         travel += stretch + max(q0[k, 2], q1[k, 2]) * (turning + 0.5 * bend)
         turning, stretching = turning + bend, stretching + stretch
+        tail = limits[k, TAIL_LENGTH]
+        rates[k, TAIL] = tail
+        if tail > 0.0:
+            acceleration += tail * turning * turning
+            travel += tail * turning
     return travel
 
 

@@ -136,12 +136,18 @@ PIECES = (
             "kernels.certificate.query.certify_motions",
             "kernels.certificate.courses.fill_drifts",
             "kernels.certificate.tip.leave_line",
+            "kernels.certificate.tip.turn_off",
         ),
     ),
     Piece(
         "plans",
         10,
-        ("kernels.planning.query.plan", "kernels.planning.query.tighten", "kernels.planning.walk.walk"),
+        (
+            "kernels.planning.query.plan",
+            "kernels.planning.query.tighten",
+            "kernels.planning.sliding.slide_back",
+            "kernels.planning.walk.walk",
+        ),
     ),
     Piece(
         "shapes under load",

@@ -114,7 +114,7 @@ def settle(limits: Array, work: Workspace, count: int, targets: int, sides: Arra
 
 def _find_rows(problem: Problem, work: Workspace) -> tuple[int, int, float, int]:
     """Fill the rows at `work.q`; returns all, those of targets, their largest residual, and bits of a status."""
-    forward_with_columns(work.q, work.frames, work.columns)
+    forward_with_columns(problem.limits, work.q, work.frames, work.columns)
     targets, residual = add_targets(problem, work)
     targets, full = add_equalities(problem, work, targets)
     count, told = add_limits(problem, work, targets, NEAR_BY)
@@ -274,7 +274,7 @@ def find_contacts(
     left of a gap is counted from `keep`.
     """
     problem, work = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    forward_with_columns(work.q, work.frames, work.columns)
+    forward_with_columns(problem.limits, work.q, work.frames, work.columns)
     count, status = add_contacts(problem.scene, problem, work, 0, keep)
     normalise(problem.limits, work, count)
     fill_sides(problem.scene, problem, asked, lines, work, count)

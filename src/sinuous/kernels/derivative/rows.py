@@ -4,7 +4,7 @@ import math
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.body.contacts import PosedBody
-from sinuous.kernels.body.pieces import evaluate_here, free_part, near
+from sinuous.kernels.body.pieces import backbone_of, evaluate_here, free_part, near
 from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS, pull_along, put_place_weights, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
@@ -27,7 +27,7 @@ from sinuous.kernels.maths.vectors import (
     vec_mat,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.actuation import is_equality, runs_through
+from sinuous.kernels.step.actuation import is_equality
 from sinuous.kernels.step.limits import (
     bend_cap,
     bends_in_plane,
@@ -212,7 +212,7 @@ def add_equalities(problem: Problem, work: Workspace, first: int) -> tuple[int, 
                 return at, v.TOO_MANY
             last = int(table[j, t.LAST_SEGMENT])
             _begin(work, at, ACTUATOR_LIMIT, last, j, 1, 0.0)
-            for k in range(0 if runs_through(table, j) else last, last + 1):
+            for k in range(int(table[j, t.FIRST_SEGMENT]), last + 1):
                 put_vec(work.rows, at, 3 * k, scale(-1.0, get_vec(table, j, t.WEIGHTS)))
             at += 1
     return at, 0
@@ -224,7 +224,7 @@ def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float
         if is_equality(table, j):
             continue
         last = int(table[j, t.LAST_SEGMENT])
-        begin = 0 if runs_through(table, j) else last
+        begin = int(table[j, t.FIRST_SEGMENT])
         weights = get_vec(table, j, t.WEIGHTS)
         value = square = 0.0
         for k in range(begin, last + 1):
@@ -255,8 +255,8 @@ def add_contacts(scene: Scene | None, problem: Problem, work: Workspace, first: 
     body = PosedBody(problem.limits, q, work.frames, problem.unit)
     shape = Shape(problem.limits, q, work.frames, work.spans)
     for k in range(q.shape[0]):
-        start, length, radius = free_part(q, k, mount), q[k, 2], problem.limits[k, t.RADIUS]
-        mount -= length
+        start, length, radius = free_part(problem.limits, q, k, mount), q[k, 2], problem.limits[k, t.RADIUS]
+        mount -= backbone_of(problem.limits, q, k)
         part = 1.0 - start
         if part <= 0.0:
             continue

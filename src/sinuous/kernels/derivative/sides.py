@@ -11,7 +11,6 @@ from sinuous.kernels.derivative.layout import Workspace
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, cross, dot, get_vec, mat_vec, put_vec, scale, sub
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.limits import bends_in_plane, possible_bend
 from sinuous.kernels.step.targets import end_segment
 from sinuous.kernels.velocity.layout import (
@@ -148,7 +147,7 @@ def _of_actuator(
     problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, which: tuple[int, int], upper: bool
 ) -> None:
     """`which`: the last segment that the actuator sees, and the number of its limit."""
-    last, j = which
+    _, j = which
     if asked[d.ACTUATORS] >= 0:
         work.sides[at, asked[d.ACTUATORS] + 2 * int(lines[j, ACTUATOR_NUMBER]) + (1 if upper else 0)] = (
             -1.0 if upper else 1.0
@@ -156,7 +155,7 @@ def _of_actuator(
     if asked[d.TENDONS] >= 0 and lines[j, CIRCLE] >= 0.0:
         table = problem.actuation
         grown = 0.0
-        for k in range(0 if runs_through(table, j) else last, int(table[j, t.LAST_SEGMENT]) + 1):
+        for k in range(int(table[j, t.FIRST_SEGMENT]), int(table[j, t.LAST_SEGMENT]) + 1):
             grown += table[j, t.WEIGHTS] * work.q[k, 0] + table[j, t.WEIGHTS + 1] * work.q[k, 1]
         grown /= lines[j, RADIUS_OF]
         work.sides[at, asked[d.TENDONS] + int(lines[j, CIRCLE])] = grown if upper else -grown

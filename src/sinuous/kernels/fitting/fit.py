@@ -97,7 +97,7 @@ def _draw_segment(
 def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: bool) -> None:
     """Linearise: rows that draw the first `grown` segments to the route; `sliding`: only across it, and the targets."""
     q, rows = state.q, state.rows
-    forward_with_columns(q, state.frames, state.columns)
+    forward_with_columns(problem.limits, q, state.frames, state.columns)
     at = actuator = 0
     total = before = 0.0
     for k in range(q.shape[0]):
@@ -136,7 +136,7 @@ def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
     Returns the least clearance of all places, and how many are pushed.
     """
     q, rows = state.q, state.rows
-    forward_with_columns(q, state.frames, state.columns)
+    forward_with_columns(problem.limits, q, state.frames, state.columns)
     least = math.inf
     at = actuator = pushed = 0
     total = begin = 0.0

@@ -24,7 +24,7 @@ from sinuous.kernels.certificate.sweep import Motion, at_time
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.solve.starts import scattered, uniform
 from sinuous.kernels.step.actuation import admissible_step, settle
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, TAIL_LENGTH
 
 MOTION_PARTS = 8
 """Into how many parts a long motion is divided by the configurations that are examined before it is proved."""
@@ -47,7 +47,7 @@ def measure_levers(limits: Array, levers: Array) -> None:
     for k in range(limits.shape[0] - 1, -1, -1):
         length = 0.5 * (limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
         levers[k] = (beyond + 0.5 * length) * (beyond + 0.5 * length)
-        beyond += length
+        beyond += length + limits[k, TAIL_LENGTH]
 
 
 def squared_distance(p: Array, q: Array, levers: Array, most: float) -> float:

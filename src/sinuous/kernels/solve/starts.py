@@ -19,6 +19,7 @@ from sinuous.kernels.tables import (
     MAX_LENGTH,
     MIN_LENGTH,
     PLANE,
+    RIGID,
     TARGET_POSITION,
 )
 
@@ -52,12 +53,15 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
     bend the one whose chord is as long as the goal is far: this also bows the robot when the goal is straight ahead
     but too near.
     """
-    rotation, base = frame(frames, 0)
+    first = _stand(limits, frames, q)
+    if first > tip:
+        return
+    rotation, base = frame(frames, first)
     p = vec_mat(sub(goal, base), rotation)
     side = math.hypot(p[0], p[1])
     chord = math.hypot(side, p[2])
     low = high = 0.0
-    for k in range(tip + 1):
+    for k in range(first, tip + 1):
         low += limits[k, MIN_LENGTH]
         high += limits[k, MAX_LENGTH]
     half, length = arc_to(side, p[2])
@@ -68,7 +72,7 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         half = max(min(half, 1.6), chord_angle(min(1.0, chord / length))) if length > 0.0 else 0.0
     fraction = (length - low) / (high - low) if high > low else 0.0
     bx, by = (p[0] / side, p[1] / side) if side > 1e-9 * chord else _first_plane(limits)
-    for k in range(q.shape[0]):
+    for k in range(first, q.shape[0]):
         own = limits[k, MIN_LENGTH] + fraction * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
         bend = min(2.0 * half * own / length, bend_cap(limits, k, own)) if length > 0.0 else 0.0
         if k > tip:
@@ -77,6 +81,30 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         if bends_in_plane(limits, k):
             ux, uy, own = project_segment(limits, k, ux, uy, own)
         put_vec(q, k, 0, (ux, uy, own))
+
+
+def middle_length(limits: Array, k: int) -> float:
+    """Mean of the least and the largest length of row `k`."""
+    return 0.5 * float(limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
+
+
+def rigid_rows(limits: Array) -> int:
+    """How many rows of joints and links stand before the first segment."""
+    first = int(np.int64(0))
+    while first < limits.shape[0] and limits[first, RIGID] != 0.0:
+        first += 1
+    return first
+
+
+def _stand(limits: Array, frames: Array, q: Array) -> int:
+    """Put all joints in the middle of their ranges, and return the first segment; `frames` lead there."""
+    first = rigid_rows(limits)
+    for k in range(first):
+        bend = 0.5 * (limits[k, LOW_BEND] + limits[k, HIGH_BEND])
+        put_vec(q, k, 0, (bend * limits[k, PLANE], bend * limits[k, PLANE + 1], middle_length(limits, k)))
+    if first > 0:
+        forward(limits[:first], q[:first], frames)
+    return first
 
 
 def _first_plane(limits: Array) -> tuple[float, float]:
@@ -131,7 +159,7 @@ def _turn(limits: Array, frames: Array, tool: Array, first: int, last: int, goal
 
     Those that bend in one plane stay as they are.
     """
-    forward(q, frames)
+    forward(limits, q, frames)
     rotation, place = frame(frames, first)
     end = vec_mat(sub(end_pose(frames, tool, last)[1], place), rotation)
     aim = vec_mat(sub(goal, place), rotation)
@@ -149,8 +177,8 @@ def face(limits: Array, targets: Array, frames: Array, tool: Array, q: Array) ->
 
     What lies beyond a position that is asked for turns about the tangent there, so that all stay on their sides.
     """
-    first, n = int(np.int64(0)), q.shape[0]
-    for k in range(n):
+    first, n = rigid_rows(limits), q.shape[0]
+    for k in range(first, n):
         for i in range(targets.shape[0]):
             if first <= k and targets[i, HAS_POSITION] != 0.0 and end_segment(targets, i, n) == k:
                 _turn(limits, frames, tool, first, k, get_vec(targets, i, TARGET_POSITION), q)

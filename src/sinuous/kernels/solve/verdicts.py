@@ -58,10 +58,9 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     A curve of length L that turns by no more than a < pi in all ends at least `L cos(a / 2)` away: seen along the
     tangent in the middle of its turning, no tangent points back by more than a / 2.
     """
-    longest = shortest = turning = 0.0
+    longest = turning = 0.0
     for j in range(k + 1):
-        longest += problem.limits[j, t.MAX_LENGTH]
-        shortest += problem.limits[j, t.MIN_LENGTH]
+        longest += problem.limits[j, t.MAX_LENGTH] + problem.limits[j, t.TAIL_LENGTH]
         turning += bend_cap(problem.limits, j, problem.limits[j, t.MAX_LENGTH])
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
@@ -77,19 +76,35 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
         loose += problem.position_tolerance + slack
         if far - loose > longest:
             return True
-        if turning < math.pi and far + loose < shortest * math.cos(0.5 * turning):
+        # What is said of curves holds for none that begins with a joint.
+        if problem.limits[0, t.RIGID] == 0.0 and _no_curve(problem, i, k, (place, base, axis), loose, tilt):
             return True
-        if _beside(problem.limits, k, base, axis, place, loose, False):
-            return True
-        if asked != t.FREE:
-            # The curve is moved by what the place may be off, and turned about it by what the tangent may.
-            swing = loose + min(2.0, problem.angle_tolerance + tilt) * (far + loose)
-            if _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True):
-                return True
-    if asked == t.DIRECTION and turning < math.pi:
+    if asked == t.DIRECTION and turning < math.pi and problem.limits[0, t.RIGID] == 0.0:
         needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, t.GOAL)))))
         return bool(needed > turning + tilt + problem.angle_tolerance + 1e-7)
     return False
+
+
+def _no_curve(problem: Problem, i: int, k: int, places: tuple[Vec, Vec, Vec], loose: float, tilt: float) -> bool:
+    """Whether no curve of segments 0 to `k` leads from the base to a place within `loose` of it, as target `i` asks.
+
+    `places`: where to, and the base with its tangent; `tilt` (rad): of the tool.
+    """
+    place, base, axis = places
+    shortest = turning = 0.0
+    for j in range(k + 1):
+        shortest += problem.limits[j, t.MIN_LENGTH]
+        turning += bend_cap(problem.limits, j, problem.limits[j, t.MAX_LENGTH])
+    far = norm(sub(place, base))
+    if turning < math.pi and far + loose < shortest * math.cos(0.5 * turning):
+        return True
+    if _beside(problem.limits, k, base, axis, place, loose, False):
+        return True
+    if problem.targets[i, t.ORIENTATION] == t.FREE:
+        return False
+    # The curve is moved by what the place may be off, and turned about it by what the tangent may.
+    swing = loose + min(2.0, problem.angle_tolerance + tilt) * (far + loose)
+    return _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True)
 
 
 def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bool:
@@ -99,7 +114,8 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
         return False
     shortest = 0.0
     for j in range(k + 1):
-        shortest += problem.limits[j, t.MIN_LENGTH]
+        if problem.limits[j, t.RIGID] == 0.0:
+            shortest += problem.limits[j, t.MIN_LENGTH]
     if shortest <= (1.0 + MOUNT_ROUNDING) * problem.mount:
         return False
     place, loose = backbone_end(problem, i, k)

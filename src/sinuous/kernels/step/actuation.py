@@ -1,9 +1,9 @@
 """Limits of actuators: linear in the configuration, one or all segments before them.
 
 Row j of `actuation` (p, 7): first and last segment, weights of bend_x, bend_y and length (3), low, high. `first ==
-last`: a chamber along one segment. `first == 0`: a tendon that runs through all segments up to its last, and sees the
-sum of their coordinates. Rows are in the order of their last segment. Within these limits the configurations are a
-convex set.
+last`: a chamber along one segment. `first < last`: a tendon that runs through all segments up to its last, and sees the
+sum of their coordinates; `first` is the same for all of these, 0 where no joint stands before the segments. Rows are in
+the order of their last segment. Within these limits the configurations are a convex set.
 
 Where the low and the high limit are the same, a value is held: what it leaves of single segments is in their limits
 (`sinuous.model.coordinates`), and the rest stays a row here that binds in every step.
@@ -15,10 +15,13 @@ from sinuous.kernels.body.rows import HARD, IDLE, Rows
 from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, mat_vec, put_vec, scale, sub, vec_mat
 from sinuous.kernels.step.limits import free_root, project_segment
-from sinuous.kernels.tables import HOME, LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
+from sinuous.kernels.tables import FIRST_SEGMENT, HOME, LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
 
 EQUALITY_ROUNDING = 1e-13
 """What a value that is held may be off by, relative to what it is the sum of."""
+
+NO_SUMS = -1
+"""In place of the segment from which on limits see sums: there is no limit."""
 
 LEVELLINGS, SETTLINGS = 8, 60
 """Most rounds of projections on values that are held, and of these and limits of segments by turns."""
@@ -26,7 +29,17 @@ LEVELLINGS, SETTLINGS = 8, 60
 
 def runs_through(actuation: Array, j: int) -> bool:
     """Whether limit `j` sees the sum over several segments."""
-    return bool(actuation[j, 0] < actuation[j, LAST_SEGMENT])
+    return bool(actuation[j, FIRST_SEGMENT] < actuation[j, LAST_SEGMENT])
+
+
+def sums_from(actuation: Array) -> int:
+    """The segment from which on limits may see sums: joints before it move no tendon. `NO_SUMS` without any limit."""
+    first = NO_SUMS
+    for j in range(actuation.shape[0]):
+        if runs_through(actuation, j):
+            return int(actuation[j, FIRST_SEGMENT])
+        first = 0
+    return first
 
 
 def is_equality(actuation: Array, j: int) -> bool:
@@ -63,14 +76,14 @@ def level(limits: Array, actuation: Array, q: Array) -> bool:
                     0.0,
                     int(actuation[j, LAST_SEGMENT]),
                 )
-                for k in range(0 if runs_through(actuation, j) else last, last + 1):
+                for k in range(int(actuation[j, FIRST_SEGMENT]), last + 1):
                     seen = vec_mat(weights, free_root(limits, k))
                     spread += dot(seen, seen)
                     total = add(total, get_vec(q, k, 0))
                 gap = actuation[j, MIN_VALUE] - dot(weights, total)
                 there = there and abs(gap) <= _rounding(weights, total, actuation[j, MIN_VALUE])
                 if spread > 0.0:
-                    for k in range(0 if runs_through(actuation, j) else last, last + 1):
+                    for k in range(int(actuation[j, FIRST_SEGMENT]), last + 1):
                         root = free_root(limits, k)
                         move = scale(gap / spread, mat_vec(root, vec_mat(weights, root)))
                         put_vec(q, k, 0, add(get_vec(q, k, 0), move))
@@ -105,12 +118,13 @@ def _settle(limits: Array, actuation: Array, q: Array) -> None:
 def admissible_step(actuation: Array, q: Array, aim: Array) -> float:
     """Largest t in [0, 1] for which `q + t (aim - q)` keeps all limits, when `q` does."""
     t = 1.0
-    j = 0
+    j, first = 0, sums_from(actuation)
     total, change = ZERO, ZERO
     for k in range(q.shape[0]):
         own = get_vec(q, k, 0)
         move = sub(get_vec(aim, k, 0), own)
-        total, change = add(total, own), add(change, move)
+        if k >= first:
+            total, change = add(total, own), add(change, move)
         while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
             weights = get_vec(actuation, j, WEIGHTS)
             if runs_through(actuation, j):
@@ -179,10 +193,11 @@ def bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
 
 @apart
 def _bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
-    j, total = 0, ZERO
+    j, first, total = 0, sums_from(actuation), ZERO
     for k in range(q.shape[0]):
         own = get_vec(q, k, 0)
-        total = add(total, own)
+        if k >= first:
+            total = add(total, own)
         at = rows.start[k]
         while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
             if is_equality(actuation, j):
@@ -195,11 +210,12 @@ def _bind_equalities(actuation: Array, q: Array, rows: Rows) -> None:
 def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
     """Turn the row of every limit that the step would leave into one that moves up to it. Returns how many are new."""
     count = 0
-    j = 0
+    j, first = 0, sums_from(actuation)
     total, change = ZERO, ZERO
     for k in range(q.shape[0]):
         own, move = get_vec(q, k, 0), get_vec(step, k, 0)
-        total, change = add(total, own), add(change, move)
+        if k >= first:
+            total, change = add(total, own), add(change, move)
         at = rows.start[k]
         while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
             if rows.kind[at] == IDLE:

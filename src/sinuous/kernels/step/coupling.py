@@ -19,7 +19,7 @@ LEAST_PIVOT = 1e-12
 
 
 def reply(
-    columns: Array, root: Array, weights: Array, a: int, first: int, rows: Rows, pull: Array, out: Array, coupled: bool
+    columns: Array, root: Array, weights: Array, a: int, first: int, rows: Rows, pull: Array, out: Array, sums_from: int
 ) -> None:
     """Fill `out` (n, 3) with `H^-1 c`, for the weights c in row `a` of `weights` from column `first` on.
 
@@ -28,16 +28,16 @@ def reply(
     for k in range(columns.shape[0]):
         L = get_mat(root, k, 0)
         put_vec(pull, k, 0, mat_vec(L, vec_mat(get_vec(weights, a, first + 3 * k), L)))
-    sweeps.forward_again(columns, root, pull, rows, coupled)
-    sweeps.backward(columns, root, pull, rows, out, coupled)
+    sweeps.forward_again(columns, root, pull, rows, sums_from)
+    sweeps.backward(columns, root, pull, rows, out, sums_from)
 
 
-def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
+def couple(state: State, work: Work, mu: float, sums_from: int) -> None:
     """Add to `work.step`, which both sweeps just made, what the self-contacts of `state` ask for."""
     n, count = state.q.shape[0], int(state.norms[PAIRS])
     pairs, _, pull, replies, system = coupling_of(state, work)
     for a in range(count):
-        reply(state.columns, work.root, pairs, a, PAIR_WEIGHTS, state.rows, pull, replies[a], coupled)
+        reply(state.columns, work.root, pairs, a, PAIR_WEIGHTS, state.rows, pull, replies[a], sums_from)
         for b in range(a + 1):
             system[a, b] = system[b, a] = _seen(pairs, b, replies[a])
         system[a, a] += mu + LEAST_PIVOT

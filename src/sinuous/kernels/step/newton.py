@@ -3,7 +3,7 @@
 import math
 
 from sinuous.kernels.body.contacts import SOFTNESS, ContactSearch, PosedBody, contacts
-from sinuous.kernels.body.pieces import Scratch
+from sinuous.kernels.body.pieces import Scratch, backbone_of
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.body.self_contacts import PAIR_VALUE, self_contacts
@@ -100,7 +100,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     self-contacts only `with_self`. When the time is over, some are missing.
     """
     q, frames, rows = state.q, state.frames, state.rows
-    forward_with_columns(q, frames, state.columns)
+    forward_with_columns(problem.limits, q, frames, state.columns)
     off = turn = 0.0
     seen = math.inf
     mount = problem.mount
@@ -114,7 +114,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
         if number_of(problem.scene) > 0:
             at, least = contacts(body, problem.scene, k, mount, search, scratch, rows, at)
             seen = min(seen, least)
-            mount -= q[k, 2]
+            mount -= backbone_of(problem.limits, q, k)
         at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
     finish_rows(state, at)
@@ -136,7 +136,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
     """The same, of what it takes: the limits of the segments (n, c), and the actuators (a, c), see `Problem`."""
     limits.release(table, work.root, work.mean, work.bound)
     bound = False
-    coupled = actuators.shape[0] > 0
+    coupled, sums_from = actuators.shape[0] > 0, actuation.sums_from(actuators)
     if coupled:
         actuation.release(state.rows)
         actuation.bind_equalities(actuators, state.q, state.rows)
@@ -149,10 +149,10 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
         if few:
             dense_step(jacobian, work.root, work.mean, state.rows, mu, system, work.step)
         else:
-            sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
-            sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
+            sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, sums_from)
+            sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, sums_from)
         if state.norms[s.PAIRS] > 0.0:
-            couple(state, work, mu, coupled)
+            couple(state, work, mu, sums_from)
         count = limits.bind(table, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
             count += actuation.bind(actuators, state.q, work.step, state.rows)

@@ -189,18 +189,20 @@ def _within(
     )
 
 
-def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, coupled: bool) -> None:
+def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, sums_from: int) -> None:
     """Filter along the arc from base to tip; fill `rows.gain` and `rows.innovation`.
 
-    `coupled` says that HARD rows may weigh the sum of all motions; it is then part of the state.
+    HARD rows may weigh the sum of all motions from the segment `sums_from` on; it is then part of the state. It is not
+    where that is negative.
     """
+    coupled = sums_from >= 0
     reach = (NOTHING, NOTHING, NOTHING, ZERO, ZERO)
     sums = (NOTHING, NOTHING, NOTHING, ZERO)
     for k in range(columns.shape[0]):
         L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
         lines = transpose(L)
         reach, turn, move = extend_here(reach, columns, k, L, m)
-        if coupled:
+        if coupled and k >= sums_from:
             P, Q, T, summed = sums
             sums = (_gram(P, lines, turn), _gram(Q, lines, move), _gram(T, lines, lines), add(summed, m))
         own = (turn, move, lines, IDENTITY, ZERO)
@@ -211,17 +213,19 @@ def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, cou
                 reach, own, sums = _within(reach, own, sums, L, m, rows, i, mu)
 
 
-def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, coupled: bool) -> None:
+def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, sums_from: int) -> None:
     """Filter another `mean` while every row asks for 0; fill `rows.innovation`.
 
     `forward` has filled the gains, which are the same for any mean and any values, so means alone are carried.
     """
     turned, moved, summed = ZERO, ZERO, ZERO
+    coupled = sums_from >= 0
     for k in range(columns.shape[0]):
         L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
         turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
         moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
-        summed = add(summed, m)
+        if k >= sums_from:
+            summed = add(summed, m)
         z = ZERO
         for i in range(rows.start[k], rows.start[k + 1]):
             kind = rows.kind[i]
@@ -241,9 +245,10 @@ def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, coupled:
                 summed = add_scaled(summed, nu, get_vec(rows.gain, i, 9))
 
 
-def backward(columns: Array, root: Array, mean: Array, rows: Rows, step: Array, coupled: bool) -> None:
+def backward(columns: Array, root: Array, mean: Array, rows: Rows, step: Array, sums_from: int) -> None:
     """Carry the adjoint from tip to base; fill `step` (n, 3) with dq."""
     turn, move, total = ZERO, ZERO, ZERO
+    coupled = sums_from >= 0
     for k in range(columns.shape[0] - 1, -1, -1):
         L = get_mat(root, k, 0)
         z = ZERO
@@ -261,6 +266,8 @@ def backward(columns: Array, root: Array, mean: Array, rows: Rows, step: Array, 
                 total = add_scaled(total, push, get_vec(rows.total, i, 0))
             turn = add_scaled(turn, push, get_vec(rows.twist, i, 0))
             move = add_scaled(move, push, get_vec(rows.twist, i, 3))
+        if k < sums_from:
+            total = ZERO
         pull = (
             dot(get_vec(columns, k, 0), turn) + dot(get_vec(columns, k, 3), move) + total[0],
             dot(get_vec(columns, k, 6), turn) + dot(get_vec(columns, k, 9), move) + total[1],

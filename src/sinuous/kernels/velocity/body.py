@@ -35,6 +35,7 @@ from sinuous.kernels.statics.ends import foretell, put_ends, see_ends
 from sinuous.kernels.statics.equilibrium import LOAD_FACTOR, UNSTABLE, follow
 from sinuous.kernels.statics.sweeps import stiffness_of
 from sinuous.kernels.step import sweeps
+from sinuous.kernels.step.actuation import NO_SUMS
 from sinuous.kernels.step.coupling import reply
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.targets import end_pose
@@ -68,13 +69,13 @@ of arcs, `tip` (6, 3 n) of rotation and place of the tool, `seen` (r, 3 n) of ro
 the greatest ones (t,)."""
 
 
-def move_body(control: Control, resting: RestingBody | None) -> bool:
+def move_body(limits: Array, control: Control, resting: RestingBody | None) -> bool:
     """Put the body where its drive `control.q` takes it: frames of ends of segments; say whether it is at rest there.
 
-    Of a rigid one also `columns`; of another all derivatives.
+    Of a rigid one also `columns`; of another all derivatives. `limits` (n, 34): rows of its segments.
     """
     if resting is None:
-        forward_with_columns(control.q, control.frames, control.columns)
+        forward_with_columns(limits, control.q, control.frames, control.columns)
         return True
     return _rest_at(control, resting)
 
@@ -92,7 +93,7 @@ def _rest_at(control: Control, own: RestingBody) -> bool:
     unroll(own.x, own.arcs.q)
     _derive_arcs(own)
     spend(control.sweep.clock, t.ARC_WORK * own.x.shape[0])
-    forward_with_columns(own.arcs.q, own.arcs.frames, own.arcs.columns)
+    forward_with_columns(own.problem.limits, own.arcs.q, own.arcs.frames, own.arcs.columns)
     return True
 
 
@@ -155,8 +156,8 @@ def _see(problem: Problem, control: Control, own: RestingBody) -> None:
 def move_freely(control: Control, resting: RestingBody | None, mu: float) -> None:
     """Fill `control.working.free` with the step of damping `mu` without any constraint."""
     if resting is None:
-        sweeps.forward(control.columns, control.root, control.none, control.rows, mu, False)
-        sweeps.backward(control.columns, control.root, control.none, control.rows, control.working.free, False)
+        sweeps.forward(control.columns, control.root, control.none, control.rows, mu, NO_SUMS)
+        sweeps.backward(control.columns, control.root, control.none, control.rows, control.working.free, NO_SUMS)
     else:
         _solve_freely(control, resting, mu)
 
@@ -196,7 +197,7 @@ def answer_weights(control: Control, resting: RestingBody | None, a: int, moved:
     """Fill `moved` (n, 3) with `H^-1 c` for the weights c of constraint `a`; see `active_set`."""
     weights = control.working.weights
     if resting is None:
-        reply(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, False)
+        reply(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, NO_SUMS)
     else:
         for k in range(moved.shape[0]):
             root = get_mat(control.root, k, 0)
@@ -204,10 +205,10 @@ def answer_weights(control: Control, resting: RestingBody | None, a: int, moved:
         _spread(control, resting, int(control.rows.start[moved.shape[0]]), False, moved)
 
 
-def measure_travel(control: Control, resting: RestingBody | None) -> float:
+def measure_travel(limits: Array, control: Control, resting: RestingBody | None) -> float:
     """How far any place of the body travels to where `control.trial` leads, at most; under load to first order."""
     if resting is None:
-        return float(measure_rates(control.q, control.trial, control.sweep.rates))
+        return float(measure_rates(limits, control.q, control.trial, control.sweep.rates))
     arcs = resting.arcs
     copy(arcs.q, arcs.trial)
     for j in range(resting.by_drive.shape[0]):
@@ -215,7 +216,7 @@ def measure_travel(control: Control, resting: RestingBody | None) -> float:
         for k in range(arcs.q.shape[0]):
             for i in range(3):
                 arcs.trial[k, i] += moved * resting.by_drive[j, k, i]
-    return float(measure_rates(arcs.q, arcs.trial, arcs.sweep.rates))
+    return float(measure_rates(resting.problem.limits, arcs.q, arcs.trial, arcs.sweep.rates))
 
 
 def add_resting_contacts(

@@ -8,7 +8,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.body.contacts import PosedBody
-from sinuous.kernels.body.pieces import evaluate_here, free_part, near
+from sinuous.kernels.body.pieces import backbone_of, evaluate_here, free_part, near
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, PAIR_WEIGHTS, put_place_weights, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.arc import pose
@@ -113,8 +113,12 @@ def add_contacts(problem: Problem, control: Control, gaps: ContactGaps, first: i
     count, least, mount = first, math.inf, problem.mount
     shape = Shape(problem.limits, control.q, control.frames, control.spans)
     for k in range(control.q.shape[0]):
-        start, length, radius = free_part(control.q, k, mount), control.q[k, 2], problem.limits[k, RADIUS]
-        mount -= length
+        start, length, radius = (
+            free_part(problem.limits, control.q, k, mount),
+            control.q[k, 2],
+            problem.limits[k, RADIUS],
+        )
+        mount -= backbone_of(problem.limits, control.q, k)
         part = 1.0 - start
         if part <= 0.0 or spend(control.sweep.clock, problem.scene.table.shape[0]):
             continue

@@ -111,7 +111,7 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
     They are infinite where the body is nowhere at rest.
     """
     n, rows, at = control.q.shape[0], control.rows, 0
-    if not move_body(control, control.body):
+    if not move_body(problem.limits, control, control.body):
         return math.inf, math.inf, math.inf
     off = turn = merit = 0.0
     state = State(control.q, control.frames, control.columns, rows, control.none[0])
@@ -150,7 +150,7 @@ def _farthest(problem: Problem, asked: StepRequest, control: Control, mu: float)
             control.q[k, 1] + fraction * free[k, 1],
         )
         control.trial[k, 2] = control.q[k, 2] + min(max(free[k, 2], -stretch), stretch)
-    return min(CONTACT_LOOKAHEAD * measure_travel(control, control.body), problem.unit)
+    return min(CONTACT_LOOKAHEAD * measure_travel(problem.limits, control, control.body), problem.unit)
 
 
 def _put_bounds(problem: Problem, asked: StepRequest, control: Control, start: Array, mu: float) -> tuple[int, float]:
@@ -229,7 +229,7 @@ def _limit_travel(problem: Problem, asked: StepRequest, control: Control, wanted
     if _is_rated(problem, asked):
         return
     touches = lack >= max(asked.wish, problem.margin) - FINEST_PROOF * problem.unit
-    most, travel = (CONTACT_GAIN if touches else GAIN) * wanted, measure_travel(control, control.body)
+    most, travel = (CONTACT_GAIN if touches else GAIN) * wanted, measure_travel(problem.limits, control, control.body)
     if travel > most:
         for k in range(control.q.shape[0]):
             for i in range(3):
@@ -306,7 +306,7 @@ def _shorten(control: Control, start: Array, fraction: float) -> None:
 def _least_gap(problem: Problem, control: Control, q: Array, ahead: float) -> float:
     """Least gap of a configuration to obstacles and itself, where it is less than `ahead`."""
     copy(q, control.q)
-    forward_with_columns(control.q, control.frames, control.columns)
+    forward_with_columns(problem.limits, control.q, control.frames, control.columns)
     gaps = ContactGaps(0.0, 0.0, ahead)
     count, least = add_self_contacts(problem, control, gaps, 0)
     if number_of(problem.scene) > 0:
@@ -318,7 +318,7 @@ def _least_gap(problem: Problem, control: Control, q: Array, ahead: float) -> fl
 def look_at(problem: Problem, control: Control, q: Array) -> tuple[int, float, float]:
     """Verdict about a configuration, and its clearance and self-clearance."""
     copy(q, control.q)
-    forward(control.q, control.frames)
+    forward(problem.limits, control.q, control.frames)
     verdict, clearance, own = CLEAR, math.inf, math.inf
     finest = FINEST_PROOF * problem.unit
     if number_of(problem.scene) > 0:

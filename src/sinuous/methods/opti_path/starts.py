@@ -180,7 +180,7 @@ def begin_path(problem: Problem, check: Check, work: Work, aim: Aim, start: Star
     put_vec(path.tangents, 0, 0, (rotation[0][2], rotation[1][2], rotation[2][2]))
     if own < nudges:
         copy(initial[start.index if own < 0 else 0], q)
-        forward(q, check.frames)
+        forward(problem.limits, q, check.frames)
         carried(check.frames, setting, aim, path)
         if own >= 0:
             bow(aim, path, own)
@@ -196,6 +196,6 @@ def begin_path(problem: Problem, check: Check, work: Work, aim: Aim, start: Star
             swung(problem.limits, aim, path, 0.0)
         return ARC
     begin_own(problem, check, own - 1 - 2 * BOWS, start.seed, q)
-    forward(q, check.frames)
+    forward(problem.limits, q, check.frames)
     carried(check.frames, setting, aim, path)
     return RANDOM

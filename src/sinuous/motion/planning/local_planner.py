@@ -5,7 +5,7 @@ obstacle, for a proof or for a tree to leave it, is solved again with a thicker 
 """
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -38,6 +38,9 @@ WISHED = 0.02
 FINEST = 3e-4
 """Length below which the proof of an edge gives up, in robot lengths: another edge is tried sooner than that."""
 
+KEPT = 64
+"""Thicker robots that are kept in memory."""
+
 CLOSE = 1e-6
 """The same for an edge from the end of a path to where there is room: it may begin in contact."""
 
@@ -52,7 +55,7 @@ class LocalPlanner:
 
     def __init__(self, query: Query) -> None:
         self.deadline = query.deadline
-        self.robot = query.robot.changed(tool=None)
+        self.robot = query.robot if np.array_equal(query.robot.tool, np.eye(4)) else query.robot.changed(tool=None)
         self._scene = query.scene
         self._prover = Prover(query.robot, query.scene, FINEST)
         self._close_prover = Prover(query.robot, query.scene, CLOSE)
@@ -91,9 +94,7 @@ class LocalPlanner:
         if (room, loose) not in self._solvers:
             with self.deadline.paused():  # compiling is no planning
                 self._solvers[room, loose] = self._prepared(room, loose)
-        solver = self._solvers[room, loose]
-        solution = solver.solve(target, begin, time=max(0.0, self.deadline.left()))
-        return np.array(solution.q) if solution.solved else None
+        return self._solvers[room, loose].descend(target, begin, max(0.0, self.deadline.left()))
 
     def _prepared(self, room: float, loose: float) -> Solver:
         """A solver that goes to one target from one configuration, or not at all."""
@@ -151,6 +152,8 @@ def roots_of(start: Chain, goals: list[Chain]) -> Floats:
     return np.stack([start[-1], *(chain[-1] for chain in goals)])
 
 
+@lru_cache(maxsize=KEPT)
 def with_radii(robot: Robot, share: float) -> Robot:
     """Return a robot whose segments have a share of their radii, less or more than all of it."""
-    return robot.changed(segments=[segment.changed(radius=share * segment.radius) for segment in robot.segments])
+    changed = {segment: segment.changed(radius=share * segment.radius) for segment in dict.fromkeys(robot.segments)}
+    return robot.changed(segments=[changed[segment] for segment in robot.segments])

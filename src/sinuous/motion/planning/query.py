@@ -91,9 +91,14 @@ class TargetGoals:
     """
 
     def __init__(self, solver: Solver, targets: list[Target], solutions: list[Solution]) -> None:
-        once = replace(solver.options, max_starts=1, routes=False, memory=None)
-        self._solver = type(solver)._of_checked(solver.robot, solver.scene, once)
-        self.targets, self.solutions = targets, solutions
+        self._whole, self.targets, self.solutions = solver, targets, solutions
+
+    @cached_property
+    def _solver(self) -> Solver:
+        """What goes from one configuration to one goal, or nowhere; made when it is needed first."""
+        whole = self._whole
+        once = replace(whole.options, max_starts=1, routes=False, memory=None)
+        return type(whole)._of_checked(whole.robot, whole.scene, once)
 
     def near(self, q: Floats) -> Floats | None:
         """Follow a configuration (n, 3) to one that meets the targets, which becomes a goal; `None` where it fails."""
@@ -112,12 +117,22 @@ class TargetGoals:
                     self.solutions.append(solution)
         return np.stack([solution.q for solution in self.solutions])
 
+    def with_simplest(self) -> Floats:
+        """Return all goals (g, n, 3), after looking for one from no configuration, but from the arc to the target.
+
+        What is solved from the start keeps its turns and folds; a body without them is often reached straight.
+        """
+        solution = self._solver.solve(self.targets)
+        if solution.solved and self._is_new(solution.q):
+            self.solutions.append(solution)
+        return self(solution.q[None])
+
     def solution_at(self, q: Floats) -> Solution:
         """Return the solution whose configuration (n, 3) this is."""
         return next(solution for solution in self.solutions if np.array_equal(solution.q, q))
 
     def _is_new(self, q: Floats) -> bool:
-        robot = self._solver.robot
+        robot = self._whole.robot
         apart = (float(distances(robot, np.stack([q, other.q]))[0]) for other in self.solutions)
         return min(apart) > APART * robot.mean_length
 

@@ -12,16 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.packing import scales_of, turns_of
-from sinuous.model.robot import Robot
-from sinuous.motion.configurations import lever_metric, within_limits
+from sinuous.kernels.planning.sliding import slide_back, sliding_size
+from sinuous.model.robot import Robot, robot_group
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner, QueryEnds, roots_of
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.rrt_connect import RRTConnect, lead_on, shortened
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.target import Target
-from sinuous.solver.polylines import lengths_along, points_at
+from sinuous.solver.polylines import lengths_along
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
@@ -38,8 +38,11 @@ MOST_STEPS = 100_000
 OF_CURVE = 20
 """Points of the curve on each segment."""
 
-DAMPING = 1e-3
-"""Of the motion with which a body slides back, as a share of the mean diagonal entry of its normal matrix."""
+FIRST_GOALS = 2
+"""Goals that are drawn back a little in the first turn of all."""
+
+FIRST_DRAWS = 64
+"""Draws of the trees that grow to a goal that was drawn back a little, in the first turn of all."""
 
 DRAWS, MOST_DRAWS = 256, 2**20
 """Draws of the trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
@@ -129,10 +132,15 @@ class Retraction:
         self.left = float(self._along[-1])
         self.knots = [q]
 
-    def run(self, steps: int = MOST_STEPS) -> bool:
-        """Draw the body back by so many more steps, also such as fail, while there is time; say whether it is done."""
+    def run(self, steps: int = MOST_STEPS, shortest: float = 0.0) -> bool:
+        """Draw the body back by so many more steps, also such as fail, while there is time; say whether it is done.
+
+        It stops where steps would be shorter than `shortest` (robot lengths).
+        """
         unit = self._local.robot.mean_length
         for _ in range(steps):
+            if self._step < shortest * unit:
+                return False
             if self.left <= ENOUGH * unit or self._stuck == WAYS or self._local.deadline.left() <= 0.0:
                 return True
             if self._goes_to(max(0.0, self.left - self._step)):
@@ -170,41 +178,22 @@ class Retraction:
         return slid_back(robot, q, by, weights, share * (self._other - q))
 
     def _target(self, along: float, kind: RetractionKind) -> Target:
-        place = points_at(self._points, self._along, np.array([along]))[0]
-        if not kind.points:
-            return Target(place)
         i = int(np.clip(np.searchsorted(self._along, along), 1, len(self._along) - 1))
-        return Target(place, direction=self._points[i] - self._points[i - 1])
+        before, piece = self._points[i - 1], self._points[i] - self._points[i - 1]
+        length = float(self._along[i] - self._along[i - 1])
+        place = before + ((along - self._along[i - 1]) / length if length > 0.0 else 0.0) * piece
+        return Target(place, direction=piece) if kind.points else Target(place)
 
 
 def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Floats) -> Floats:
     """Return the configuration (n, 3) whose ends of segments have gone back along their tangents, as far as they can.
 
-    To first order, within the limits of segments, by damped least squares; each end counts by its weight (n,). What
-    that leaves free changes by `wished` (n, 3).
+    See `kernels.planning.sliding.slide_back`.
     """
-    n, unit = len(robot), robot.mean_length
-    scale, turns = np.tile([1.0, 1.0, unit / n], n) * (scales_of(robot.limits).ravel() > 0.0), turns_of(robot.limits)
-    ends = robot.forward(q)[-n:]
-    jacobian = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n)
-    jacobian = (jacobian @ turns) * (scale / unit)
-    asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()
-    normal = jacobian.T @ jacobian
-    damping = DAMPING * np.trace(normal) / len(normal)
-    normal[np.diag_indices_from(normal)] += damping
-    free = np.divide(wished.ravel() @ turns, scale, out=np.zeros(3 * n), where=scale > 0.0)
-    change = turns @ (scale * np.linalg.solve(normal, jacobian.T @ asked + damping * free))
-    return within_limits(robot, (q + change.reshape(n, 3))[None])[0]
-
-
-def _moved_ends(robot: Robot, q: Floats, ends: Floats) -> Floats:
-    """Derivatives (n, 3, 3 n) of the ends of segments (n, 3): each coordinate moves what lies beyond as one body."""
-    n = len(robot)
-    turn, move = np.split(robot.jacobian(q, n), 2)
-    arms = ends - ends[-1]
-    moved = move + np.cross(turn, arms[:, :, None], axisa=0, axisb=1, axisc=1)
-    before: Floats = np.where(np.arange(n)[:, None] >= np.arange(3 * n) // 3, 1.0, 0.0)
-    return np.asarray(moved * before[:, None])
+    workspace, back = np.empty(sliding_size(len(robot))), np.empty((len(robot), 3))
+    begin = np.array(q, order="C")
+    slide_back(robot_group(robot), begin, by, weights, wished, robot.mean_length, workspace, back)
+    return back
 
 
 def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:
@@ -214,8 +203,10 @@ def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:
     contact-retraction trees join what is known. See `planners.find_path`.
     """
     join = _Join(query, ends)
-    if not ends.narrow:
-        yield from (None for _ in range(TURNS_BEFORE))
+    path = join.begin()
+    if path is not None or not ends.narrow:
+        yield path
+        yield from (None for _ in range(TURNS_BEFORE - 1))
     for turn in count():
         yield from join.draw_back(turn)
         path = join.grow(turn)
@@ -231,6 +222,21 @@ class _Join:
         self._retracted = ContactRetractionTrees(ends.local, query.seed)
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
+
+    def begin(self) -> ProvedPath | None:
+        """Draw back the first goals a little, from where they are, and let straight trees grow from the start to there.
+
+        The last one first: what was solved without the start has fewer folds.
+        """
+        query, path = self._query, None
+        for goal in query.goals(query.start[None])[FIRST_GOALS - 1 :: -1]:
+            if path is None and query.deadline.left() > 0.0:
+                made = Retraction(self._ends.local, goal, 0, query.start)
+                made.run(FIRST_STEPS, FIRST)
+                roots = roots_of([query.start], [[q] for q in self._some(made.knots, query.start)])
+                path = self._trees.grow(roots, query.seed, (0, FIRST_DRAWS), query.deadline)
+                path = None if path is None else lead_on(query, self._trees, [query.start], path, [made.knots])
+        return path
 
     def draw_back(self, turn: int) -> Iterator[None]:
         """Draw back a goal, or the start; `None` where a turn ends before that does."""

@@ -16,7 +16,7 @@ from sinuous.kernels.certificate.sweep import sweep_size
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.model.robot import Robot, robot_group
 from sinuous.motion.planning.local_planner import QueryEnds, roots_of
-from sinuous.motion.planning.query import Deadline, ProvedPath, Query
+from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals
 from sinuous.motion.planning.tree import Chain
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, unproved
@@ -38,12 +38,15 @@ NARROW = 0.1875
 
 
 class RRTConnect:
-    """The memory of both trees, for one plan after the other of a robot in a scene."""
+    """The memory of both trees, for one plan after the other of a robot in a scene.
 
-    def __init__(self, robot: Robot, scene: Snapshot) -> None:
+    `prover`: of the same robot and scene, where there is one.
+    """
+
+    def __init__(self, robot: Robot, scene: Snapshot, prover: Prover | None = None) -> None:
         n = len(robot)
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
-        self._scene, self._robot = scene, robot
+        self._scene, self._robot, self._given_prover = scene, robot, prover
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
 
@@ -112,7 +115,7 @@ class RRTConnect:
 
     @cached_property
     def _prover(self) -> Prover:
-        return Prover(self._robot, self._scene)
+        return self._given_prover or Prover(self._robot, self._scene)
 
     def _proved(self, q: Floats, answers: Floats, deadline: Deadline) -> ProvedPath:
         """Prove edges again that took too long to prove with a tight bound: that they are clear, without a bound.
@@ -139,11 +142,17 @@ def load_trees(robot: Robot, scene: Snapshot) -> None:
 def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[ProvedPath | None]:
     """Yield the path that straight trees find, or `None` after each round; see `planners.find_path`.
 
-    In the first round the trees grow from the ends as they are, then from configurations near them that have room.
-    Where an end is in a narrow place, others have two turns for one of trees that are planted anew.
+    Straight lines to goals are tried first. In the first round the trees grow from the ends as they are, then from
+    configurations near them that have room. Where an end is in a narrow place, others have two turns for one of trees
+    that are planted anew.
     """
     seed, deadline = query.seed, query.deadline
     goals, first, last = query.goals(query.start[None]), 0, ROUNDS[0]
+    if isinstance(query.goals, TargetGoals):
+        path = trees.grow(np.concatenate([query.start[None], goals]), seed, (0, 0), deadline)
+        if path is not None:
+            yield path
+        goals = query.goals.with_simplest()
     roots = np.concatenate([query.start[None], goals])
     path = trees.grow(roots, seed, (first, last), deadline, query.shortcuts)
     ends.narrow = path is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last

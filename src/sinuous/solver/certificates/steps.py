@@ -17,6 +17,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import call
 from sinuous.base.work_time import LOOK
+from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.certificate.courses import (
@@ -282,9 +283,9 @@ def _sampled(one: Rest, other: Rest, prove: Callable[[StepPiece], Floats]) -> Fl
     arcs = np.stack([each.arcs for each in rests])
     middles = np.ascontiguousarray(0.5 * (arcs[:-2:2] + arcs[2::2]))
     frames = np.empty((2, len(middles), arcs.shape[1] + 1, 12))
-    base = one.frames[:, 0].copy()
-    batch.frames_of(np.ascontiguousarray(arcs[1::2]), base, frames[0])
-    batch.frames_of(middles, base, frames[1])
+    base, plain = one.frames[:, 0].copy(), packing.plain_rows(arcs.shape[1])
+    batch.frames_of(plain, np.ascontiguousarray(arcs[1::2]), base, frames[0])
+    batch.frames_of(plain, middles, base, frames[1])
     aside = float(np.linalg.norm(frames[0, ..., 9:] - frames[1, ..., 9:], axis=-1).max())
     answers = []
     for i in range(SAMPLES - 1):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.certificate.tip import leave_line
+from sinuous.kernels.certificate.tip import leave_line, turn_off
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.statics.layout import TWIST
 from sinuous.model.robot import Robot, robot_group
@@ -33,7 +33,9 @@ class Tip:
         self._frames, self.line = np.empty((len(body) + 1, 12)), np.zeros((2, 3))
         self._tool = robot.tool
         self._lever = float(np.linalg.norm(robot.tool[:3, 3])), float(np.linalg.norm(robot.tool[:2, 3]))
-        self.deviation(np.zeros((2, len(robot), 3)), 0.0)  # compiled, or loaded
+        ends = np.zeros((2, len(robot), 3))
+        self.deviation(ends, 0.0)  # compiled, or loaded
+        turn_off(self._group, np.zeros((2, len(body), 3)), self.line, np.zeros((5, 3)), self._q, self._frames)
 
     def deviation(self, ends: Floats, enough: float) -> float:
         """Return an upper bound of how far the tip is from the line in a motion that is linear in q.
@@ -48,6 +50,23 @@ class Tip:
         if self._ways is not None:
             return self._under_load(self._ways, ends, enough)
         return leave_line(self._group, ends, self.line, enough, self._q, self._frames)
+
+    def angle(self, ends: Floats, turn: Floats) -> float:
+        """Return how far the tip is turned from all of a line at places of a motion that is linear in q, at most (rad).
+
+        Parameters
+        ----------
+        ends : ndarray (2, n, 3)
+        turn : ndarray (5, 3)
+            How the tip turns along it; see `kernels.certificate.tip.turn_off`.
+        """
+        if self._ways is not None:
+            one, other = self._ways.at(ends[0]), self._ways.at(ends[1])
+            group = self._group.copy()
+            group[-12:] = pose_row(rolled(0.5 * float(one.rolls[-1] + other.rolls[-1])) @ self._tool)[0]
+            arcs = np.stack([one.arcs, other.arcs])
+            return float(turn_off(group, arcs, self.line, turn, self._q, self._frames))
+        return turn_off(self._group, ends, self.line, turn, self._q, self._frames)
 
     def _under_load(self, ways: LoadedShapes, ends: Floats, enough: float) -> float:
         """The same for the loaded body; where nothing bounds the equilibria between, as far as the ends show it."""

@@ -82,7 +82,7 @@ class RouteCurves:
     def __init__(self, robot: Robot, scene: Snapshot, deadline: Deadline = lambda: math.inf) -> None:
         self._robot, self._deadline = robot, deadline
         self.scene, self.mount = scene, robot.mount
-        radius, longest = min(robot.needed_radii), sum(segment.length[1] for segment in robot.segments)
+        radius, longest = min(robot.needed_radii), sum(segment.length[1] for segment in robot.rows)
         wanted = A_RADIUS * longest / radius if radius > 0.0 else MOST
         self._points = int(min(MOST, max(FEWEST, math.ceil(wanted))))
         self.keep = max(CLEAR * radius, SPACED * longest / self._points)

@@ -128,7 +128,9 @@ def reverse_chain(groups: Groups, other: Groups, chain: Floats) -> Floats:
 def join_chains(groups: Groups, head: Floats, other: Groups, tail: Floats) -> Floats:
     """Return the chain (n, 3) of one part (k, 3), and a part (n - k, 3) of the other problem, which it meets."""
     frames = np.empty((1, len(head) + 1, t.POSE_WIDTH))
-    frames_of(head[None].copy(), robot_parts(groups[0]).base.reshape(1, t.POSE_WIDTH).copy(), frames)
+    frames_of(
+        _rows(groups, head), head[None].copy(), robot_parts(groups[0]).base.reshape(1, t.POSE_WIDTH).copy(), frames
+    )
     return np.concatenate([head, reverse_chain(problem_from_pose(groups, frames[0, -1]), other, tail)])
 
 
@@ -204,10 +206,15 @@ def problem_beyond(groups: Groups, chain: Floats) -> Groups:
     return _robot(robot, count, len(segments), end_pose(groups, chain), tool), scene, told, own
 
 
+def _rows(groups: Groups, chain: Floats) -> Floats:
+    """Rows of the segments that a chain (k, 3) is of."""
+    return robot_parts(groups[0]).segments[: len(chain)].copy()
+
+
 def end_pose(groups: Groups, chain: Floats) -> Floats:
     """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
     base, frames = robot_parts(groups[0]).base, np.empty((1, len(chain) + 1, t.POSE_WIDTH))
-    frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
+    frames_of(_rows(groups, chain), chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     return frames[0, -1]
 
 
@@ -254,7 +261,7 @@ def backbone_of(groups: Groups, chain: Floats) -> Floats:
     """Return points (K, 3) along the backbone of a chain (n, 3), `SAMPLES` for each segment."""
     n, base = len(chain), robot_parts(groups[0]).base
     frames, points = np.empty((1, n + 1, t.POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
-    frames_of(chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
+    frames_of(_rows(groups, chain), chain[None].copy(), base.reshape(1, t.POSE_WIDTH).copy(), frames)
     points_of(chain[None].copy(), frames, SAMPLES, points)
     return points[0]
 

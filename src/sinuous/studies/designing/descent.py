@@ -306,8 +306,8 @@ class _Steps:
             largest, least = np.eye(m, self._shared, o), np.eye(m, self._shared, o + m)
             ends = np.concatenate([largest, -least])
             listed.append(self._both(value, slopes, change, shared=ends))
-            rest = _values(self._robot, straight(self._robot.segments)[None])[0]
-            change = self._by_fields(lambda robot, _: _values(robot, straight(robot.segments)[None])[0])
+            rest = _values(self._robot, straight(self._robot.rows)[None])[0]
+            change = self._by_fields(lambda robot, _: _values(robot, straight(robot.rows)[None])[0])
             listed.append(self._both(rest, 0.0 * slopes, change, shared=ends))
             listed.append(self._rows(0.0 * change, 0.0 * slopes, np.zeros(m), "travel", least - largest))
         return listed
@@ -342,5 +342,5 @@ def _parameters(robot: Robot, other: Robot) -> Floats:
     """What contacts depend on: the base, as a small motion from that of another robot, lengths, radii."""
     turn = robot.base[:3, :3] @ other.base[:3, :3].T
     small = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    lengths = [0.5 * sum(each.length) for each in robot.segments]
+    lengths = [0.5 * sum(each.length) for each in robot.rows]
     return np.concatenate([small, robot.base[:3, 3], lengths, robot.radii])

@@ -87,5 +87,5 @@ def _of_shapes(name: Objective, robot: Robot, q: Floats) -> float:
     if name == "tension":
         elastic = robot.drive.elastic
         return math.inf if elastic is None else float(np.abs(elastic.balance(q).tensions).max())
-    values = robot.to_actuators(np.concatenate([q, straight(robot.segments)[None]]))
+    values = robot.to_actuators(np.concatenate([q, straight(robot.rows)[None]]))
     return float(np.ptp(values, axis=0).max())

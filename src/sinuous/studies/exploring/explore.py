@@ -229,7 +229,7 @@ def explore(
 def _starts(robot: Robot, given: Batch | None) -> Floats:
     """Shapes (m, n, 3) to be joined first."""
     if given is None:
-        start = straight(robot.segments)[None]
+        start = straight(robot.rows)[None]
         return start if violated_by(robot, start[0]) is None else start[:0]
     shapes = robot.configuration("starts", given).reshape(-1, len(robot), 3)
     for i, q in enumerate(shapes):

@@ -14,7 +14,7 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, random_configuration, violated_by
-from sinuous.motion.plan import Workspace, Workspaces
+from sinuous.motion.plan import PlanWork, Workspaces
 from sinuous.motion.planning.planners import find_path
 from sinuous.motion.planning.query import Deadline, Query
 from sinuous.problem.target import Target
@@ -97,7 +97,7 @@ class Explorer:
                 found.own.append(self._do(work, found, task))
             return found.block()
 
-    def _do(self, work: Workspace, found: "_Found", raw: dict[str, Any]) -> int:
+    def _do(self, work: PlanWork, found: "_Found", raw: dict[str, Any]) -> int:
         """Do one task; return the number of the shape that was found, 0: none."""
         kind, numbers = TaskKind(int(raw["kind"])), raw["numbers"][raw["numbers"] >= 0]
         near, begin, seed = raw["near"][: len(numbers)], raw["begin"], int(raw["seed"])
@@ -120,7 +120,7 @@ class Explorer:
             solution = self._solvers[1].solve(Target(target), begin, time=ATTEMPT_SECONDS)
         return np.array(solution.q) if solution.solved else None
 
-    def _moved(self, work: Workspace, begin: Floats, seed: int) -> Floats | None:
+    def _moved(self, work: PlanWork, begin: Floats, seed: int) -> Floats | None:
         """Move a shape towards a random one, as far as that is proved."""
         rng = np.random.default_rng(seed)
         away = random_configuration(self.robot, rng) - begin
@@ -135,7 +135,7 @@ class Explorer:
             share *= 0.5
         return None
 
-    def _link(self, work: Workspace, found: "_Found", q: Floats, task: "_Task") -> int:
+    def _link(self, work: PlanWork, found: "_Found", q: Floats, task: "_Task") -> int:
         """Keep a shape, and motions to shapes nearby; return its number."""
         own = found.add(q[None])
         count = 0
@@ -151,7 +151,7 @@ class Explorer:
                 found.add_way(own, path.q, task)
         return own
 
-    def _join(self, work: Workspace, found: "_Found", begin: Floats, own: int, task: "_Task") -> None:
+    def _join(self, work: PlanWork, found: "_Found", begin: Floats, own: int, task: "_Task") -> None:
         """Find a way from a shape to one of those nearby."""
         near, seed, deadline = task.near, task.seed, task.deadline
         path = work.trees.grow(np.stack([begin, *near]), seed, (0, JOIN_DRAWS), deadline)

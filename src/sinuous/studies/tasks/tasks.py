@@ -196,7 +196,7 @@ class Move(Frozen):
 
     def do(self, solver: Solver) -> Done:
         """Plan it."""
-        start = straight(solver.robot.segments) if self.start is None else self.start
+        start = straight(solver.robot.rows) if self.start is None else self.start
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
             motion = plan(solver.robot, start, list(self.goal), solver.scene, **vars(solver.options))

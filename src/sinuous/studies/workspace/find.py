@@ -1,4 +1,4 @@
-"""`reach`: every voxel in every direction, without obstacles and among them, in rounds.
+"""`reach`: every voxel, and every direction there, without obstacles and among them, in rounds.
 
 Measurements showed that the single arc that a solve begins with is as good a start as the solution of a neighbour. So
 all are tried from it first; neighbours help where it fails. A round depends only on the rounds before it, not on what
@@ -19,6 +19,7 @@ from sinuous.base.errors import refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.kernels.compile import code_first
 from sinuous.model.robot import Robot
+from sinuous.problem.workspace import Workspace
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LoadedShapes
@@ -28,8 +29,8 @@ from sinuous.solver.options import SolveArguments
 from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import longest_body
 from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
-from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, directions_of, reach_of
-from sinuous.studies.workspace.rounds import CALL_SIZE, Calls, MappedPlaces, Rounds, neighbours_of
+from sinuous.studies.workspace.reach import Codes, Reach, Verdict, Voxels, reach_of
+from sinuous.studies.workspace.rounds import Calls, MappedPlaces, PlaceQuery, Rounds, Shapes, neighbours_of, parts_of
 
 SEGMENT_SAMPLES = 6
 """Points of a segment whose distances tell which obstacle a body runs into."""
@@ -37,21 +38,27 @@ SEGMENT_SAMPLES = 6
 CHUNK_BODIES = 20_000
 """Bodies that are looked at in one step: it bounds memory."""
 
+PATIENCE = 2.0
+"""Seconds after which a person wants to know how long it takes."""
+
+NO_AXES: Floats = np.empty((0, 3))
+
 
 def reach(
     robot: Robot,
     scene: SceneLike | None = None,
     spacing: Number | None = None,
-    directions: Whole | Rows = 26,
+    directions: Whole | Vector | Rows = 0,
     *,
+    within: Number | None = None,
     low: Vector | None = None,
     high: Vector | None = None,
     workers: Whole | None = None,
-    progress: Truth = False,
+    progress: Truth = True,
     out: str | Path | None = None,
     **options: Unpack[SolveArguments],
 ) -> Reach:
-    """Map what a robot reaches: the share of directions that is solved and proved in each voxel, and why not more.
+    """Map what a robot reaches: the positions, or directions at each, that are solved and proved, and why not more.
 
     First all is solved without obstacles, from the single arc and then from neighbours. What is solved so is solved
     among obstacles from the free shape, then anew, then from neighbours. What is not solved without obstacles is not
@@ -63,14 +70,19 @@ def reach(
     scene : Scene or list of obstacles, optional
     spacing : float, optional
         Edge of a voxel; by default a 35th of the robot's reach.
-    directions : int or array_like (d, 3)
-        Of the tangent at the tip: 26 to the neighbours of a cube, another number along a spiral on a sphere, or these.
+    directions : int or array_like (3,) or (d, 3)
+        Of the tangent at the tip, beside positions, which are always mapped. 0: none; 26: those to the neighbours of a
+        cube; another number: along a spiral on a sphere; or these.
+    within : float, optional
+        Half-angle of the cone about each direction that the tangent must be in, rad; by default the angle of the
+        tolerance.
     low, high : array_like (3,), optional
         Corners of what is looked at; by default all that the robot may reach. Equal entries make a slice.
     workers : int, optional
         Most threads; by default one a core.
     progress : bool
-        Whether to show on a terminal how far it is.
+        Whether to say after 2 seconds how far it is, and how long it will take: a bar on a terminal, otherwise a line
+        a minute.
     out : path, optional
         A file (`.npz`) for the map, see `Reach.save`. Until it is complete, what is found is kept in a folder beside
         it: the same call goes on where an earlier one ended.
@@ -91,33 +103,33 @@ def reach(
     refuse_unknown(options, SolveArguments.__annotations__)
     checks.instance("robot", robot, Robot, "a Robot")
     threads, shown = read_workers(workers), checks.truth("progress", progress)
-    voxels, axes, place = Voxels.about(robot, spacing, low, high), directions_of(directions), as_scene(scene)
+    asked = Workspace(spacing, directions, within, low, high)
+    voxels, place = Voxels.about(robot, asked), as_scene(scene)
     given = only_reading({"max_starts": 1, "routes": False, **options})
-    free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
-    checkpoint = Checkpoint(None if out is None else Path(out), _record(solver, voxels, axes), "this map")
+    solvers = Solver(robot, None, **given), Solver(robot, place, **given)
+    checkpoint = Checkpoint(None if out is None else Path(out), _record(solvers[1], voxels, asked), "this map")
     checkpoint.open()
-    calls = Calls(threads, checkpoint)
-    with code_first():
-        taken = _within_reach(free, voxels, calls)
-    places, snapshot = MappedPlaces(voxels.middles[taken], neighbours_of(taken), axes), solver.scene.snapshot()
-    alone = Rounds(free, places, calls)
-    codes, obstacles = alone.codes, np.full(voxels.shape, -1, np.int16)
-    with code_first(), ProgressBar((2 if len(place) else 1) * codes.size if shown else 0) as bar:
-        alone.solve(np.arange(codes.size), None, bar)
-        alone.solve_from_neighbours()
+    total = int(np.prod(voxels.shape)) if shown else 0
+    with code_first(), ProgressBar(total, shown, "mapping", PATIENCE, "targets") as bar:
+        mapped = _Map(solvers, voxels, Calls(threads, checkpoint), bar)
+        alone, codes = mapped.solve(NO_AXES, None)
+        free_places, places = alone.codes, codes
+        if len(asked.axes):
+            alone, codes = mapped.solve(asked.axes, asked.within)
+            free_places, places = _joined(free_places, alone.codes), _joined(places, codes)
+        obstacles = np.full(voxels.shape, -1, np.int16)
         if len(place):
-            codes = _among_obstacles(Rounds(solver, places, calls), alone, bar)
-            blocked = _blocked_places(solver, places, calls)
-            if len(blocked):
-                codes[blocked] = np.where(
-                    codes[blocked] == Verdict.OUT_OF_REACH, codes[blocked], Verdict.TARGET_BLOCKED
-                )
-            obstacles[taken] = _blame(solver.robot, snapshot, places, codes, alone)
+            obstacles[mapped.taken] = mapped.blame(codes, alone)
+    snapshot = solvers[1].scene.snapshot()
     found = Reach(
         voxels=voxels,
-        directions=np.array(axes),
-        verdicts=_whole(codes, taken),
-        free=_whole(alone.codes, taken),
+        directions=np.array(asked.axes),
+        within=asked.within,
+        sampled=asked.sampled,
+        positions=mapped.whole(places)[..., 0],
+        free_positions=mapped.whole(free_places)[..., 0],
+        verdicts=mapped.whole(codes),
+        free=mapped.whole(alone.codes),
         obstacles=obstacles,
         names=tuple(snapshot.name(i) for i in range(len(snapshot))),
         base=np.array(robot.base[:3, 3]),
@@ -130,25 +142,102 @@ def reach(
     return found
 
 
-def _record(solver: Solver, voxels: Voxels, directions: Floats) -> dict[str, str]:
+def _record(solver: Solver, voxels: Voxels, asked: Workspace) -> dict[str, str]:
     """Return all that a map depends on."""
     return {
         **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
         "spacing": str(voxels.spacing),
         "low": str(voxels.first.tolist()),
         "high": f"{' x '.join(map(str, voxels.shape))} voxels from there",
-        "directions": f"{len(directions)}, {hash_of(directions.tobytes())}",
+        "directions": f"{len(asked.axes)}, {hash_of(asked.axes.tobytes())}",
+        "within": str(asked.within),
     }
 
 
-def _within_reach(free: Solver, voxels: Voxels, calls: Calls) -> NDArray[np.bool_]:
-    """Which voxels (x, y, z) are not proved to be out of reach, whatever the direction."""
-    points = voxels.middles.reshape(-1, 3)
-    near = []
-    for first in range(0, len(points), CALL_SIZE):
-        codes, _ = calls.solve(free, positions=points[first : first + CALL_SIZE])
-        near.append(codes != Verdict.OUT_OF_REACH)
-    return np.concatenate(near).reshape(voxels.shape)
+def _joined(places: Codes, codes: Codes) -> Codes:
+    """Verdicts (m, 1) of positions, of which some were solved in a direction alone."""
+    return np.where((codes == Verdict.SOLVED).any(axis=-1, keepdims=True), Verdict.SOLVED, places).astype(np.uint8)
+
+
+class _Map:
+    """Solves of one map; first, positions without obstacles.
+
+    Parameters
+    ----------
+    solvers : (Solver, Solver)
+        Without obstacles and among them.
+    voxels : Voxels
+    calls : Calls
+    bar : ProgressBar
+
+    Attributes
+    ----------
+    taken : ndarray (x, y, z) of bool
+        Voxels that are not proved to be out of reach, whatever the direction.
+    """
+
+    def __init__(self, solvers: tuple[Solver, Solver], voxels: Voxels, calls: Calls, bar: ProgressBar) -> None:
+        self._solvers, self._calls, self._bar = solvers, calls, bar
+        points = voxels.middles.reshape(-1, 3)
+        codes, shapes = np.full(len(points), Verdict.OUT_OF_REACH, np.uint8), []
+        for some in parts_of(np.arange(len(points))):
+            codes[some], q = calls.solve(solvers[0], positions=points[some])
+            shapes.append(q[codes[some] != Verdict.OUT_OF_REACH])
+            bar.advance(len(some))
+        self.taken = (codes != Verdict.OUT_OF_REACH).reshape(voxels.shape)
+        self._begun = codes[self.taken.ravel()], np.concatenate(shapes)
+        self._places = MappedPlaces(voxels.middles[self.taken], neighbours_of(self.taken))
+
+    def solve(self, axes: Floats, within: float | None) -> tuple[Rounds, Codes]:
+        """Solve all directions (d, 3), or positions: without obstacles, and the verdicts (m, d) among them."""
+        free, solver = self._solvers
+        alone = self._rounds(free, axes, within)
+        self._bar.expect(alone.codes.size * ((1 if len(axes) else 0) + (1 if len(solver.scene) else 0)))
+        if len(axes):
+            alone.solve(np.arange(alone.codes.size), None, self._bar)
+        else:
+            alone.codes[:, 0], alone.q[:] = self._begun
+        alone.solve_from_neighbours()
+        if not len(solver.scene):
+            return alone, alone.codes
+        codes = _among_obstacles(self._rounds(solver, axes, within), alone, self._bar)
+        blocked = self._blocked_places()
+        codes[blocked] = np.where(codes[blocked] == Verdict.OUT_OF_REACH, codes[blocked], Verdict.TARGET_BLOCKED)
+        return alone, codes
+
+    def _rounds(self, solver: Solver, axes: Floats, within: float | None) -> Rounds:
+        return Rounds(PlaceQuery(solver, axes, within), len(solver.robot), self._places, self._calls)
+
+    def _blocked_places(self) -> NDArray[np.int64]:
+        """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
+        solver, positions = self._solvers[1], self._places.positions
+        distances = solver.scene.snapshot().distance(positions)
+        near = np.flatnonzero(distances < max(solver.robot.needed_radii))
+        if not len(near):
+            return near
+        codes, _ = self._calls.solve(solver, positions=positions[near])
+        return near[codes == Verdict.TARGET_BLOCKED]
+
+    def blame(self, codes: Codes, alone: Rounds) -> NDArray[np.int16]:
+        """Which obstacle (m,) takes most directions away from each place, -1 where none does."""
+        solver, positions = self._solvers[1], self._places.positions
+        scene = solver.scene.snapshot()
+        hit, blocked = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
+        at = np.concatenate([hit[0], blocked[0]])
+        of_bodies = _deepest(solver.robot, scene, alone.q[np.ravel_multi_index(hit, codes.shape)])
+        which = np.concatenate([of_bodies, scene.nearest(positions[blocked[0]])]).astype(np.int64)
+        result = np.full(len(codes), -1, np.int16)
+        pairs, counts = np.unique(at * len(scene) + which, return_counts=True)
+        order = np.argsort(counts, kind="stable")  # the most frequent one is written last
+        place, obstacle = np.divmod(pairs[order], len(scene))
+        result[place] = obstacle
+        return result
+
+    def whole(self, codes: Codes) -> Codes:
+        """Verdicts (x, y, z, d) of all voxels."""
+        result = np.full((*self.taken.shape, codes.shape[1]), Verdict.OUT_OF_REACH, np.uint8)
+        result[self.taken] = codes
+        return result
 
 
 def _among_obstacles(rounds: Rounds, alone: Rounds, bar: ProgressBar) -> Codes:
@@ -163,31 +252,7 @@ def _among_obstacles(rounds: Rounds, alone: Rounds, bar: ProgressBar) -> Codes:
     return codes
 
 
-def _blocked_places(solver: Solver, places: MappedPlaces, calls: Calls) -> NDArray[np.int64]:
-    """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
-    distances = solver.scene.snapshot().distance(places.positions)
-    near = np.flatnonzero(distances < max(solver.robot.needed_radii))
-    if not len(near):
-        return near
-    codes, _ = calls.solve(solver, positions=places.positions[near])
-    return near[codes == Verdict.TARGET_BLOCKED]
-
-
-def _blame(robot: Robot, scene: Snapshot, places: MappedPlaces, codes: Codes, alone: Rounds) -> NDArray[np.int16]:
-    """Which obstacle (m,) takes most directions away from each place, -1 where none does."""
-    hit, blocked = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
-    at = np.concatenate([hit[0], blocked[0]])
-    of_bodies = _deepest(robot, scene, alone.q[np.ravel_multi_index(hit, codes.shape)])
-    which = np.concatenate([of_bodies, scene.nearest(places.positions[blocked[0]])]).astype(np.int64)
-    result = np.full(len(codes), -1, np.int16)
-    pairs, counts = np.unique(at * len(scene) + which, return_counts=True)
-    order = np.argsort(counts, kind="stable")  # the most frequent one is written last
-    place, obstacle = np.divmod(pairs[order], len(scene))
-    result[place] = obstacle
-    return result
-
-
-def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
+def _deepest(robot: Robot, scene: Snapshot, q: Shapes) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
     ways, body = (LoadedShapes(robot), longest_body(robot)) if robot.has_external_load else (None, robot)
@@ -202,10 +267,3 @@ def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[n
         worst = gaps.argmin(axis=1)
         found[first : first + CHUNK_BODIES] = scene.nearest(points[np.arange(len(some)), worst])
     return found
-
-
-def _whole(codes: Codes, taken: NDArray[np.bool_]) -> Codes:
-    """Verdicts (x, y, z, d) of all voxels."""
-    result = np.full((*taken.shape, codes.shape[1]), Verdict.OUT_OF_REACH, np.uint8)
-    result[taken] = codes
-    return result

@@ -1,10 +1,9 @@
-"""A map of the workspace: voxels about a robot, what is reached of them in which directions, and why not."""
+"""A map of the workspace: voxels about a robot, what is reached of them, in which directions, and why not."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from enum import IntEnum
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,14 +19,12 @@ from sinuous.base.documents import read_archive, write_archive
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.model.robot import Robot
+from sinuous.problem.workspace import Workspace
 
 VOXELS_IN_REACH = 35
 """Voxels from the base to the farthest place, where no spacing is given."""
 
-MOST_VOXELS, MOST_DIRECTIONS = 20_000_000, 1000
-
-CUBE_DIRECTIONS = 26
-"""Directions to the neighbours of a cube: faces, edges, corners."""
+MOST_VOXELS = 20_000_000
 
 
 class Voxels(Frozen):
@@ -50,8 +47,8 @@ class Voxels(Frozen):
         self._set(first=checks.vector("first", first), spacing=spacing, shape=shape)
 
     @classmethod
-    def about(cls, robot: Robot, spacing: Any, low: Any, high: Any) -> "Voxels":
-        """Make those that hold whatever a robot may reach, or what of it is between two corners.
+    def about(cls, robot: Robot, asked: Workspace) -> "Voxels":
+        """Make those that hold whatever a robot may reach, or what of it is between the corners that are asked for.
 
         Raises
         ------
@@ -59,9 +56,9 @@ class Voxels(Frozen):
             When there would be none, or too many.
         """
         base, reach = robot.base[:3, 3], reach_of(robot)
-        step = reach / VOXELS_IN_REACH if spacing is None else checks.number("spacing", spacing, above=0.0)
-        corners = base - reach if low is None else checks.vector("low", low)
-        others = base + reach if high is None else checks.vector("high", high)
+        step = reach / VOXELS_IN_REACH if asked.spacing is None else asked.spacing
+        corners = base - reach if asked.low is None else asked.low
+        others = base + reach if asked.high is None else asked.high
         if (others < corners).any():
             raise InputError("high", "is below low", others.tolist(), f"at least {corners.tolist()} in every entry")
         slack = 1e-9
@@ -88,26 +85,6 @@ def reach_of(robot: Robot) -> float:
     """Largest distance of the tip, with the tool, from the base."""
     length = sum(float(segment.length[1]) for segment in robot.segments)
     return length + float(np.linalg.norm(robot.tool[:3, 3]))
-
-
-def directions_of(value: Any) -> Floats:
-    """Directions (k, 3) on a sphere: those to the neighbours of a cube for 26, so many along a spiral, or those given.
-
-    The spiral has points of equal area (Fibonacci lattice: Swinbank & Purser 2006).
-    """
-    if not isinstance(value, int | np.integer):
-        given = checks.directions("directions", value)
-        if not 0 < len(given) <= MOST_DIRECTIONS:
-            raise InputError("directions", "", len(given), f"1 to {MOST_DIRECTIONS} directions")
-        return given
-    count = checks.integer("directions", value, 1, MOST_DIRECTIONS)
-    if count == CUBE_DIRECTIONS:
-        steps = np.array([step for step in product((-1.0, 0.0, 1.0), repeat=3) if any(step)])
-        return np.asarray(steps / np.linalg.norm(steps, axis=1, keepdims=True))
-    k = np.arange(count) + 0.5
-    z, turn = 1.0 - 2.0 * k / count, k * math.pi * (3.0 - math.sqrt(5.0))
-    across = np.sqrt(1.0 - z * z)
-    return np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=-1)
 
 
 class Verdict(IntEnum):
@@ -164,7 +141,10 @@ def verdicts_of(found: Solutions) -> Codes:
 
 Truths = NDArray[np.bool_]
 
-FORMAT = 2
+FORMAT, OLD_FORMAT = 3, 2
+"""Of files of maps; the old one does not know positions alone."""
+
+PLACES = ("positions", "free_positions")
 
 ARRAYS, NUMBERS = ("directions", "verdicts", "free", "obstacles", "base"), ("farthest", "seconds")
 """What a file of a map holds under the name of the attribute."""
@@ -178,7 +158,8 @@ class Volume(NamedTuple):
     found : float
         Of the voxels that were found.
     error : float
-        By how much the grid may be wrong: half a voxel for each pair of neighbours of which one is found.
+        By how much it may be wrong: half a voxel for each pair of neighbours of which one is found; where directions
+        stand for all that there are, also what is lost from half of them to all of them.
     at_most : float
         Of those and of all that nothing is proved of; the true one is between both, but for the error.
     """
@@ -195,9 +176,17 @@ class Reach(NotebookMixin, Frozen):
     ----------
     voxels : Voxels
     directions : ndarray (d, 3)
-        Of the tangent at the tip.
+        Of the tangent at the tip; none in a map of positions.
+    within : float or None
+        How far the tangent may be off them, rad; `None`: the angle of the tolerance.
+    sampled : bool
+        Whether the directions stand for all that there are.
+    positions : ndarray (x, y, z) of uint8
+        Verdicts of positions, whatever the direction.
+    free_positions : ndarray (x, y, z) of uint8
+        The same without obstacles.
     verdicts : ndarray (x, y, z, d) of uint8
-        See `Verdict`.
+        See `Verdict`. In a map of positions `d` is 1, and these are `positions`.
     free : ndarray (x, y, z, d) of uint8
         The same without obstacles.
     obstacles : ndarray (x, y, z) of int16
@@ -212,6 +201,10 @@ class Reach(NotebookMixin, Frozen):
 
     voxels: Voxels
     directions: Floats
+    within: float | None
+    sampled: bool
+    positions: Codes
+    free_positions: Codes
     verdicts: Codes
     free: Codes
     obstacles: NDArray[np.int16]
@@ -243,12 +236,19 @@ class Reach(NotebookMixin, Frozen):
 
     @property
     def reachable(self) -> Truths:
-        """Which voxels are reached in some direction (x, y, z)."""
-        return self.share > 0.0
+        """Which voxels are reached, whatever the direction (x, y, z)."""
+        return np.asarray(self.positions == Verdict.SOLVED)
 
     @property
     def dexterous(self) -> Truths:
-        """Which voxels are reached in all directions (x, y, z)."""
+        """Which voxels are reached in all directions that were asked for (x, y, z).
+
+        Raises
+        ------
+        InputError
+            When it is a map of positions.
+        """
+        self._need_directions()
         return np.asarray(self.share == 1.0)
 
     @cached_property
@@ -263,15 +263,38 @@ class Reach(NotebookMixin, Frozen):
         return np.asarray((self.verdicts <= Verdict.BASE_BLOCKED).all(axis=-1))
 
     def volume(self, dexterous: bool = False, free: bool = False) -> Volume:
-        """Volume of what is reached, in some direction or in all; `free` without obstacles."""
+        """Volume of what is reached, whatever the direction or in all that were asked for; `free` without obstacles.
+
+        Where all directions stand for the whole sphere, the volume that is reached in all of them shrinks with their
+        number. What it loses from half of them to all of them is part of its error.
+
+        Raises
+        ------
+        InputError
+            When all directions are meant in a map of positions.
+        """
+        if not dexterous:
+            return self._volume((self.free_positions if free else self.positions)[..., None])
+        self._need_directions()
         codes = self.free if free else self.verdicts
-        some = np.all if dexterous else np.any
-        found = some(codes == Verdict.SOLVED, axis=-1)
-        possible = some((codes == Verdict.SOLVED) | (codes > Verdict.BASE_BLOCKED), axis=-1)
+        whole = self._volume(codes)
+        if not self.sampled:
+            return whole
+        halves = [float((codes[..., k::2] == Verdict.SOLVED).all(axis=-1).sum()) for k in range(2)]
+        return whole._replace(error=whole.error + self.voxels.volume * sum(halves) / 2.0 - whole.found)
+
+    def _volume(self, codes: Codes) -> Volume:
+        """Volume where all of verdicts (x, y, z, d) are solved."""
+        found = (codes == Verdict.SOLVED).all(axis=-1)
+        possible = ((codes == Verdict.SOLVED) | (codes > Verdict.BASE_BLOCKED)).all(axis=-1)
         padded = np.pad(found, 1)
         surface = sum(int((np.diff(padded, axis=axis)).sum()) for axis in range(3))
         unit = self.voxels.volume
         return Volume(unit * int(found.sum()), 0.5 * unit * surface, unit * int(possible.sum()))
+
+    def _need_directions(self) -> None:
+        if not len(self.directions):
+            raise InputError("directions", "this is a map of positions", 0, "a map with directions: reach(directions=)")
 
     def why(self, point: Vector) -> dict[str, int]:
         """Count the directions at the voxel that holds a point (3,) by their verdicts, in the words of `Verdict`.
@@ -285,7 +308,7 @@ class Reach(NotebookMixin, Frozen):
         """
         place = checks.vector("point", point)
         if np.linalg.norm(place - self.base) > self.farthest:
-            return {Verdict.OUT_OF_REACH.name.lower(): len(self.directions)}
+            return {Verdict.OUT_OF_REACH.name.lower(): self.verdicts.shape[-1]}
         counts = np.bincount(self.verdicts[self._index(place)], minlength=len(Verdict))
         return {Verdict(code).name.lower(): int(count) for code, count in enumerate(counts) if count}
 
@@ -314,10 +337,11 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When the file cannot be written.
         """
-        own = {name: getattr(self, name) for name in (*ARRAYS, *NUMBERS)}
+        own = {name: getattr(self, name) for name in (*ARRAYS, *PLACES, *NUMBERS, "sampled")}
         words = {"names": np.array(self.names, np.str_), "codes": np.array([code.name.lower() for code in Verdict])}
         grid = {"first": self.voxels.first, "spacing": self.voxels.spacing}
-        write_archive(file, compressed=True, reach=FORMAT, **own, **grid, **words)
+        within = np.nan if self.within is None else self.within
+        write_archive(file, compressed=True, reach=FORMAT, within=within, **own, **grid, **words)
 
     @classmethod
     def load(cls, file: str | Path) -> "Reach":
@@ -328,23 +352,27 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When it is no such file.
         """
-        with read_archive(file, "reach", (FORMAT,), "a map of a workspace") as data:
+        with read_archive(file, "reach", (OLD_FORMAT, FORMAT), "a map of a workspace") as data:
             own = {name: data[name] for name in ARRAYS} | {name: float(data[name]) for name in NUMBERS}
-            voxels = Voxels(data["first"], float(data["spacing"]), own["verdicts"].shape[:3])
-            return cls(voxels=voxels, names=tuple(map(str, data["names"].tolist())), **own)
+            own["voxels"] = Voxels(data["first"], float(data["spacing"]), own["verdicts"].shape[:3])
+            own["names"] = tuple(map(str, data["names"].tolist()))
+            if int(data["reach"]) == OLD_FORMAT:
+                places = {"positions": _some(own["verdicts"]), "free_positions": _some(own["free"])}
+                return cls(within=None, sampled=own["directions"].shape[0] > 1, **places, **own)
+            within = float(data["within"])
+            own |= {name: data[name] for name in PLACES}
+            return cls(within=None if np.isnan(within) else within, sampled=bool(data["sampled"]), **own)
 
     def to_dict(self) -> dict[str, Any]:
         """Return its totals as plain values."""
-        kinds: Mapping[str, dict[str, bool]] = {
-            "reachable": {},
-            "dexterous": {"dexterous": True},
-            "free_reachable": {"free": True},
-            "free_dexterous": {"free": True, "dexterous": True},
-        }
+        kinds: dict[str, dict[str, bool]] = {"reachable": {}, "free_reachable": {"free": True}}
+        if len(self.directions):
+            kinds |= {"dexterous": {"dexterous": True}, "free_dexterous": {"free": True, "dexterous": True}}
         return {
             "voxels": list(self.voxels.shape),
             "spacing": self.voxels.spacing,
             "directions": len(self.directions),
+            "within": self.within,
             "volumes": {name: self.volume(**kind)._asdict() for name, kind in kinds.items()},
             "verdicts": {code.name.lower(): int((self.verdicts == code).sum()) for code in Verdict},
             "obstacles": self.blame(),
@@ -353,17 +381,30 @@ class Reach(NotebookMixin, Frozen):
 
     def _shown(self) -> Iterator[str]:
         yield "x".join(map(str, self.voxels.shape)) + " voxels"
-        yield f"{len(self.directions)} directions"
+        yield f"{len(self.directions)} directions" if len(self.directions) else "positions"
         yield f"volume={self.volume().found:.4g}"
+
+    @property
+    def asked_in_words(self) -> str:
+        """What is meant by all directions, in words."""
+        if len(self.directions) > 1:
+            what = f"in all {len(self.directions)} directions"
+        else:
+            what = "with the tip along " + " ".join(f"{value:.3g}" for value in self.directions[0])
+        return what if self.within is None else f"{what}, within {math.degrees(self.within):.3g} degrees"
 
     def __str__(self) -> str:
         shape = " x ".join(map(str, self.voxels.shape))
-        parts = [f"Reach: {shape} voxels of {self.voxels.spacing:.4g}, {len(self.directions)} directions each"]
-        for label, dexterous in (("reachable", False), ("dexterous", True)):
+        count = len(self.directions)
+        what = f"{count} directions each" if count > 1 else "a direction each" if count else "positions"
+        parts = [f"Reach: {shape} voxels of {self.voxels.spacing:.4g}, {what}"]
+        kinds = {"reachable": False} | ({self.asked_in_words: True} if len(self.directions) else {})
+        for label, dexterous in kinds.items():
             found, free = self.volume(dexterous), self.volume(dexterous, free=True)
-            told = f"{found.found:.4g}, the grid may be off by {found.error:.2g}; at most {found.at_most:.4g}"
             less = f"; without obstacles {free.found:.4g}" if self.names else ""
-            parts.append(f"  {label:<10} {told}{less}")
+            parts.append(
+                f"  {label}: {found.found:.4g}, off by at most {found.error:.2g}; at most {found.at_most:.4g}{less}"
+            )
         counts = {code: int((self.verdicts == code).sum()) for code in Verdict}
         whole = max(1, self.verdicts.size)
         parts += [f"  {100.0 * n / whole:9.3g} % {code.sentence}" for code, n in counts.items() if n]
@@ -382,3 +423,8 @@ class Reach(NotebookMixin, Frozen):
             wanted = f"a point between {self.voxels.first.tolist()} and {last.tolist()}"
             raise InputError("point", "outside the map", place.tolist(), wanted)
         return x, y, z
+
+
+def _some(codes: Codes) -> Codes:
+    """What verdicts (x, y, z, d) of directions say of positions alone: nothing is proved of what is not solved."""
+    return np.where((codes == Verdict.SOLVED).any(axis=-1), Verdict.SOLVED, Verdict.NOT_FOUND).astype(np.uint8)

@@ -164,7 +164,7 @@ def _thicker(robot: Robot) -> Robot:
     """The robot with a body that has the room in which it may be."""
     assert robot.uncertainty is not None
     bounds = np.broadcast_to(robot.uncertainty.bound, len(robot))
-    pairs = zip(robot.segments, bounds.tolist(), strict=True)
+    pairs = zip(robot.rows, bounds.tolist(), strict=True)
     return robot.changed(segments=[each.changed(radius=each.radius + bound) for each, bound in pairs], uncertainty=None)
 
 
@@ -297,7 +297,7 @@ def gather(things: Iterable[Any]) -> Contents:
             targets.append(thing)
         elif isinstance(thing, Robot):
             if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
-                contents.add_robot(thing, straight(thing.segments))
+                contents.add_robot(thing, straight(thing.rows))
         elif _is_array(thing):
             before = flat[i - 1][1] if i else None
             if not isinstance(before, Robot):
@@ -354,7 +354,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
 
 
 def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
-    _add_arm(contents, robot, straight(robot.segments), True, targets)
+    _add_arm(contents, robot, straight(robot.rows), True, targets)
     contents.add_obstacles(scene.obstacles)
 
 
@@ -382,7 +382,7 @@ def _add_motion(contents: Contents, motion: Motion) -> None:
     if len(motion.q) > 1:
         contents.add_way(motion.robot, motion.q, motion.times, motion.solved)
     else:
-        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot.segments)
+        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot.rows)
         contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):

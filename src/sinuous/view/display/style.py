@@ -101,7 +101,7 @@ def colour_by_bending(robot: Robot, q: Floats) -> list[Rgb]:
 def largest_bends(robot: Robot) -> Floats:
     """The largest bend (n,) of each segment, rad, at its greatest length."""
     return np.array(
-        [min(b, c * s.length[1]) for s, c, b in zip(robot.segments, robot.curvatures, robot.largest_bends, strict=True)]
+        [min(b, c * s.length[1]) for s, c, b in zip(robot.rows, robot.curvatures, robot.largest_bends, strict=True)]
     )
 
 

@@ -363,7 +363,13 @@ class BodySurface:
 
     def vertices(self, q: Floats) -> list[Floats]:
         """Vertices (T, v, 3) of every part in configurations (T, n, 3)."""
-        known = [_frames(self.robot, np.repeat(np.asarray(q, np.float64) / self.per_segment, self.per_segment, axis=1))]
+        known = [
+            _frames(
+                self.robot,
+                np.repeat(np.asarray(q, np.float64) / self.per_segment, self.per_segment, axis=1),
+                self.per_segment,
+            )
+        ]
         if self._mounted:
             known.append(self._mount_frames(q))
         if self._reach > 0.0:
@@ -385,21 +391,23 @@ class BodySurface:
         begins = np.cumsum(own[..., 2], axis=1) - own[..., 2]
         share = np.clip((self.robot.mount - begins) / np.maximum(own[..., 2], 1e-300), 0.0, 1.0)
         fine = np.repeat(share[..., None] * own / self.per_segment, self.per_segment, axis=1)
-        return _frames(self.robot, fine)
+        return _frames(self.robot, fine, self.per_segment)
 
 
 def _segments_within(robot: Robot, length: float) -> int:
     """How many segments may begin within this length of backbone from the base."""
-    begins = np.cumsum([0.0, *(segment.length[0] for segment in robot.segments[:-1])])
+    begins = np.cumsum([0.0, *(segment.length[0] for segment in robot.rows[:-1])])
     return int((begins < length).sum())
 
 
-def _frames(robot: Robot, arcs: Floats) -> Floats:
-    """Frames (T, m + 1, 12) at the base and at the ends of arcs (T, m, 3)."""
+def _frames(robot: Robot, arcs: Floats, per: int = 1) -> Floats:
+    """Frames (T, m + 1, 12) at the base and at the ends of arcs (T, m, 3), `per` of them a segment."""
     from sinuous.kernels.chain import batch  # noqa: PLC0415
 
     frames = np.empty((len(arcs), arcs.shape[1] + 1, 12))
-    batch.frames_of(np.ascontiguousarray(arcs), packing.pose_row(robot.base), frames)
+    batch.frames_of(
+        packing.fine_rows(robot.limits, per), np.ascontiguousarray(arcs), packing.pose_row(robot.base), frames
+    )
     return frames
 
 

@@ -214,8 +214,8 @@ class PageModel:
     def load(self, job: Job) -> None:
         """Begin anew with another problem."""
         self.job = job
-        self.q: Floats = straight(job.robot.segments) if job.start is None else job.start
-        self._q_beside = straight(job.robot.segments)
+        self.q: Floats = straight(job.robot.rows) if job.start is None else job.start
+        self._q_beside = straight(job.robot.rows)
         self.answer: Solution | None = None
         self.beside: Solution | None = None
         self.waypoint = 0
@@ -478,7 +478,7 @@ class PageModel:
         chosen = (
             range(len(self.robot)) if segment is None else [checks.integer("segment", segment, 0, len(self.robot) - 1)]
         )
-        segments: list[Segment] = list(self.robot.segments)
+        segments: list[Segment] = list(self.robot.rows)
         for k in chosen:
             with checks.inside(f"segments[{k}]"):
                 segments[k] = segments[k].changed(**values)
@@ -500,7 +500,7 @@ class PageModel:
 
     def _rebuild(self, rows: list[int], new: int | None = None) -> None:
         """Make the robot of these segments of before (0 = first); one that is `new` has no name of its own."""
-        segments = [self.robot.segments[i] for i in rows]
+        segments = [self.robot.rows[i] for i in rows]
         if new is not None:
             segments[new] = segments[new].changed(name=None)
         place = {old: i for i, old in reversed([*enumerate(rows)])}

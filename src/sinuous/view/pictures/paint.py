@@ -201,7 +201,7 @@ def paint_arm(arm: Arm, bounds: Bounds, view: Viewpoint) -> list[Painted]:
     own, opacity = arm.colours, GHOST if arm.ghost else SOLID
     colours = [METAL if part.segment is None else own[part.segment] for part in surface.parts]
     drawn = zip(surface.facets(arm.q), colours, strict=True)
-    return [_lit(facets, colour, opacity, view) for facets, colour in drawn]
+    return [lit(facets, colour, opacity, view) for facets, colour in drawn]
 
 
 def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: Viewpoint) -> list[Painted]:
@@ -212,7 +212,7 @@ def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: Viewpoi
         most = hidden.max(initial=0.0)
         back = each and most > 0.0  # the back of a wall is seen through what of it is see-through
         own = hidden if each else np.full(len(facets), most)
-        painted.append(_lit(facets, OBSTACLE, SOLID, view, back=back, hidden=own))
+        painted.append(lit(facets, OBSTACLE, SOLID, view, back=back, hidden=own))
     return painted
 
 
@@ -230,7 +230,7 @@ def add_facets(axes: Any, painted: list[Painted]) -> Any:
     return axes.add_collection3d(drawn)
 
 
-def _lit(
+def lit(
     facets: Floats, colour: str, opacity: float, view: Viewpoint, *, back: bool = False, hidden: Floats | None = None
 ) -> Painted:
     """Facets that face the viewer (`back`: others too) under a light from above the viewer's left shoulder."""

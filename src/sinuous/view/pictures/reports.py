@@ -22,9 +22,9 @@ from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import Contents, Things, gather
 from sinuous.view.display.results import rows_of, status_in_words
 from sinuous.view.pictures import figures
-from sinuous.view.pictures.charts import draw_map
 from sinuous.view.pictures.diagrams import Kind, diagram, diagrams_of
 from sinuous.view.pictures.plot import animate, draw_in, draw_still
+from sinuous.view.pictures.workspace import draw_map
 
 INCHES, DPI = 3.2, 90.0
 """Longer side of the picture, in inches, and its pixels in one."""
@@ -87,7 +87,7 @@ def _rows(noun: Any) -> dict[str, str]:
 
 
 def _of_robot(robot: Robot) -> dict[str, str]:
-    low, high = (sum(segment.length[i] for segment in robot.segments) for i in (0, 1))
+    low, high = (sum(segment.length[i] for segment in robot.rows) for i in (0, 1))
     rows = {
         "segments": str(len(robot)),
         "length": span((low, high)),

@@ -1,13 +1,10 @@
-"""What one guesses works, or is answered by what it is called."""
+"""What verbs take: a position or a pose for a target, an obstacle for a scene, a segment by its name."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 import sinuous as sn
-from sinuous.problem.suspicions import suspicions
 from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
@@ -66,15 +63,6 @@ def test_one_obstacle_is_a_scene() -> None:
     assert sn.check(ROBOT, listed.q, BALL).ok
 
 
-def test_a_scene_says_how_it_grows() -> None:
-    scene: Any = sn.Scene(BALL)
-    for name in ("add", "append", "remove"):
-        with pytest.raises(AttributeError, match=r"sn\.Scene\(\[scene, obstacle\]\) is a new scene"):
-            getattr(scene, name)(BALL)
-    with pytest.raises(AttributeError, match="no attribute 'obstacle'"):
-        _ = scene.obstacle
-
-
 def test_answers_know_their_robot_and_their_tips() -> None:
     solution = sn.solve(ROBOT, PLACE)
     assert solution.robot is solution.problem.robot
@@ -82,57 +70,6 @@ def test_answers_know_their_robot_and_their_tips() -> None:
     motion = sn.track(ROBOT, [PLACE, np.add(PLACE, (5, 0, 0))], start=[[0, 0.1, 55]] * 3)
     np.testing.assert_array_equal(motion.tips, ROBOT.tip(motion.q))
     assert motion.duration == motion.times[-1] - motion.times[0]
-
-
-MOVING = sn.Moving(BALL, [0, 1], [(0, 0, 0), (0, 3, 0)])
-
-
-@pytest.mark.parametrize("scene", [None, BALL, MOVING], ids=["nothing", "ball", "moving"])
-def test_motions_are_saved_and_loaded(scene: Any, tmp_path: Path) -> None:
-    q = sn.solve(ROBOT, PLACE).q
-    near = np.add(q, (0.01, 0.02, 0.3))
-    motions = [
-        sn.track(ROBOT, [PLACE, np.add(PLACE, (0, 9, 0))], scene, tolerance=sn.Tolerance(0.01)),
-        sn.Motion(ROBOT, [q, near], scene),
-        sn.plan(ROBOT, q, np.add(PLACE, (0, 9, 0)), scene, duration=2),
-        sn.plan(ROBOT, q, near, scene, duration=2),
-        sn.track(ROBOT, [PLACE, (0, 0, 900)], scene),
-        sn.track(ROBOT, [PLACE, PLACE], sn.Sphere((0, 0, 50), radius=20), start=q),
-    ]
-    assert {str(motion.status) for motion in motions} == {"solved", "out_of_reach", "start_blocked"}
-    for i, motion in enumerate(motions):
-        for name in ("motion.yaml", "motion.json"):
-            motion.save(tmp_path / name)
-            again = sn.load(tmp_path / name, sn.Motion)
-            assert again.equals(motion), (i, name)
-            assert again.to_dict() == motion.to_dict()
-
-
-def test_files_of_motions_are_checked(tmp_path: Path) -> None:
-    sn.Motion(ROBOT, [[[0, 0.1, 55]] * 3, [[0, 0.2, 55]] * 3]).save(tmp_path / "motion.json")
-    text = (tmp_path / "motion.json").read_text(encoding="utf-8")
-    for old, new, key in (
-        ('"steps": [', '"steps": [[1.0], ', "motion.steps"),
-        ('"knots": [', '"knots": [[1.0], ', "motion.knots"),
-        ('"remaining": 0', '"remaining": -1', "motion.remaining"),
-    ):
-        assert old in text
-        (tmp_path / "wrong.json").write_text(text.replace(old, new), encoding="utf-8")
-        with pytest.raises(sn.InputError, match=r"wrong\.json: motion\.\w+: expected") as caught:
-            sn.load(tmp_path / "wrong.json")
-        assert caught.value.key == key
-    with pytest.raises(sn.InputError, match="file: expected a Robot"):
-        sn.load(tmp_path / "motion.json", sn.Robot)
-
-
-def test_a_picture_goes_into_a_file(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib").use("agg")
-    for name in ("arm.png", "arm.svg"):
-        axes = sn.plot(ROBOT, path=tmp_path / name)
-        assert (tmp_path / name).stat().st_size > 1000
-        assert hasattr(axes, "get_proj")
-    refused("path", lambda: sn.plot(ROBOT, path=tmp_path / "arm.txt"), "png")
-    refused("path", lambda: sn.plot(ROBOT, path=tmp_path / "nowhere" / "arm.png"), "can be written")
 
 
 NAMED = sn.Robot([sn.Segment((40, 60), 2, name=name) for name in ("shoulder", "elbow", "wrist")], radius=4)
@@ -188,23 +125,3 @@ def test_numbers_that_are_no_position_are_refused_as_a_whole() -> None:
     refused("targets", lambda: sn.track(NAMED, place), "a list of targets")
     wrong: Any = "room.yaml"
     refused("scene", lambda: sn.solve(NAMED, place, wrong), "a list of obstacles", "sinuous.load reads files")
-
-
-def test_attributes_that_one_guesses_say_where_that_is() -> None:
-    solution = sn.solve(NAMED, (0, 0, 150))
-    motion = sn.Motion(NAMED, [solution.q, solution.q])
-    for thing, name, words in (
-        (NAMED, "fk", "robot.tip"),
-        (NAMED, "solve", "sn.solve"),
-        (solution, "success", "solution.solved"),
-        (solution, "to_csv", "solution.actuators"),
-        (motion, "plot", "sn.plot"),
-    ):
-        with pytest.raises(AttributeError, match=words):
-            getattr(thing, name)
-        assert not hasattr(thing, "nothing")
-
-
-def test_a_payload_without_gravity_is_noted() -> None:
-    (note,) = suspicions(NAMED.changed(payload=sn.Payload(0.1)), sn.Scene().snapshot())
-    assert "gravity" in note

@@ -1,0 +1,203 @@
+"""`python -m benchmarks joints`: inverse kinematics of arms with joints before the segments, or with joints alone.
+
+Poses are drawn by the judge's own kinematics from configurations within all limits, so each is reachable. What counts
+is the time of the solve alone, the least of several runs, because the machine may be busy; answers are judged by code
+that shares nothing with the kernels.
+"""
+
+import math
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import typer
+
+import sinuous as sn
+from benchmarks.harness.command import command
+from benchmarks.harness.lines import Times
+from benchmarks.harness.machine import describe
+from benchmarks.harness.markdown import table
+from benchmarks.judges.links import tip_of, wrong_among
+from benchmarks.mbm import CAPSULES, FLANGE, PANDA, panda_joints
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.cli.options import check_writable
+from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
+
+TOLERANCE = sn.Tolerance(1e-6, 1e-6)
+"""In m, and rad."""
+
+RUNS = 5
+"""Solves of each pose, of which the quickest counts."""
+
+SPHERES, SPHERE = 40, 0.04
+"""How many, and their radius in m."""
+
+
+class Family(NamedTuple):
+    """A kind of arm, among spheres or without; what it is to reach, in us."""
+
+    name: str
+    robot: Callable[[], sn.Robot]
+    spheres: int
+    goal: float
+
+
+def rolled_and_fed() -> sn.Robot:
+    """Roll and feed, then three inextensible segments: a bronchoscope, in m."""
+    joints: list[Joint] = [Revolute((0.0, 0.0, 1.0), (-math.pi, math.pi)), Prismatic((0.0, 0.0, 1.0), (0.0, 0.3))]
+    return sn.Robot([sn.Segment(0.1, 2.0, radius=0.005)] * 3, joints=joints)
+
+
+def six_axes() -> sn.Robot:
+    """Three segments on the first six joints of the Panda."""
+    joints = panda_joints(CAPSULES)[:6]
+    return sn.Robot([sn.Segment((0.08, 0.12), 2.0, radius=0.01)] * 3, joints=joints)
+
+
+def six_axes_bare() -> sn.Robot:
+    """The same without bodies of links."""
+    return sn.Robot([sn.Segment((0.08, 0.12), 2.0)] * 3, joints=panda_joints(((),) * len(PANDA))[:6])
+
+
+def panda() -> sn.Robot:
+    """The Panda up to its flange, without bodies of links."""
+    return sn.Robot(joints=[*panda_joints(((),) * len(PANDA)), Fixed((0.0, 0.0, FLANGE))])
+
+
+FAMILIES = (
+    Family("roll, feed, three segments", rolled_and_fed, 0, 12.0),
+    Family("six axes, three segments", six_axes_bare, 0, 40.0),
+    Family("six axes, three segments, among spheres", six_axes, SPHERES, 80.0),
+    Family("seven axes of the Panda", panda, 0, 15.0),
+)
+
+
+class Result(NamedTuple):
+    """What came of a family: seconds of what was solved, how many poses, and what was wrong."""
+
+    family: Family
+    seconds: list[float]
+    asked: int
+    wrong: list[str]
+
+
+def draw(robot: sn.Robot, rng: np.random.Generator) -> Floats:
+    """Return a configuration (n, 3) within all limits."""
+    q = np.zeros((len(robot), 3))
+    for k, row in enumerate(robot.rows):
+        q[k, 2] = rng.uniform(*row.length)
+        if not row.rigid:
+            bend, angle = row.max_bend * math.sqrt(rng.uniform()), rng.uniform(0.0, 2.0 * math.pi)
+            q[k, :2] = bend * math.cos(angle), bend * math.sin(angle)
+        elif row.plane is not None:
+            q[k, 0] = rng.uniform(*np.broadcast_to(row.own_max_bend, 2))
+    return q
+
+
+def examine(family: Family, count: int, seed: int) -> Result:
+    """Solve so many poses of a family."""
+    robot, rng = family.robot(), np.random.default_rng(seed)
+    seconds: list[float] = []
+    wrong: list[str] = []
+    asked = 0
+    while asked < count:
+        q = draw(robot, rng)
+        scene = sn.Scene()
+        if family.spheres:
+            centers = np.array((0.0, 0.0, 0.4)) + rng.uniform(-0.9, 0.9, (family.spheres, 3))
+            scene = sn.Scene([sn.Sphere(center, SPHERE) for center in centers])
+            if wrong_among(robot, scene, q[None]):
+                continue  # nobody knows then whether the pose can be reached
+        asked += 1
+        pose = tip_of(robot, q[None])[0]
+        target = sn.Target(pose[:3, 3], rotation=pose[:3, :3])
+        solver = sn.Solver(robot, scene, tolerance=TOLERANCE)
+        runs = [solver.solve(target) for _ in range(RUNS)]
+        found = runs[0]
+        if not found.solved:
+            continue
+        seconds.append(min(each.seconds for each in runs))
+        why = wrong_among(robot, scene, found.q[None])
+        there = tip_of(robot, found.q[None])[0]
+        if not why and np.linalg.norm(there[:3, 3] - pose[:3, 3]) > 1.01 * (TOLERANCE.position or 0.0):
+            why = "pose"
+        if why:
+            wrong.append(why)
+    return Result(family, seconds, asked, wrong)
+
+
+def rigid_reference(count: int, seed: int) -> Times | None:
+    """Times of an analytic solver for six axes, all branches, through Python; `None` where it is not installed."""
+    try:
+        reference: Any = import_module("eaik.IK_DH")
+    except ImportError:
+        return None
+    from time import perf_counter  # noqa: PLC0415
+
+    # The axes of a UR5, which has a spherical wrist's kind of solutions: standard Denavit-Hartenberg.
+    alpha = np.array([0.5 * math.pi, 0.0, 0.0, 0.5 * math.pi, -0.5 * math.pi, 0.0])
+    a, d = np.array([0.0, -0.425, -0.39225, 0.0, 0.0, 0.0]), np.array([0.089159, 0.0, 0.0, 0.10915, 0.09465, 0.0823])
+    arm = reference.DhRobot(alpha, a, d)
+    rng, seconds = np.random.default_rng(seed), []
+    for _ in range(count):
+        pose = arm.fwdKin(rng.uniform(-math.pi, math.pi, 6))
+        spent = []
+        for _ in range(RUNS):
+            began = perf_counter()
+            arm.IK(pose)
+            spent.append(perf_counter() - began)
+        seconds.append(min(spent))
+    return Times.of(seconds)
+
+
+def report(results: list[Result], reference: Times | None) -> str:
+    """Return the table of all families."""
+    cells = [["arm", "solved", "of", "wrong", "median, us", "p95", "worst", "goal, us"]]
+    for result in results:
+        times = Times.of([1e6 * each for each in result.seconds] or [math.nan])
+        figures = [f"{figure:.3g}" for figure in (times.median, times.p95, times.worst)]
+        counts = [str(len(result.seconds)), str(result.asked), str(len(result.wrong))]
+        cells.append([result.family.name, *counts, *figures, f"{result.family.goal:g}"])
+    lines = [table(cells)]
+    if reference is not None:
+        lines.append(
+            f"EAIK, six axes, all branches, a call through Python: median {1e6 * reference.median:.3g} us, "
+            f"p95 {1e6 * reference.p95:.3g}."
+        )
+    return "\n\n".join(lines)
+
+
+def run(
+    count: Annotated[int, typer.Option(help="Poses of each kind of arm.")] = 1000,
+    seed: Annotated[int, typer.Option(help="Of the poses.")] = 0,
+    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the table there, too.")] = None,
+) -> None:
+    """Solve random reachable poses of arms with joints; the exit code is 1 when an answer was wrong."""
+    checks.integer("--count", count, 1, 1_000_000)
+    checks.integer("--seed", seed, 0, 2**31 - 1)
+    if record is not None:
+        check_writable("--record", record)
+    facts = describe()
+    shown = {key: facts[key] for key in ("date", "processor", "python", "sinuous", "numba")} | {"seed": str(seed)}
+    shown["protocol"] = (
+        f"time of the solve alone, the least of {RUNS}, from no start, to {TOLERANCE.position:g} m and "
+        f"{TOLERANCE.angle:g} rad of a full pose; {SPHERES} spheres of {SPHERE:g} m, whole body proved clear"
+    )
+    results = [examine(family, count, seed) for family in FAMILIES]
+    head = "\n".join(f"- {key}: {value}" for key, value in shown.items())
+    text = f"{head}\n\n{report(results, rigid_reference(min(count, 500), seed))}\n"
+    typer.echo(text, nl=False)
+    if record is not None:
+        record.write_text(f"# joints\n\n{text}", encoding="utf-8")
+    raise typer.Exit(int(any(result.wrong for result in results)))
+
+
+main = command(run, "benchmarks joints")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,386 @@
+"""Joints before the first segment, and how kernels see them: as rows of a configuration beside those of segments.
+
+A revolute joint is a segment without length that bends in one plane, a prismatic joint a straight one that changes its
+length, and a capsule of a link a straight one that does not. Each row ends where the next begins: at a fixed pose, its
+tail. So steps, limits, proofs and plans of segments hold for joints, too.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from sinuous.base import checks
+from sinuous.base.arguments import Limits, Number, Rows, Vector
+from sinuous.base.checks import Floats, closed
+from sinuous.base.errors import InputError, suggested
+from sinuous.base.frozen import Noun
+from sinuous.kernels import packing, tables
+from sinuous.model.names import optional_name
+from sinuous.model.poses import as_pose, pose
+from sinuous.model.segment import Segment
+
+MOST_LINKS = 48
+"""Most links: which may touch is one number, with a bit for each."""
+
+Body = Iterable["LinkCapsule | Mapping[str, Any] | Sequence[Any]"]
+
+
+class LinkCapsule(NamedTuple):
+    """A capsule of a link, in the frame of the link.
+
+    Attributes
+    ----------
+    start, end : ndarray (3,)
+    radius : float
+    """
+
+    start: Floats
+    end: Floats
+    radius: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as a problem file says it."""
+        return {"from": self.start.tolist(), "to": self.end.tolist(), "radius": self.radius}
+
+
+class Joint(Noun):
+    """What all joints have.
+
+    Parameters
+    ----------
+    axis : array_like (3,)
+        In the frame of the joint, of any length but 0.
+    limits : (float, float)
+        Least and largest value: rad, or the length unit.
+    origin : array_like (4, 4) or (3,), optional
+        Pose, or place, of the joint in the frame of the link before; for the first in that of the robot's base.
+    name : str, optional
+        By default `j1`, `j2`, ...
+    body : list of {from, to, radius}, optional
+        Capsules of the link after the joint, in the frame of that link.
+    touches : list of str, optional
+        Other joints whose links this one may touch. Neighbours always may.
+    rate, acceleration : float, optional
+        Largest ones, per second and per second squared.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+
+    axis: Floats
+    limits: tuple[float, float]
+    origin: Floats
+    name: str | None
+    body: tuple[LinkCapsule, ...]
+    touches: tuple[str, ...]
+    rate: float
+    acceleration: float
+
+    def __init__(
+        self,
+        axis: Vector,
+        limits: Limits,
+        origin: Rows | Vector | None = None,
+        name: str | None = None,
+        body: Body = (),
+        touches: Iterable[str] = (),
+        rate: Number | None = None,
+        acceleration: Number | None = None,
+    ) -> None:
+        self._set(
+            axis=checks.direction("axis", axis),
+            limits=checks.interval("limits", limits),
+            origin=_place("origin", origin),
+            name=optional_name(name),
+            body=_capsules(body),
+            touches=tuple(checks.text(f"touches[{i}]", each) for i, each in enumerate(touches)),
+            rate=math.inf if rate is None else checks.number("rate", rate, above=0.0),
+            acceleration=math.inf if acceleration is None else checks.number("acceleration", acceleration, above=0.0),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the joint as a problem file says it."""
+        said: dict[str, Any] = {"axis": self.axis.tolist(), "limits": list(self.limits)}
+        return {self.kind: said | _said(self)}
+
+    @property
+    def kind(self) -> str:
+        """`revolute`, `prismatic` or `fixed`: its key in a file."""
+        return type(self).__name__.lower()
+
+
+class Revolute(Joint):
+    """A joint that turns about its axis. Values are in rad."""
+
+    def __init__(
+        self,
+        axis: Vector = (0.0, 0.0, 1.0),
+        limits: Limits = (-math.pi, math.pi),
+        origin: Rows | Vector | None = None,
+        name: str | None = None,
+        body: Body = (),
+        touches: Iterable[str] = (),
+        rate: Number | None = None,
+        acceleration: Number | None = None,
+    ) -> None:
+        super().__init__(axis, limits, origin, name, body, touches, rate, acceleration)
+
+
+class Prismatic(Joint):
+    """A joint that moves along its axis. Values are in the length unit."""
+
+    def __init__(
+        self,
+        axis: Vector = (0.0, 0.0, 1.0),
+        limits: Limits = (0.0, 0.0),
+        origin: Rows | Vector | None = None,
+        name: str | None = None,
+        body: Body = (),
+        touches: Iterable[str] = (),
+        rate: Number | None = None,
+        acceleration: Number | None = None,
+    ) -> None:
+        super().__init__(axis, limits, origin, name, body, touches, rate, acceleration)
+
+
+class Fixed(Joint):
+    """A link that does not move against the one before: it has a place and a body, and no value."""
+
+    def __init__(self, origin: Rows | Vector | None = None, name: str | None = None, body: Body = ()) -> None:
+        super().__init__((0.0, 0.0, 1.0), (0.0, 0.0), origin, name, body)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as a problem file says it."""
+        return {self.kind: _said(self)}
+
+
+class RigidRow(Segment):
+    """What stands before the segments, as a row of a configuration: a joint, a capsule of a link, or a place.
+
+    Attributes
+    ----------
+    tail : ndarray (4, 4)
+        Pose in which the next row begins, in the frame of the end of this one.
+    link : int
+        Number of the link that it belongs to; 0 is the base.
+    touches : int
+        Sum of `2 ** link` of those that its link may touch.
+    has_body : bool
+    joint : int
+        Number of the joint, from 0; -1 for what is none.
+    """
+
+    rigid: ClassVar[bool] = True
+
+    tail: Floats
+    link: int
+    touches: int
+    has_body: bool
+    joint: int
+
+
+class RigidRows(NamedTuple):
+    """Joints and links as rows.
+
+    Attributes
+    ----------
+    rows : tuple of RigidRow
+    values : ndarray of int (j,)
+        Rows of the joints that move.
+    columns : ndarray of int (j,)
+        Which number of its row is the value of a joint: 0 or 2.
+    shifts : ndarray (j,)
+        What is added to that number: lengths begin at 0, values of prismatic joints at their least.
+    """
+
+    rows: tuple[RigidRow, ...]
+    values: Any
+    columns: Any
+    shifts: Floats
+
+    @property
+    def links(self) -> int:
+        """How many links move, beside the base."""
+        return len(self.values)
+
+
+def joint_list(joints: Any) -> tuple[Joint, ...]:
+    """Check joints."""
+    checks.instance("joints", joints, Iterable, "a list of sn.Revolute and sn.Prismatic")
+    listed = tuple(joints)
+    for i, joint in enumerate(listed):
+        checks.instance(f"joints[{i}]", joint, Revolute | Prismatic | Fixed, "sn.Revolute or sn.Prismatic")
+    if len(listed) > MOST_LINKS:
+        raise InputError("joints", f"{len(listed)} of them", None, f"at most {MOST_LINKS}")
+    return listed
+
+
+def mean_reach(joints: Sequence[Joint]) -> float:
+    """Return how far joints reach from each to the next, prismatic ones in the middle of their range, all together."""
+    slides = sum(0.5 * abs(sum(joint.limits)) for joint in joints if isinstance(joint, Prismatic))
+    return slides + sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints)
+
+
+def joint_names(joints: Sequence[Joint]) -> tuple[str, ...]:
+    """Names of all joints; by default `j1`, `j2`, ... from the base on."""
+    return tuple(joint.name or f"j{i}" for i, joint in enumerate(joints, 1))
+
+
+def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
+    """Return the rows of joints and their links."""
+    names, may_touch = joint_names(joints), _may_touch(joints)
+    drafts: list[dict[str, Any]] = []
+    values: list[int] = []
+    columns: list[int] = []
+    shifts: list[float] = []
+    ahead: Floats = np.eye(4)
+    link = 0
+
+    def add(begin: Floats, **own: Any) -> int:
+        """Lay on a row that begins there, seen from the end of the one before; return its number."""
+        if drafts:
+            drafts[-1]["tail"] = begin
+        elif not np.array_equal(begin, np.eye(4)):
+            drafts.append({"name": "origin", "link": 0, "tail": begin})
+        drafts.append({"link": link, **own})
+        return len(drafts) - 1
+
+    for joint, name in zip(joints, names, strict=True):
+        ahead = ahead @ joint.origin
+        if isinstance(joint, Revolute):
+            link += 1
+            turn = _frame(joint.axis, 1)
+            values.append(add(ahead @ turn, name=name, joint=len(columns), max_bend=joint.limits, plane=0.0))
+            ahead = turn.T
+            columns.append(0)
+            shifts.append(0.0)
+        elif isinstance(joint, Prismatic):
+            link += 1
+            turn = _frame(joint.axis, 2)
+            low, high = joint.limits
+            begin = ahead @ turn @ pose((0.0, 0.0, low))
+            values.append(add(begin, name=name, joint=len(columns), length=(0.0, high - low)))
+            ahead = turn.T
+            columns.append(2)
+            shifts.append(-low)
+        for c, capsule in enumerate(joint.body, 1):
+            along = capsule.end - capsule.start
+            length = float(np.linalg.norm(along))
+            begin = pose(capsule.start) @ (_frame(along / length, 2) if length > 0.0 else np.eye(4))
+            one = {"name": f"{name}.body{c}", "length": length, "radius": capsule.radius, "has_body": True}
+            add(ahead @ begin, **one)
+            ahead = np.asarray(np.linalg.inv(begin @ pose((0.0, 0.0, length))), np.float64)
+    if drafts:
+        drafts[-1]["tail"] = ahead
+    elif not np.array_equal(ahead, np.eye(4)):
+        drafts.append({"name": "origin", "link": 0, "tail": ahead})
+    rows = tuple(_row(may_touch, **draft) for draft in drafts)
+    return RigidRows(rows, np.array(values, np.intp), np.array(columns, np.intp), np.array(shifts, np.float64))
+
+
+def _row(
+    may_touch: Sequence[int],
+    *,
+    name: str,
+    link: int,
+    tail: Floats,
+    joint: int = -1,
+    has_body: bool = False,
+    length: Limits = 0.0,
+    max_bend: Limits = 0.0,
+    radius: float = 0.0,
+    plane: float | None = None,
+) -> RigidRow:
+    row = RigidRow(length, max_bend, radius=radius, plane=plane, name=name)
+    kept = closed(np.ascontiguousarray(tail))
+    row._set(tail=kept, link=link, touches=may_touch[link], has_body=has_body, joint=joint)
+    return row
+
+
+def _may_touch(joints: Sequence[Joint]) -> list[int]:
+    """Return for each link the sum of `2 ** link` of those that it may touch."""
+    names, links, link = joint_names(joints), {}, 0
+    for joint, name in zip(joints, names, strict=True):
+        link += not isinstance(joint, Fixed)
+        links[name] = link
+    pairs = {(i, i) for i in range(link + 1)} | {(i, i + 1) for i in range(link + 1)}
+    for k, (joint, name) in enumerate(zip(joints, names, strict=True)):
+        for i, other in enumerate(joint.touches):
+            if other not in links and other != "base":
+                raise InputError(f"joints[{k}].touches[{i}]", "no joint is called so", other, suggested(other, links))
+            pairs.add((links[name], links.get(other, 0)))
+    return [sum({2**b for a, b in pairs | {(b, a) for a, b in pairs} if a == own}) for own in range(link + 1)]
+
+
+def _frame(axis: Floats, column: int) -> Floats:
+    """Pose (4, 4) at the origin of which one axis (1 = y, 2 = z) is the unit vector `axis`."""
+    if axis[column] == 1.0:
+        return np.eye(4)
+    result = pose((0.0, 0.0, 0.0), direction=axis)  # its z axis
+    if column == 2:
+        return np.array(result)
+    return np.array(result[:, [1, 2, 0, 3]])  # z comes to be y; the columns turn in a circle, so it stays right-handed
+
+
+def _place(key: str, value: Any) -> Floats:
+    """Check a pose (4, 4), or a place (3,)."""
+    if value is not None and np.shape(value) == (3,):
+        with checks.inside(key):
+            return pose(value)
+    return as_pose(key, value)
+
+
+def _capsules(body: Body) -> tuple[LinkCapsule, ...]:
+    """Check the capsules of a link."""
+    checks.instance("body", body, Iterable, "a list of {from, to, radius}")
+    found = []
+    for i, value in enumerate(body):
+        key = f"body[{i}]"
+        if isinstance(value, Mapping):
+            for name in value:
+                if name not in ("from", "to", "radius"):
+                    raise InputError(
+                        f"{key}.{name}", "unknown key", None, suggested(str(name), ("from", "to", "radius"))
+                    )
+            parts: list[Any] = [value.get(name) for name in ("from", "to", "radius")]
+        else:
+            parts = list(value) if np.iterable(value) and not isinstance(value, str) else []
+        if len(parts) != 3 or any(part is None for part in parts):
+            raise InputError(key, "", value, "{from: [x, y, z], to: [x, y, z], radius: r}")
+        start, end = (checks.array(f"{key}.{n}", p, (3,)) for n, p in zip(("from", "to"), parts[:2], strict=True))
+        found.append(LinkCapsule(start, end, checks.number(f"{key}.radius", parts[2], above=0.0)))
+    return tuple(found)
+
+
+def _said(joint: Joint) -> dict[str, Any]:
+    """What a file says of a joint beside its axis and limits."""
+    said: dict[str, Any] = {}
+    if not np.array_equal(joint.origin, np.eye(4)):
+        said["origin"] = joint.origin.tolist()
+    if joint.name is not None:
+        said["name"] = joint.name
+    if joint.body:
+        said["body"] = [capsule.to_dict() for capsule in joint.body]
+    if joint.touches:
+        said["touches"] = list(joint.touches)
+    return said | {key: getattr(joint, key) for key in ("rate", "acceleration") if getattr(joint, key) < math.inf}
+
+
+NO_BODY = -1e100
+"""Radius of a row that has no body: whatever is asked of a place of it holds."""
+
+
+def with_links(table: list[list[float]], rigid: RigidRows) -> list[list[float]]:
+    """Complete the rows of a robot: of joints and links their tails, and of all to which link they belong."""
+    count = len(rigid.rows)
+    for row, own in zip(table, rigid.rows, strict=False):
+        packing.make_rigid(row, own.tail, own.link, own.touches)
+        if not own.has_body:
+            row[tables.RADIUS], row[tables.SELF_RADIUS] = NO_BODY, -1.0
+    for k, row in enumerate(table[count:]):
+        row[tables.BODY] = float(rigid.links + 1 + (k > 0)) if count else 0.0
+    return table

@@ -1,0 +1,19 @@
+"""Poses of arms with joints, solved and judged."""
+
+import pytest
+
+from benchmarks import joints
+from benchmarks.__main__ import main
+
+
+def test_all_arms_are_solved_and_judged_right(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["joints", "--count", "5"]) == 0
+    text = capsys.readouterr().out
+    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| ")][2:]
+    assert [row[1] for row in rows] == [family.name for family in joints.FAMILIES]
+    assert all(row[2:5] == ["5", "5", "0"] for row in rows)
+
+
+def test_what_is_no_number_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["joints", "--count", "0"]) == 2
+    assert "count" in capsys.readouterr().err

@@ -1,0 +1,314 @@
+"""Robots with joints before the segments, judged by a kinematics of their own: exponentials of screws."""
+
+import math
+import zlib
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import sinuous as sn
+from sinuous.base.checks import Floats
+from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
+
+PANDA = [
+    (0.0, 0.333, 0.0, (-2.8973, 2.8973)),
+    (0.0, 0.0, -0.5 * math.pi, (-1.7628, 1.7628)),
+    (0.0, 0.316, 0.5 * math.pi, (-2.8973, 2.8973)),
+    (0.0825, 0.0, 0.5 * math.pi, (-3.0718, -0.0698)),
+    (-0.0825, 0.384, -0.5 * math.pi, (-2.8973, 2.8973)),
+    (0.0, 0.0, 0.5 * math.pi, (-0.0175, 3.7525)),
+    (0.088, 0.0, 0.5 * math.pi, (-2.8973, 2.8973)),
+]
+"""Of each joint a and d (m), alpha (rad) of modified Denavit-Hartenberg parameters, and limits (rad)."""
+
+CAPSULES = [
+    [((0.0, 0.0, -0.19), (0.0, 0.0, 0.0), 0.07)],
+    [((0.0, 0.0, -0.06), (0.0, 0.0, 0.06), 0.07)],
+    [((0.0, 0.0, -0.15), (0.0, 0.0, 0.0), 0.065)],
+    [((0.0, 0.0, -0.05), (0.0, 0.0, 0.05), 0.065)],
+    [((0.0, 0.0, -0.29), (0.0, 0.0, -0.14), 0.065)],
+    [((0.0, 0.0, -0.08), (0.0, 0.0, 0.01), 0.06)],
+    [((0.0, 0.0, 0.02), (0.0, 0.0, 0.08), 0.06)],
+]
+
+
+def rng_of(name: str) -> np.random.Generator:
+    return np.random.default_rng(zlib.crc32(name.encode()))
+
+
+def screw(axis: Floats, theta: float, slides: bool) -> Floats:
+    twist = np.zeros((4, 4))
+    if slides:
+        twist[:3, 3] = axis
+    else:
+        x, y, z = axis
+        twist[:3, :3] = (0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)
+    return np.asarray(expm(theta * twist))
+
+
+def arc(q: Floats) -> Floats:
+    twist = np.zeros((4, 4))
+    twist[:2, 2], twist[2, :2], twist[2, 3] = q[:2], -q[:2], q[2]
+    return np.asarray(expm(twist))
+
+
+def links_of(robot: sn.Robot, configuration: Floats) -> tuple[list[Floats], Floats]:
+    """Poses of the links after all joints, and of the tip, by exponentials."""
+    rigid = robot._rigid
+    values = iter((configuration[rigid.values, rigid.columns] - rigid.shifts).tolist())
+    at, links = robot.base, []
+    for joint in robot.joints:
+        at = at @ joint.origin
+        if not isinstance(joint, Fixed):
+            at = at @ screw(joint.axis, next(values), isinstance(joint, Prismatic))
+        links.append(at)
+    for row in configuration[len(rigid.rows) :]:
+        at = at @ arc(row)
+    return links, at @ robot.tool
+
+
+def places_of(robot: sn.Robot, configuration: Floats) -> list[tuple[int, Floats, float]]:
+    """Places of all bodies: number of the link (0 the base, last + 1 the segments), points (k, 3) and radius."""
+    links, _ = links_of(robot, configuration)
+    shares, found, number = np.linspace(0.0, 1.0, 40)[:, None], [], 0
+    for joint, pose in zip(robot.joints, links, strict=True):
+        number += not isinstance(joint, Fixed)
+        for start, end, radius in joint.body:
+            points = (1.0 - shares) * start + shares * end
+            found.append((number, points @ pose[:3, :3].T + pose[:3, 3], radius))
+    at = links[-1]
+    for k, row in enumerate(configuration[len(robot._rigid.rows) :]):
+        points = np.array([(at @ arc(share * row))[:3, 3] for share in shares[:, 0]])
+        found.append((number + 1 + (k > 0), points, robot.segments[k].radius))
+        at = at @ arc(row)
+    return found
+
+
+def least_self_gap(robot: sn.Robot, configuration: Floats) -> float:
+    """Least gap between links that are no neighbours, and between these and segments."""
+    gaps = [math.inf]
+    segments = robot._rigid.links + 1
+    for (i, p, r), (j, q, s) in combinations(places_of(robot, configuration), 2):
+        if abs(i - j) > 1 and i < segments:
+            gaps.append(np.linalg.norm(p[:, None] - q[None], axis=-1).min() - r - s)
+    return float(min(gaps))
+
+
+def clearance_of(robot: sn.Robot, configuration: Floats, centers: Floats, radius: float) -> float:
+    return min(
+        float(np.linalg.norm(points[:, None] - centers[None], axis=-1).min()) - radius - own
+        for _, points, own in places_of(robot, configuration)
+    )
+
+
+def panda(bodies: bool) -> sn.Robot:
+    joints: list[Joint] = []
+    for i, (a, d, alpha, limits) in enumerate(PANDA):
+        c, s = math.cos(alpha), math.sin(alpha)
+        origin = [[1.0, 0.0, 0.0, a], [0.0, c, -s, -d * s], [0.0, s, c, d * c], [0.0, 0.0, 0.0, 1.0]]
+        joints.append(Revolute((0.0, 0.0, 1.0), limits, origin, body=CAPSULES[i] if bodies else ()))
+    return sn.Robot(joints=[*joints, Fixed((0.0, 0.0, 0.107))])
+
+
+def bronchoscope(tendons: bool = False) -> sn.Robot:
+    """Roll and feed, then three segments; the joints carry a shaft."""
+    lines = sn.Tendons(3, 1.5) if tendons else None
+    segments = [sn.Segment((18.0, 22.0), 1.8, radius=2.0, tendons=lines)] * 3
+    roll = Revolute((0.0, 0.0, 1.0), (-3.0, 3.0), name="roll")
+    feed = Prismatic((0.0, 0.0, 1.0), (-20.0, 60.0), name="feed", body=[((0.0, 0.0, -40.0), (0.0, 0.0, -6.0), 3.0)])
+    return sn.Robot(segments, joints=[roll, feed])
+
+
+def six_axes() -> sn.Robot:
+    """Six axes that are no special ones, and three segments."""
+    rng = rng_of("six axes")
+    joints: list[Joint] = []
+    for i in range(6):
+        origin = sn.pose(np.array((0.0, 0.0, 0.2)) + rng.uniform(-0.1, 0.1, 3), direction=rng.normal(size=3))
+        kind: type[Revolute | Prismatic] = Prismatic if i == 2 else Revolute
+        joints.append(kind(rng.normal(size=3), (-0.1, 0.3) if i == 2 else (-2.0, 2.5), origin))
+    return sn.Robot([sn.Segment((0.08, 0.12), 2.0)] * 3, joints=joints)
+
+
+ROBOTS: dict[str, Callable[..., sn.Robot]] = {"panda": panda, "bronchoscope": bronchoscope, "six axes": six_axes}
+
+
+def made(name: str) -> sn.Robot:
+    return panda(bodies=False) if name == "panda" else ROBOTS[name]()
+
+
+def drawn(robot: sn.Robot, rng: np.random.Generator) -> Floats:
+    """A random configuration within all limits."""
+    q = np.zeros((len(robot), 3))
+    for k, row in enumerate(robot.rows):
+        q[k, 2] = rng.uniform(*row.length)
+        if not row.rigid:
+            q[k, :2] = rng.uniform(-1.0, 1.0, 2)
+    for joint, k, column, shift in zip(
+        [each for each in robot.joints if not isinstance(each, Fixed)], *robot._rigid[1:], strict=True
+    ):
+        q[k, column] = rng.uniform(*joint.limits) + shift
+    return q
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_poses_are_those_of_screws_and_arcs(name: str) -> None:
+    robot, rng = made(name), rng_of(name)
+    for _ in range(20):
+        q = drawn(robot, rng)
+        assert robot.excess(q) == 0.0
+        np.testing.assert_allclose(robot.tip(q), links_of(robot, q)[1], atol=1e-12 * max(1.0, robot.longest))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_jacobians_are_differences_of_poses(name: str) -> None:
+    robot, rng = made(name), rng_of(name)
+    q, h = drawn(robot, rng), 1e-6
+    jacobian = robot.jacobian(q)
+    for k, column in zip(robot._rigid.values, robot._rigid.columns, strict=True):
+        more, less = q.copy(), q.copy()
+        more[k, column] += h
+        less[k, column] -= h
+        change = (robot.tip(more) - robot.tip(less)) / (2.0 * h)
+        np.testing.assert_allclose(jacobian[3:, 3 * k + column], change[:3, 3], atol=1e-6 * max(1.0, robot.longest))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_poses_that_are_reached_are_found(name: str) -> None:
+    robot, rng = made(name), rng_of(name)
+    solver = sn.Solver(robot)
+    for _ in range(12):
+        goal = links_of(robot, drawn(robot, rng))[1]
+        found = solver.solve(sn.Target(goal[:3, 3], rotation=goal[:3, :3]))
+        assert found.solved, found
+        assert robot.excess(found.q) <= 1e-9
+        there = links_of(robot, found.q)[1]
+        assert np.linalg.norm(there[:3, 3] - goal[:3, 3]) <= 1.01e-3 * robot.mean_length
+        assert found.verify().ok
+
+
+def test_what_is_beyond_all_links_is_proved_out_of_reach() -> None:
+    robot = panda(bodies=False)
+    assert sn.solve(robot, sn.Target((0.0, 0.0, 5.0))).status is sn.Status.OUT_OF_REACH
+    straight_up = 0.333 + 0.316 + 0.384 + 0.107
+    assert straight_up < robot.longest < straight_up + 4.0 * 0.0825 + 0.2
+
+
+def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None:
+    robot, rng = panda(bodies=True), rng_of("bodies")
+    solved = 0
+    for _ in range(10):
+        goal = links_of(robot, drawn(robot, rng))[1]
+        centers = rng.uniform((-0.7, -0.7, 0.1), (0.7, 0.7, 1.0), (12, 3))
+        centers = centers[np.linalg.norm(centers[:, :2], axis=1) > 0.25]
+        scene = sn.Scene([sn.Sphere(center, 0.06) for center in centers])
+        found = sn.solve(robot, sn.Target(goal[:3, 3], rotation=goal[:3, :3]), scene, time=1.0)
+        if found.solved:
+            solved += 1
+            assert found.clearance is not None
+            assert found.self_clearance is not None
+            assert 0.0 < found.clearance <= clearance_of(robot, found.q, centers, 0.06) + 1e-3
+            assert 0.0 < found.self_clearance <= least_self_gap(robot, found.q) + 1e-2
+            assert found.verify().ok
+    assert solved >= 3
+
+
+def test_a_plan_moves_all_links_past_obstacles() -> None:
+    robot, rng = panda(bodies=True), rng_of("plan")
+    centers = np.array([(0.4, 0.0, 0.5), (0.45, 0.2, 0.3), (-0.3, 0.4, 0.6)])
+    scene = sn.Scene([sn.Sphere(center, 0.05) for center in centers])
+    ends: list[Floats] = []
+    while len(ends) < 2:
+        q = drawn(robot, rng)
+        if clearance_of(robot, q, centers, 0.05) > 0.02 and least_self_gap(robot, q) > 0.02:
+            ends.append(q)
+    motion = sn.plan(robot, ends[0], ends[1], scene, time=5.0)
+    assert motion.solved, motion
+    for one, other in zip(motion.q[:-1], motion.q[1:], strict=True):
+        for share in np.linspace(0.0, 1.0, 9):
+            q = (1.0 - share) * one + share * other
+            assert clearance_of(robot, q, centers, 0.05) > -1e-9
+            assert least_self_gap(robot, q) > -1e-9
+    assert motion.verify().ok
+
+
+def test_links_that_overlap_are_not_solved_and_touching_ones_may_be_allowed() -> None:
+    """The third link folds back onto the first."""
+    body = [((0.0, 0.0, 0.05), (0.0, 0.0, 0.95), 0.08)]
+
+    def arm(*touches: str) -> sn.Robot:
+        first = Revolute((1.0, 0.0, 0.0), (-0.1, 0.1), name="a", body=body)
+        second = Revolute((1.0, 0.0, 0.0), (1.5, 1.65), (0.0, 0.0, 1.0), name="b")
+        third = Revolute((1.0, 0.0, 0.0), (1.5, 3.0), (0.0, 0.0, 0.1), name="c", body=body, touches=touches)
+        return sn.Robot(joints=[first, second, third])
+
+    goal = links_of(arm(), full(arm(), (0.0, 1.57, 1.57)))[1]
+    target = sn.Target(goal[:3, 3], rotation=goal[:3, :3])
+    held = sn.solve(arm(), target)
+    assert not held.solved
+    assert held.verify().self_clearance is not None
+    assert sn.solve(arm("a"), target).solved
+
+
+def full(robot: sn.Robot, values: tuple[float, ...]) -> Floats:
+    q = np.array([(0.0, 0.0, 0.5 * sum(row.length)) for row in robot.rows])
+    q[robot._rigid.values, robot._rigid.columns] = np.array(values) + robot._rigid.shifts
+    return q
+
+
+def test_tendons_see_segments_alone() -> None:
+    robot, rng = bronchoscope(tendons=True), rng_of("tendons")
+    alone = sn.Robot(robot.segments)
+    count = len(robot._rigid.rows)
+    for _ in range(5):
+        q = drawn(robot, rng)
+        np.testing.assert_allclose(robot.to_actuators(q), alone.to_actuators(q[count:]), atol=1e-12)
+
+
+def test_limits_of_tendons_hold_behind_joints() -> None:
+    segments = [sn.Segment(20.0, 1.8, radius=2.0, tendons=sn.Tendons(3, 1.5, displacement=(-1.5, 1.5)))] * 3
+    robot = sn.Robot(segments, joints=[Revolute((0.0, 0.0, 1.0), (-3.0, 3.0)), Prismatic((0.0, 0.0, 1.0), (0.0, 60.0))])
+    rng, solver = rng_of("limits"), sn.Solver(robot)
+    for _ in range(10):
+        q = drawn(robot, rng)
+        q[-3:, :2] *= 0.3
+        if robot.excess(q) > 0.0:
+            continue
+        goal = links_of(robot, q)[1]
+        found = solver.solve(sn.Target(goal[:3, 3], direction=goal[:3, 2]))
+        assert found.solved, found
+        assert np.abs(robot.to_actuators(found.q)).max() <= 1.5 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("joints", "said"),
+    [
+        ([3], "joints\\[0\\]"),
+        ([{"revolute": {}}], "joints\\[0\\]"),
+        ([lambda: 0], "joints\\[0\\]"),
+    ],
+)
+def test_what_is_no_joint_is_refused(joints: list[object], said: str) -> None:
+    with pytest.raises(sn.InputError, match=said):
+        sn.Robot([sn.Segment(1.0)], joints=joints)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("body", "key"),
+    [
+        ([{"from": (0, 0, 0), "to": (0, 0, 1)}], "body\\[0\\]"),
+        ([((0, 0, 0), (0, 0, 1), -1.0)], "radius"),
+        ([{"from": (0, 0, 0), "to": (0, 0, 1), "radius": 1.0, "color": 3}], "color"),
+    ],
+)
+def test_bodies_are_checked(body: list[object], key: str) -> None:
+    with pytest.raises(sn.InputError, match=key):
+        Revolute(body=body)  # type: ignore[arg-type]
+
+
+def test_a_name_in_touches_is_known() -> None:
+    with pytest.raises(sn.InputError, match=r"touches\[0\].*no joint"):
+        sn.Robot([sn.Segment(1.0)], joints=[Revolute(touches=["elbo"], name="elbow")])

@@ -61,6 +61,7 @@ KNOWN = {
         "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
         "real",
     ),
+    "workspace": Known("maps of three published robots, against solves at random places", "workspace"),
     "inputs": Known(
         "files of points and meshes in every dialect, whole and broken: right, refused, or noted", "inputs"
     ),

@@ -38,6 +38,7 @@ SMALL = {
     "derivatives": ("agreement free",),
     "view": ("files",),
     "inputs": ("obj", "npy"),
+    "workspace": ("rods",),
     "table1": ("A", "C"),
     "tracking": ("10 spheres",),
     "segments": (),

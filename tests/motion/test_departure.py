@@ -45,7 +45,11 @@ def off_line(motion: sn.Motion, begin: int, end: int) -> Floats:
     return distances
 
 
-@pytest.mark.parametrize("number", range(12))
+SEAMS = (0, 1, 2, 3, 5, 7)
+"""Two that are left, one that takes too long, and three that are followed."""
+
+
+@pytest.mark.parametrize("number", SEAMS)
 def test_a_tip_that_leaves_a_weld_is_told(number: int) -> None:
     robot, path, pipe = seam(number)
     motion = sn.track(robot, path, pipe, deviation=1.0, time=0.5)

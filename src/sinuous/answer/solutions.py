@@ -2,7 +2,7 @@
 
 import operator
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
@@ -212,13 +212,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         own = [actuator.name for actuator in robot.actuators]
         if not own:
             raise InputError("robot", "has no actuators", robot, "one with tendons, chambers or actuators")
-        if isinstance(actuators, str) or not isinstance(own if actuators is None else actuators, Iterable):
-            raise InputError("actuators", "", actuators, "a list of names")
-        names = own if actuators is None else list(actuators)
-        for i, name in enumerate(names):
-            checks.choice(f"actuators[{i}]", name, own)
-            if name in names[:i]:
-                raise InputError(f"actuators[{i}]", "given twice", name, "each name once")
+        names = checks.names_of("actuators", actuators, own)
         values = robot.to_actuators(self.q)[:, [own.index(name) for name in names]].tolist()
         each = zip(self.status.tolist(), values, strict=True)
         rows = ([number, str(status), *row] for number, (status, row) in enumerate(each, 1))

@@ -15,6 +15,7 @@ from sinuous.base.frozen import ShortRepr, call
 from sinuous.base.progress import ProgressBar
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
+from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import target_errors
 from sinuous.measures.statics import imbalance, pulls
 from sinuous.measures.tensions import lacking_stretch
@@ -60,6 +61,10 @@ class Verification(ShortRepr):
         does not matter: the body may run through itself, or is too short to.
     self_segments : (int, int) or None
         The two segments that are nearest to each other, 1 = first.
+    place : BodyPlace or None
+        Of the backbone, where the least clearance is.
+    self_place : BodyPlace or None
+        Of the backbone, where the body is nearest to itself: the place that is nearer to the tip.
     """
 
     ok: bool
@@ -71,9 +76,13 @@ class Verification(ShortRepr):
     obstacle: str | None
     self_clearance: float
     self_segments: tuple[int, int] | None
+    place: BodyPlace | None = None
+    self_place: BodyPlace | None = None
 
     def _shown(self) -> Iterator[str]:
         yield f"ok={self.ok}"
+        if self.place is not None and self.clearance < 0.0:
+            yield f"in {self.obstacle} {self.place}"
         for name in ("position_error", "angle_error", "excess", "clearance", "self_clearance"):
             yield f"{name}={getattr(self, name):.3g}"
 
@@ -110,7 +119,7 @@ class Verifications:
     ----------
     ok : ndarray of bool
     position_error, angle_error, excess, clearance, self_clearance : ndarray
-    segment, obstacle, self_segments : ndarray of object
+    segment, obstacle, self_segments, place, self_place : ndarray of object
         With None where a single one has it.
     """
 
@@ -123,6 +132,8 @@ class Verifications:
     obstacle: NDArray[np.object_]
     self_clearance: Floats
     self_segments: NDArray[np.object_]
+    place: NDArray[np.object_]
+    self_place: NDArray[np.object_]
 
     def __repr__(self) -> str:
         return call("Verifications", [f"{int(self.ok.sum())} of {self.ok.size} ok"])
@@ -140,7 +151,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     ends = segment_ends(body, arcs)
     errors = [target_errors(body, target, ends) for target in asked.targets]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
-    clearance, segment, obstacle, _ = least_clearance(body, scene, arcs, ends)
+    clearance, segment, obstacle, place = least_clearance(body, scene, arcs, ends)
     itself = nearest_meeting(body, arcs, ends)
     spare = clearance - robot._least_clearances[0]
     if isinstance(robot.clearance, tuple):
@@ -160,7 +171,8 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     gap = itself.gap + robot._least_clearances[1]
     where, pair = asked.segment(segment), itself.segments
     both = None if pair is None else (asked.owners[pair[0] - 1], asked.owners[pair[1] - 1])
-    return Verification(ok, off, turn, robot.excess(q), clearance, where, obstacle, gap, both)
+    places = (None if own is None else own.on_robot(asked.owners, arcs[:, 2]) for own in (place, itself.place))
+    return Verification(ok, off, turn, robot.excess(q), clearance, where, obstacle, gap, both, *places)
 
 
 def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> list[Verification]:
@@ -214,7 +226,12 @@ def _seen(
     segment, obstacle = (None, None) if nothing else (owners[int(segments[at])], scene.name(int(obstacles[at])))
     pair = itself.segments
     both = None if pair is None else (owners[pair[0] - 1], owners[pair[1] - 1])
-    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), float(clearances[at]), segment, obstacle, gap, both)
+    least = float(clearances[at])
+    there = (
+        None if nothing else least_clearance(body, scene.at(float(when[at])), q[at], segment_ends(body, q[at])).place
+    )
+    places = (None if own is None else own.on_robot(owners, q[at][:, 2]) for own in (there, itself.place))
+    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), least, segment, obstacle, gap, both, *places)
 
 
 def _within_limits(robot: Robot, q: Floats) -> bool:
@@ -226,7 +243,9 @@ def _held(robot: Robot, q: Floats) -> bool:
     return robot.limit_set.tension_rows is None or lacking_stretch(robot, q) <= LIMIT_SLACK * robot.mean_length
 
 
-KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}
+OBJECTS = ("segment", "obstacle", "self_segments", "place", "self_place")
+
+KINDS = {"ok": np.bool_, **dict.fromkeys(OBJECTS, np.object_)}
 """What arrays of these attributes of a verification hold; all others are numbers."""
 
 

@@ -151,9 +151,9 @@ def _has_truth_value(value: Any) -> bool:
     return isinstance(value, (bool, np.bool_))
 
 
-def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
+def stack(key: str, value: Any, shape: Sequence[int | None], expected: str | None = None) -> Floats:
     """Check an array of finite numbers whose last axes have this shape, with any axes in front of them."""
-    expected = _stacked(tuple(shape))
+    expected = expected or _stacked(tuple(shape))
     try:
         lead = np.ndim(value) - len(shape)
     except ValueError:  # rows of different lengths; `array` says so
@@ -299,6 +299,20 @@ def needed(package: str, extra: str, key: str, value: object = None, name: str =
     except ImportError:
         wanted = f"it installed: pip install sinuous[{extra}]"
         raise InputError(key, f"needs {name or package}", value, wanted) from None
+
+
+def names_of(key: str, value: Any, known: Sequence[str]) -> list[str]:
+    """Check names that are known, each given once; by default all of them."""
+    if value is None:
+        return list(known)
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise InputError(key, "", value, "a list of names")
+    names = list(value)
+    for i, name in enumerate(names):
+        choice(f"{key}[{i}]", name, known)
+        if name in names[:i]:
+            raise InputError(f"{key}[{i}]", "given twice", name, "each name once")
+    return names
 
 
 def choice(key: str, value: Any, words: Sequence[Word]) -> Word:

@@ -35,9 +35,10 @@ from sinuous.solver.certificates.steps import SAMPLES, Steps, prove_steps
 from sinuous.statics.rest import bodies_at
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     import sinuous as sn
+    from sinuous.answer.explanation import Explanation
     from sinuous.answer.verification import MotionVerification
     from sinuous.base.arguments import LeaderParameter
     from sinuous.measures.following import Deviation
@@ -309,7 +310,8 @@ class Motion(NotebookMixin, Frozen):
             what is proved to be free is never used, so that a rounded corner is as clear as is proved; where nothing is
             proved, or where the way turns by a right angle or more, it stops. Under load places are those of the loaded
             body; it stops where nothing bounds that, as of tendons with a stiffness. Needs the extra `timing`. By
-            default it stops in all corners (`Trajectory.stops`), which may take several times as long.
+            default it stops in all corners (`Trajectory.stops`), which may take several times as long. The quickest of
+            this blend, a quarter of it, and stops is returned.
 
         Raises
         ------
@@ -431,7 +433,7 @@ class Motion(NotebookMixin, Frozen):
         q = tables.interpolate(self.times, self.q, when)
         return LeaderDerivative(LeaderQuestion.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
 
-    def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
+    def to_csv(self, file: str | Path, rate: Number | None = None, columns: Sequence[str] | None = None) -> Self:
         """Write times, configurations and the values of all actuators as CSV.
 
         Columns: `time`, `bend_x`, `bend_y`, `length` of every segment (`s1.bend_x`), every actuator by its name.
@@ -442,6 +444,8 @@ class Motion(NotebookMixin, Frozen):
         rate : float, optional
             Rows a unit of time (Hz), the last knot included; by default one row a knot. At a rate the lines between
             rows cut corners of the motion: they are proved anew, and where one is not there is a warning.
+        columns : sequence of str, optional
+            Names of the columns after `time`, in this order, such as those of the motors; by default all.
 
         Returns
         -------
@@ -451,10 +455,10 @@ class Motion(NotebookMixin, Frozen):
         Raises
         ------
         InputError
-            When the rate is not greater than 0, or the file cannot be written.
+            When the rate is not greater than 0, a column is not known, or the file cannot be written.
         """
         written = self._at_rate(rate)
-        tables.write_motion(file, self.robot, written.times, written.q)
+        tables.write_motion(file, self.robot, written.times, written.q, columns)
         written.warn_of_corners(self, "lines")
         return written
 
@@ -510,6 +514,25 @@ class Motion(NotebookMixin, Frozen):
             return self
         often = checks.number("rate", rate, above=0.0)
         return self if len(self.q) < 2 else self.resampled(often)
+
+    def explain(self, time: Number = 2.0) -> "Explanation":
+        """Say why it ended like this, and what would help: each change that is told was tried, and all proved.
+
+        Of a track or plan, what the first waypoint that is not solved says; of a motion that overlaps something, where,
+        and whether it is clear without that obstacle or with a thinner body.
+
+        Parameters
+        ----------
+        time : float
+            Budget of all trials together, in seconds.
+
+        Raises
+        ------
+        InputError
+            When `time` is no number of at least 0.
+        """
+        found: Explanation = door("motion.explaining").explain_motion(self, _sentence(self), time)
+        return found
 
     def verify(self) -> "MotionVerification":
         """Recompute every waypoint, and look at every step between knots densely, by an independent, slow path.
@@ -628,6 +651,23 @@ class Motion(NotebookMixin, Frozen):
             "motion": {**self.to_dict(), "steps": result_value(self.steps.answers)},
         }
         write_document(file, {key: value for key, value in parts.items() if value})
+
+    @classmethod
+    def load(cls, file: str | Path, robot: Robot | None = None, scene: SceneLike | Snapshot | None = None) -> "Motion":
+        """Read a motion: what `save`, `to_csv`, `to_ros` or `to_npz` wrote, or a result of the command line.
+
+        A file of `save` holds its robot, scene and what is claimed of it. Of all others knots and times are read, for
+        this robot and scene, and all is proved anew. A table has a column `time` (or `t`) and one for every coordinate
+        (`s1.bend_x`) or every actuator, in its motor's unit; ROS JSON is a `JointTrajectory` of the joints of
+        `Robot.to_urdf` or of actuators.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be read, is of another kind or robot, or its values are those of no configuration.
+        """
+        found: Motion = door("motion.reading").read_motion(file, robot, scene)
+        return found
 
     def to_npz(self, file: str | Path) -> None:
         """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.

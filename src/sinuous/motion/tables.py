@@ -52,16 +52,19 @@ def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:
     write_table(file, ["solution", "status", *columns(robot)], rows)
 
 
-def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> None:
-    """Write configurations (T, n, 3) at times (T,) as CSV: time, configuration, actuators.
+def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats, chosen: Sequence[str] | None = None) -> None:
+    """Write configurations (T, n, 3) at times (T,) as CSV: time, then configuration and actuators, or what is chosen.
 
     Raises
     ------
     InputError
-        When the file cannot be written.
+        When a name is not known or given twice, or the file cannot be written.
     """
-    rows = ([time, *row] for time, row in zip(times.tolist(), _numbers(robot, q), strict=True))
-    write_table(file, ["time", *columns(robot)], rows)
+    known = columns(robot)
+    names = checks.names_of("columns", chosen, known)
+    at = [known.index(name) for name in names]
+    rows = ([time, *(row[k] for k in at)] for time, row in zip(times.tolist(), _numbers(robot, q), strict=True))
+    write_table(file, ["time", *names], rows)
 
 
 def _numbers(robot: Robot, q: Floats) -> list[list[float]]:

@@ -1,5 +1,6 @@
 """A trajectory: the path of a motion, passed as fast as the robot may."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,9 @@ from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
 
+
+BLENDS = (0.25, 1.0)
+"""Shares of the allowed blend that are tried, besides stopping: a wide blend that is slow can take longer."""
 
 TOGETHER = 1e-9
 """Share of the duration within which two times are one."""
@@ -127,7 +131,7 @@ class Trajectory(NotebookMixin, Frozen):
         """Return the motion through configurations at an even rate (Hz), the last included; all is proved anew."""
         return self._through(self._samples(rate))
 
-    def to_csv(self, file: str | Path, rate: Number | None = None) -> "Motion":
+    def to_csv(self, file: str | Path, rate: Number | None = None, columns: Sequence[str] | None = None) -> "Motion":
         """Write times, configurations and values of all actuators as CSV; columns as of `Motion.to_csv`.
 
         Parameters
@@ -135,6 +139,8 @@ class Trajectory(NotebookMixin, Frozen):
         file : path
         rate : float, optional
             Rows a second (Hz), the end included; by default a row for each of `times`.
+        columns : sequence of str, optional
+            Names of the columns after `time`, in this order; by default all.
 
         Returns
         -------
@@ -143,7 +149,7 @@ class Trajectory(NotebookMixin, Frozen):
             not, as the motion is, there is a warning.
         """
         written = self._through(self._samples(rate))
-        tables.write_motion(file, self.robot, written.times, written.q)
+        tables.write_motion(file, self.robot, written.times, written.q, columns)
         written.warn_of_corners(self.motion, "lines")
         return written
 
@@ -175,6 +181,18 @@ class Trajectory(NotebookMixin, Frozen):
         steps = splines_between(self.robot, lines.times, lines.q, velocities, lines.steps)
         written = lines.made(self.robot, lines.scene, lines.q, lines.times, steps, Report())
         written.warn_of_corners(self.motion, "splines")
+        return written
+
+    def save(self, file: str | Path) -> "Motion":
+        """Write the motion through `times`, as `Motion.save` does, and return it: all proved anew."""
+        written = self.as_motion()
+        written.save(file)
+        return written
+
+    def to_npz(self, file: str | Path) -> "Motion":
+        """Write knots at `times` as NumPy arrays, as `Motion.to_npz` does, and return the motion through them."""
+        written = self.as_motion()
+        written.to_npz(file)
         return written
 
     def __repr__(self) -> str:
@@ -217,8 +235,10 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     legs = legs_of(motion.robot, motion.q, motion.steps)
     if not len(legs.sizes):
         raise InputError("motion", "stands still", motion, "a motion that moves")
-    if accelerations is not None and most > 0.0 and len(legs.sizes) > 1:
-        path = blend_corners(motion.robot, legs, most)
-        return Trajectory(motion, path, scale_blended(motion.robot, path, limits, accelerations))
     path = stop_at_corners(legs)
-    return Trajectory(motion, path, scale_with_stops(motion.robot, path, limits, accelerations))
+    found = [Trajectory(motion, path, scale_with_stops(motion.robot, path, limits, accelerations))]
+    if accelerations is not None and most > 0.0 and len(legs.sizes) > 1:
+        for share in BLENDS:
+            path = blend_corners(motion.robot, legs, share * most)
+            found.append(Trajectory(motion, path, scale_blended(motion.robot, path, limits, accelerations)))
+    return min(reversed(found), key=lambda each: each.duration)

@@ -198,7 +198,7 @@ class Scene(NotebookMixin, Surroundings):
         name: str | None = None,
         *,
         invalid: Invalid = "refuse",
-        ignore_robot: "sn.Solution | sn.Equilibrium | tuple[sn.Robot, Rows] | None" = None,
+        ignore_robot: "sn.Solution | sn.answer.Equilibrium | tuple[sn.Robot, Rows] | None" = None,
         margin: Number = 0.0,
     ) -> None:
         """Replace a point cloud by what is seen now; a `Solver` made before goes on with the new one.

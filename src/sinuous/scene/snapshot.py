@@ -14,12 +14,13 @@ from sinuous.base.arguments import Number, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
+from sinuous.base.progress import LATE, estimated
 from sinuous.kernels import packing
 from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.parts import Part, prepare, unsampled
+from sinuous.scene.parts import Part, prepare, seconds_to_prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -136,11 +137,24 @@ class Snapshot(Surroundings, Frozen):
     def _prepared(self, progress: Callable[[str, float], object] | None = None) -> Sequence[Part]:
         """What the kernels read of each obstacle; after that, what they read of all is there, too, unless some move."""
         with self._lock:
-            parts = self._parts or [self._part(i, progress) for i in range(len(self))]
-            self._set(_parts=parts)
+            self._set(_parts=self._parts or self._all_parts(progress))
+            parts: Sequence[Part] = self._parts or []
             if self._group is None and not self.moves:
                 self._set(_group=packing.scene_group([part.row for part in parts], [part.store for part in parts]))
         return parts
+
+    def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
+        """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
+        if progress is not None:
+            return [self._part(i, progress) for i in range(len(self))]
+        still = [own.obstacle if isinstance(own, Moving) else own for own in self._obstacles]
+        seconds = [seconds_to_prepare(own) for own in still]
+        if sum(seconds) < LATE:
+            return [self._part(i, None) for i in range(len(self))]
+        longest = self.name(int(np.argmax(seconds)))
+        others = " and others" if sum(each > 0.0 for each in seconds) > 1 else ""
+        with estimated(f"preparing {longest}{others}", sum(seconds)) as say:
+            return [self._part(i, lambda name, share: say(f"preparing {name}", share)) for i in range(len(self))]
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""

@@ -130,3 +130,16 @@ def test_the_page_tells_what_holds_of_the_loaded_body() -> None:
     assert near.distance == pytest.approx(least, abs=1e-4)
     page = PageModel(sn.Job(HANGING, sn.Target(direction=(1, 0, 0)), start=Q))
     np.testing.assert_allclose(page.target_frame(0)[:3, 3], shape.tip[:3, 3], atol=1e-9)
+
+
+def test_a_trajectory_is_drawn_as_it_is_passed() -> None:
+    robot = sn.Robot.uniform(2, length=(40, 60), max_bend=1.6, radius=4)
+    q = np.array([[[0, -0.5, 50], [0, 0, 50]], [[0, 0.5, 50], [0, 0, 50]], [[0.5, 0.5, 50], [0, 0, 50]]], float)
+    motion = sn.Motion(robot, q, [sn.Sphere((200, 0, 0), radius=10)])
+    timed = motion.timed(sn.Rates(bend=1.0, length=9.0, acceleration=sn.Rates(bend=2.0, length=20.0)))
+    contents = gather([timed])
+    (moving,) = contents.moving
+    assert len(contents.obstacles) == 1
+    np.testing.assert_allclose(moving.q, timed.at(moving.times))
+    assert moving.times[-1] == timed.duration
+    assert not np.allclose(moving.q, motion.at(np.linspace(0.0, motion.times[-1], len(moving.q))))

@@ -21,6 +21,7 @@ from sinuous.model.segment import straight
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.motion.tables import interpolate
+from sinuous.motion.trajectory import Trajectory
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.scene.moving import standing_at
@@ -30,7 +31,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import Equilibrium, under_load
 from sinuous.statics.rest import bodies_at
-from sinuous.view.display.style import arm_tones
+from sinuous.view.display.style import arm_tones, rigid_tone
 
 MOST_THICKENED = 16
 """Robots whose thicker bodies are kept."""
@@ -73,9 +74,10 @@ class Arm(NamedTuple):
 
     @property
     def colours(self) -> list[str]:
-        """Colours of the segments of the body."""
-        pair = arm_tones(self.solved, self.number)
-        return [pair[k % 2] for k in self.segments]
+        """Colours of the segments of the body; joints and links before them have those of their kind."""
+        pair, before = arm_tones(self.solved, self.number), len(self.robot.rows) - len(self.robot.segments)
+        rows = zip(self.segments, self.robot.rows, strict=True)
+        return [rigid_tone(row) if row.rigid else pair[(k - before) % 2] for k, row in rows]
 
     def end(self, segment: int | None) -> Floats:
         """Where a segment of its robot ends (3,), 1 = first; the point of the tool for the last one, and for None."""
@@ -168,7 +170,7 @@ def _thicker(robot: Robot) -> Robot:
     return robot.changed(segments=[each.changed(radius=each.radius + bound) for each, bound in pairs], uncertainty=None)
 
 
-Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | Job | Solution | Motion | Floats
+Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | Job | Solution | Motion | Trajectory | Floats
 Things = Thing | Sequence[Thing | Sequence[Thing]]
 """What can be drawn."""
 
@@ -178,7 +180,7 @@ MOST_ARMS = 100
 STRAIGHTNESS = 0.03
 """How far a tip may be off a straight line that is drawn as its way, as a share of its length."""
 
-EXPECTED = "a robot, scene, obstacle, target, problem, solution, equilibrium or motion, or a list of them"
+EXPECTED = "a robot, scene, obstacle, target, problem, solution, equilibrium, motion or trajectory, or a list of them"
 
 
 class PlacedTarget(NamedTuple):
@@ -193,6 +195,10 @@ class PlacedTarget(NamedTuple):
 
     target: Target
     place: Floats
+
+
+TRAJECTORY_STEPS = 400
+"""Even steps of time at which a trajectory is drawn."""
 
 
 @dataclass
@@ -297,7 +303,7 @@ def gather(things: Iterable[Any]) -> Contents:
             targets.append(thing)
         elif isinstance(thing, Robot):
             if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
-                contents.add_robot(thing, straight(thing.rows))
+                contents.add_robot(thing, _middle(thing))
         elif _is_array(thing):
             before = flat[i - 1][1] if i else None
             if not isinstance(before, Robot):
@@ -312,6 +318,12 @@ def gather(things: Iterable[Any]) -> Contents:
     if not (contents.robots or contents.obstacles or contents.targets):
         raise InputError("things", "", [thing for _, thing in flat], "something to draw: " + EXPECTED)
     return contents
+
+
+def _middle(robot: Robot) -> Floats:
+    """Return the straight robot (n, 3), with its joints as near to 0 as they can be."""
+    q = straight(robot.rows)
+    return robot.drive.coordinates.project(q) if robot.joints else q
 
 
 def _is_array(thing: Any) -> bool:
@@ -342,6 +354,9 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
         contents.add_robot(thing.robot, thing.q, shape=thing)
     elif isinstance(thing, Motion):
         _add_motion(contents, thing)
+    elif isinstance(thing, Trajectory):
+        times = np.linspace(0.0, thing.duration, TRAJECTORY_STEPS + 1)
+        _add_motion(contents, thing.motion, (thing.at(times), times))
     elif isinstance(thing, Problem):
         _add_question(contents, thing.robot, thing.scene, thing.targets)
     elif isinstance(thing, Job):
@@ -354,7 +369,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
 
 
 def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
-    _add_arm(contents, robot, straight(robot.rows), True, targets)
+    _add_arm(contents, robot, _middle(robot), True, targets)
     contents.add_obstacles(scene.obstacles)
 
 
@@ -375,14 +390,18 @@ def _add_arm(contents: Contents, robot: Robot, q: Floats, solved: bool, targets:
         contents.add_target(target, contents.arms[count])
 
 
-def _add_motion(contents: Contents, motion: Motion) -> None:
-    """Take a motion; of one with a single knot the last shape that was found, of one with none a straight robot."""
+def _add_motion(contents: Contents, motion: Motion, way: tuple[Floats, Floats] | None = None) -> None:
+    """Take a motion; of one with a single knot the last shape that was found, of one with none a straight robot.
+
+    `way`: how it is passed, configurations (T, n, 3) at times (T,), where that is not as it says itself.
+    """
     contents.answers.append(motion)
     contents.add_obstacles(motion.scene.obstacles)
     if len(motion.q) > 1:
-        contents.add_way(motion.robot, motion.q, motion.times, motion.solved)
+        q, times = (motion.q, motion.times) if way is None else way
+        contents.add_way(motion.robot, q, times, motion.solved)
     else:
-        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot.rows)
+        q = motion.solutions[-1].q if motion.solutions else _middle(motion.robot)
         contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):

@@ -13,6 +13,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.methods.method import options_of
 from sinuous.motion.motion import Motion
+from sinuous.motion.trajectory import Trajectory
 from sinuous.solver.solver import KeptOptions
 from sinuous.view.display import style
 from sinuous.view.display.results import Curves, actuators_of, bends_of, clearances_along, lengths_along, lengths_of
@@ -37,12 +38,12 @@ DASHED = (0, (4, 2))
 """Style of lines that are limits."""
 
 
-def diagram(answer: Solution | Motion, kind: Kind, *, ax: "Axes | None" = None) -> "Axes":
-    """Draw a diagram of a solution or a motion.
+def diagram(answer: Solution | Motion | Trajectory, kind: Kind, *, ax: "Axes | None" = None) -> "Axes":
+    """Draw a diagram of a solution, a motion, or a trajectory.
 
     Parameters
     ----------
-    answer : Solution or Motion
+    answer : Solution, Motion or Trajectory
     kind : str
         Of a solution: `clearance` of every place of the body from the obstacles, in the length unit, from base to
         tip; `convergence`, the errors after every iteration, of methods with an option `iterations`.
@@ -62,8 +63,10 @@ def diagram(answer: Solution | Motion, kind: Kind, *, ax: "Axes | None" = None) 
         When there is no such diagram of this answer, or Matplotlib is missing.
     """
     need_matplotlib("diagram")
+    if isinstance(answer, Trajectory):
+        answer = answer.resampled(MOMENTS / answer.duration)
     if not isinstance(answer, Solution | Motion):
-        raise InputError("answer", "", answer, "a Solution or a Motion")
+        raise InputError("answer", "", answer, "a Solution, a Motion or a Trajectory")
     checks.choice("kind", kind, get_args(Kind))
     known = diagrams_of(answer)
     if kind not in known:

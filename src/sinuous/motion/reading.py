@@ -1,0 +1,154 @@
+"""Motions from files: our own JSON or YAML, results, CSV, NPZ, and ROS `JointTrajectory` in JSON."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sinuous.base import checks
+from sinuous.base.checks import Floats
+from sinuous.base.documents import readable
+from sinuous.base.errors import InputError, suggested
+from sinuous.base.text_tables import read_table
+from sinuous.files.documents import read_text, read_values
+from sinuous.files.joint_chain import JointChain
+from sinuous.model.robot import Robot
+from sinuous.model.segment import coordinate_names
+from sinuous.motion.job import load
+from sinuous.motion.motion import Motion
+from sinuous.scene.scene import SceneLike
+from sinuous.scene.snapshot import Snapshot
+
+TABLES = (".csv", ".tsv", ".txt")
+
+CONSISTENT = 1e-6
+"""By how much joints may contradict each other: rad, or mean lengths of the robot."""
+
+TIME = ("time", "t")
+
+
+def read_motion(file: str | Path, robot: Robot | None, scene: SceneLike | Snapshot | None) -> Motion:
+    """Read a motion; see `Motion.load`."""
+    ending = Path(file).suffix.lower()
+    if ending in (*TABLES, ".npz"):
+        own = _needed(file, robot)
+        if ending == ".npz":
+            return Motion.from_npz(file, own, scene)
+        with checks.in_file(file):
+            return _proved(own, *_read_table(read_text(file), own), scene)
+    values = _values(file)
+    if isinstance(values, dict) and "motion" in values:
+        if robot is not None:
+            raise InputError("robot", "the file holds one", robot, "no robot", str(file))
+        return load(file, Motion)
+    own = _needed(file, robot)
+    with checks.in_file(file):
+        if isinstance(values, dict) and "joint_names" in values:
+            return _proved(own, *_read_ros(values, own), scene)
+        if isinstance(values, dict) and "knots" in values:
+            knots = checks.rows("knots", values["knots"], len(own), 3)
+            return _proved(own, knots, checks.increasing("times", values.get("times"), len(knots)), scene)
+        expected = "a motion, a result with knots, or a JointTrajectory (joint_names, points)"
+        raise InputError("file", "holds no motion", sorted(values) if isinstance(values, dict) else values, expected)
+
+
+def _needed(file: str | Path, robot: Robot | None) -> Robot:
+    if robot is None:
+        raise InputError("robot", "missing", None, "the robot whose motion it is: this file does not say", str(file))
+    checks.instance("robot", robot, Robot, "a Robot")
+    return robot
+
+
+def _values(file: str | Path) -> Any:
+    """Plain values of a file; of several lines of results, the only one."""
+    if Path(file).suffix.lower() not in {".json", ".jsonl"}:
+        return read_values(file)
+    with readable(file):
+        lines = [line for line in Path(file).read_text(encoding="utf-8").splitlines() if line.strip()]
+    try:
+        return json.loads(lines[0]) if len(lines) == 1 else json.loads("\n".join(lines))
+    except ValueError as error:
+        raise InputError("file", f"no JSON: {error}", None, "a motion, or one result", str(file)) from None
+
+
+def _proved(robot: Robot, q: Floats, times: Floats, scene: SceneLike | Snapshot | None) -> Motion:
+    return Motion(robot, q, scene, times)
+
+
+def _read_table(text: str, robot: Robot) -> tuple[Floats, Floats]:
+    """Knots (T, n, 3) and times (T,) of a table with names."""
+    table, rows = read_table(text)
+    if table.names is None:
+        raise InputError("columns", "no names", "numbers alone", "a line with names: time, s1.bend_x, ... or actuators")
+    own = [name.lower() for name in table.names]
+    shapes, motors = coordinate_names(robot.segment_names), [actuator.name for actuator in robot.actuators]
+    read = shapes if shapes[0].lower() in own or not motors else motors
+    missing = [name for name in read if name.lower() not in own]
+    when = next((name for name in TIME if name in own), None)
+    if missing or when is None:
+        wanted = missing[0] if missing else TIME[0]
+        raise InputError("columns", f"no column {wanted}", list(table.names), suggested(wanted, table.names))
+    numbers = np.full((len(rows), 1 + len(read)), np.nan)
+    for i, (number, line) in enumerate(rows):
+        cells = table.cells(line)
+        for k, name in enumerate([when, *read]):
+            value = table.number(cells[own.index(name.lower())]) if len(cells) == len(own) else None
+            if value is None or not np.isfinite(value):
+                raise InputError(f"line {number}", f"no number in column {name}", line, f"{len(own)} numbers")
+            numbers[i, k] = value
+    return _knots(robot, numbers[:, 1:], read is shapes), checks.increasing("time", numbers[:, 0], len(numbers))
+
+
+def _knots(robot: Robot, values: Floats, shapes: bool) -> Floats:
+    """Configurations (T, n, 3) of rows of coordinates, or of values of all actuators."""
+    if shapes:
+        return values.reshape(len(values), len(robot), 3)
+    q: Floats = robot.from_actuators(values)
+    return q
+
+
+def _read_ros(values: dict[str, Any], robot: Robot) -> tuple[Floats, Floats]:
+    """Knots (T, n, 3) and times (T,) of a `JointTrajectory`."""
+    names, points = values["joint_names"], values.get("points")
+    if not isinstance(points, list) or not points:
+        raise InputError("points", "", points, "a list of points")
+    try:
+        positions = np.array([point["positions"] for point in points], np.float64)
+        since = [point["time_from_start"] for point in points]
+        times = np.array([each["sec"] + 1e-9 * each["nanosec"] for each in since], np.float64)
+    except (TypeError, KeyError, ValueError):
+        raise InputError("points", "", points[0], "positions and time_from_start (sec, nanosec) in each") from None
+    checks.array("points", positions, (len(points), len(names)))
+    return _of_joints(robot, list(names), positions), checks.increasing("time_from_start", times, len(times))
+
+
+def _of_joints(robot: Robot, names: list[str], positions: Floats) -> Floats:
+    """Configurations (T, n, 3) of positions (T, j) of joints of the chain, or of actuators, by their names."""
+    motors = [actuator.name for actuator in robot.actuators]
+    if set(names) == set(motors):
+        return _knots(robot, positions[:, [names.index(name) for name in motors]], shapes=False)
+    for count in range(1, len(names) + 1):
+        chain = JointChain(robot, count)
+        if set(chain.names) == set(names):
+            return _of_chain(robot, chain, positions[:, [names.index(name) for name in chain.names]])
+    raise InputError("joint_names", "of another robot", names, _expected(robot, motors))
+
+
+def _of_chain(robot: Robot, chain: JointChain, values: Floats) -> Floats:
+    """Configurations (T, n, 3) of values (T, j) of a chain, which share the bend of each segment evenly."""
+    home = robot.clamp(np.zeros((len(robot), 3))).ravel()
+
+    moved = np.abs(chain.matrix).sum(axis=0) > 0.0
+    q = np.where(moved, values @ np.linalg.pinv(chain.matrix).T, home)
+    off = np.abs(q @ chain.matrix.T - values).max()
+    if off > CONSISTENT * max(1.0, robot.mean_length):
+        raise InputError("positions", f"joints of one segment differ by {off:.3g}", None, "shares of one bend")
+    return q.reshape(len(values), len(robot), 3)
+
+
+def _expected(robot: Robot, motors: Sequence[str]) -> str:
+    own = JointChain(robot).names
+    told = f"joints of its URDF ({own[0]}, ...)" if own else "joints of its URDF"
+    return f"{told} or actuators ({', '.join(motors[:3])}, ...)" if motors else told

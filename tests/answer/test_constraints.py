@@ -39,7 +39,7 @@ def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
     less, more = (
         np.array([[each.slack for each in ROBOT.limit_set.sides(one)] for one in q + s * steps]) for s in (-1, 1)
     )
-    for limit, numbers in zip(sides(q), ((less - more) / (2.0 * h)).T, strict=True):
+    for limit, numbers in zip(ROBOT.limit_set.sides(q), ((less - more) / (2.0 * h)).T, strict=True):
         if limit.key == "max_bend" and limit.segment == 3:
             continue  # a bend that is none has no direction
         np.testing.assert_allclose(normal(limit, unit), numbers, atol=1e-8)

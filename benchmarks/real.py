@@ -169,7 +169,7 @@ def tendon_robot(_: Plan) -> list[Line]:
     ]
 
 
-def _alone(found: sn.Equilibrium) -> float:
+def _alone(found: sn.answer.Equilibrium) -> float:
     """Seconds of the search for an equilibrium, without laying out tables."""
     began = time.thread_time()
     run(found.robot, found._begin)

@@ -1,5 +1,6 @@
 """Make pictures of the documentation: `python docs/figures.py`, or with names of some."""
 
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -69,6 +70,16 @@ def duct_scan() -> None:
 def gripper() -> None:
     """An example."""
     shape("gripper", sn.load(EXAMPLES / "gripper_and_elbow.yaml").solve())
+
+
+def joints() -> None:
+    """What a guide solves."""
+    names: dict[str, Any] = {}
+    page = (ROOT / "docs" / "guides" / "joints.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    for name, block in zip(("bronchoscope", "six_axis"), blocks, strict=False):
+        exec(block, names)
+        shape(name, names["solution"])
 
 
 def path_through_spheres() -> None:
@@ -216,6 +227,7 @@ FIGURES: dict[str, Callable[[], None]] = {
         duct,
         duct_scan,
         gripper,
+        joints,
         path_through_spheres,
         first_steps,
         tendons,

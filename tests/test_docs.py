@@ -123,12 +123,14 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
     exec(compile("import sinuous as sn\n" + "\n".join(blocks("format.md", "python")), "format.md", "exec"), names)
     assert names["again"].to_dict() == names["solution"].to_dict()
     assert sn.load("motion.json").equals(names["motion"])
-    problem, motors, driven, moving = blocks("format.md", "yaml")
+    problem, jointed, motors, driven, moving = blocks("format.md", "yaml")
     Path("gate.csv").write_text("t,x,y,z\n0,0,90,0\n1,0,60,0\n", encoding="utf-8")
     Path("problem.yaml").write_text(moving + "robot: {segments: {length: 50}}\ntarget: {position: [0, 0, 50]}")
     Path("motors.yaml").write_text(motors + "target: {position: [10, 0, 100]}", encoding="utf-8")
     scene = sn.load("problem.yaml", sn.Job).scene
     assert len([each for each in scene.obstacles if isinstance(each, sn.Moving)]) == len(scene) == 2
+    Path("jointed.yaml").write_text(jointed, encoding="utf-8")
+    assert sn.load("jointed.yaml", sn.Job).robot.joint_names == ("feed", "j2")
     for text in (problem, *(part + "target: {position: [10, 0, 100]}" for part in (motors, driven))):
         Path("problem.yaml").write_text(text, encoding="utf-8")
         assert main(["solve", "problem.yaml"]) == 0

@@ -257,7 +257,7 @@ def preferred(shape: str, rng: Generator) -> Preferred:
     return Preferred(solver.solve(targets_at(robot, asked, rng), q), prefer, q)
 
 
-def loaded(rng: Generator) -> sn.Equilibrium:
+def loaded(rng: Generator) -> sn.answer.Equilibrium:
     """Draw a shape under load: of a robot of 1 to 3 elastic segments, in gravity, with a payload and a force."""
     rod = sn.Stiffness(bend=1.0, twist=rng.uniform(0.5, 1.5), stretch=10.0 ** rng.uniform(1.0, 3.0))
     segments = [sn.Segment((0.3, 0.6), radius=0.01)] * int(rng.integers(1, 4))

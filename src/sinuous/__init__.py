@@ -12,11 +12,12 @@ __version__ = "0.2.0"
 
 _HOMES = {
     "sinuous.answer.solution": "Solution",
-    "sinuous.answer.solutions": "Solutions",
     "sinuous.answer.status": "Status",
     "sinuous.answer.verification": "check",
     "sinuous.base.errors": "InputError NotSolvedError SuspiciousInput",
+    "sinuous.files.urdf_joints": "read_joints",
     "sinuous.model.actuators": "Actuators Chambers Stage Tendons",
+    "sinuous.model.joints": "Prismatic Revolute",
     "sinuous.model.loads": "Force Payload",
     "sinuous.model.poses": "pose",
     "sinuous.model.rates": "Rates",
@@ -40,13 +41,12 @@ _HOMES = {
     "sinuous.scene.scene": "Scene",
     "sinuous.solver.memory": "Memory",
     "sinuous.solver.solver": "Solver solve solve_all",
-    "sinuous.statics.equilibrium": "Equilibrium",
     "sinuous.view.page.show": "show",
     "sinuous.view.pictures.plot": "plot",
 }
 
 _MOVED = {
-    "sinuous.answer": "Explanation Step Verification",
+    "sinuous.answer": "Equilibrium Explanation Solutions Step Verification",
     "sinuous.methods": "Network train",
     "sinuous.studies": "Assessment Calibration Cover Design Exploration Follow Move Reach UnfinishedError "
     "assess calibrate design explore reach solve_batch suggest sweep",

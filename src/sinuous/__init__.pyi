@@ -6,16 +6,18 @@ from sinuous import methods as methods
 from sinuous import studies as studies
 from sinuous import view as view
 from sinuous.answer.solution import Solution as Solution
-from sinuous.answer.solutions import Solutions as Solutions
 from sinuous.answer.status import Status as Status
 from sinuous.answer.verification import check as check
 from sinuous.base.errors import InputError as InputError
 from sinuous.base.errors import NotSolvedError as NotSolvedError
 from sinuous.base.errors import SuspiciousInput as SuspiciousInput
+from sinuous.files.urdf_joints import read_joints as read_joints
 from sinuous.model.actuators import Actuators as Actuators
 from sinuous.model.actuators import Chambers as Chambers
 from sinuous.model.actuators import Stage as Stage
 from sinuous.model.actuators import Tendons as Tendons
+from sinuous.model.joints import Prismatic as Prismatic
+from sinuous.model.joints import Revolute as Revolute
 from sinuous.model.loads import Force as Force
 from sinuous.model.loads import Payload as Payload
 from sinuous.model.poses import pose as pose
@@ -56,7 +58,6 @@ from sinuous.solver.memory import Memory as Memory
 from sinuous.solver.solver import Solver as Solver
 from sinuous.solver.solver import solve as solve
 from sinuous.solver.solver import solve_all as solve_all
-from sinuous.statics.equilibrium import Equilibrium as Equilibrium
 from sinuous.view.page.show import show as show
 from sinuous.view.pictures.plot import plot as plot
 

@@ -35,11 +35,9 @@ def test_the_least_slack_is_the_excess(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
     q, unit, h = random_q(seed), 0.7, 1e-6
-    for i, limit in enumerate(limits_of(ROBOT, q)):
+    steps = h * np.eye(12).reshape(12, 4, 3) * [1.0, 1.0, unit]
+    less, more = (np.array([[each.slack for each in limits_of(ROBOT, one)] for one in q + s * steps]) for s in (-1, 1))
+    for limit, numbers in zip(limits_of(ROBOT, q), ((less - more) / (2.0 * h)).T, strict=True):
         if limit.key == "max_bend" and limit.segment == 3:
             continue  # a bend that is none has no direction
-        numbers = []
-        for step in h * np.eye(12).reshape(12, 4, 3) * [1.0, 1.0, unit]:
-            more, less = (list(limits_of(ROBOT, q + sign * step))[i].slack for sign in (1.0, -1.0))
-            numbers.append((less - more) / (2.0 * h))
         np.testing.assert_allclose(normal(limit, unit), numbers, atol=1e-8)

@@ -108,3 +108,29 @@ def test_actuators_at_the_start_are_said(run: Run) -> None:
     assert list(started["actuators"]) == [f"s{k}.t{j}" for k in (1, 2) for j in (1, 2, 3)]
     assert started["actuators"]["s2.t1"] == pytest.approx(0.1)
     assert still["actuators"] is None
+
+
+def test_joints_are_listed(run: Run) -> None:
+    joints = "[{prismatic: {limits: [0, 2], name: feed}}, {revolute: {limits: [-1, 1]}}]"
+    start = "start: {joints: [1.0, 0.5], q: [[0, 0, 1]]}\n"
+    Path("arm.yaml").write_text(f"robot: {{segments: {{length: 1, radius: 0.1}}, joints: {joints}}}\n{TARGET}{start}")
+    said = run("check arm.yaml", 1).out.splitlines()
+    assert said[:4] == [
+        "arm.yaml: 1 segment, length 1; 0 obstacles; 1 waypoint",
+        "  joint feed: prismatic, 0 to 2",
+        "  joint j2: revolute, -1 to 1",
+        "  robot: radius 0.1",
+    ]
+    (result,) = run("check --json arm.yaml", 1).results
+    assert result["joints"] == [
+        {"name": "feed", "kind": "prismatic", "limits": [0, 2]},
+        {"name": "j2", "kind": "revolute", "limits": [-1, 1]},
+    ]
+    for old, new, refusal in (
+        ("prismatic", "slider", "robot.joints[0].slider: unknown key"),
+        ("[-1, 1]", "[1, -1]", "robot.joints[1].revolute.limits: lower limit above"),
+        ("name: feed", "name: j2", "robot.joints[1].name: is that of joints[0].name already"),
+        ("[1.0, 0.5]", "[1.0]", "start.joints: expected finite numbers of shape (..., 2)"),
+    ):
+        Path("bad.yaml").write_text(Path("arm.yaml").read_text().replace(old, new, 1))
+        assert run("check bad.yaml", 2).err.startswith(f"bad.yaml: {refusal}")

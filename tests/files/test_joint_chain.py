@@ -46,7 +46,7 @@ def test_what_cannot_move_has_no_joint() -> None:
     rod = sn.Robot([sn.Segment(10, max_bend=0), sn.Segment((0, 5), max_bend=0)])
     chain = JointChain(rod)
     assert chain.names == ("s2_1_z",)
-    assert (chain.joints[0].height, chain.end) == (10.0, 0.0)
+    assert (chain.joints[0].origin[2, 3], chain.end) == (10.0, 0.0)
 
 
 def test_a_count_that_is_none_is_refused() -> None:

@@ -80,7 +80,7 @@ def test_motors_lead_the_tip_to_where_the_robot_has_it(name: str, tmp_path: Path
     data.ctrl[:] = driven.controls(q)
     mujoco.mj_step(model, data, nstep=2500)
     wanted = driven.chain.values(q)
-    scale = np.where([joint.axis == "z" for joint in driven.chain.joints], robot.mean_length, 1.0)
+    scale = np.where([joint.slides for joint in driven.chain.joints], robot.mean_length, 1.0)
     np.testing.assert_allclose(joints_of(driven, data) / scale, wanted / scale, atol=2e-4)
     off = np.linalg.norm(data.site("tool").xpos - robot.tip(q)[:3, 3])
     turning = np.linalg.norm(q[:, :2], axis=1).sum()

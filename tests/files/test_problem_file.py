@@ -216,7 +216,7 @@ WRONG = {
     "robot: {segments: {length: 1}, base: {direction: [0, 0, 0]}}": "robot.base.direction: expected a vector that is",
     "robot: {segments: {count: 2, length: 1, name: a}}": "robot.segments[1].name: is that of segments[0].name",
     "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: expected a mapping with matrix, names",
-    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, actuators, name, ",
+    "robot: 3": "robot: expected a mapping with segments, joints, radius, mount, base, tool, self_collision, ",
     "scene: {}": "scene: expected a list of obstacles, got {}",
     "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space",
     "scene: [{spere: {}}]": "scene[0].spere: unknown key; did you mean 'sphere'?",

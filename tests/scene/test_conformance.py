@@ -215,9 +215,9 @@ def test_bounds_are_bounds(name: str) -> None:
     nodes = around(10, 0)
     if row[0, 0] >= TREE and row[0, FIRST_SAMPLE] >= 0:
         shape = row[0, SHAPE : SHAPE + 3]
-        index = np.random.default_rng(11).integers(0, shape, (200, 3))
+        index = np.random.default_rng(11).integers(0, shape, (100, 3))
         nodes = row[0, ORIGIN : ORIGIN + 3] + row[0, SPACING] * index
-    points = np.concatenate([around(12, 300), around(13, 120, far=True), close(name, 14, 200), nodes])
+    points = np.concatenate([around(12, 150), around(13, 60, far=True), close(name, 14, 100), nodes])
     true = case(name).truth(points)
     rounding = 1e-12 * (1.0 + abs(true))
     bounds, above = ask(name, points, 1), ask(name, points, 3)
@@ -229,7 +229,7 @@ def test_bounds_are_bounds(name: str) -> None:
 
 @pytest.mark.parametrize("name", FIELDS)
 def test_what_is_within_reach_is_exact_and_the_rest_is_beyond(name: str) -> None:
-    points = np.concatenate([around(15, 120), around(16, 30, far=True), close(name, 17, 40)])
+    points = np.concatenate([around(15, 60), around(16, 15, far=True), close(name, 17, 25)])
     exact = ask(name, points, 2)[:, 0]
     for reach in (-0.1, 0.0, 0.05, 0.5, 2.0):
         low, high = ask(name, points, 2, reach).T
@@ -246,7 +246,7 @@ def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
     table = scene.table
     rich = table[0, 0] >= TREE and table[0, FIRST_SAMPLE] >= 0
     cell = table[0, SPACING] if rich else 0.0
-    points = close(name, 18, 300)
+    points = close(name, 18, 150)
     if rich:
         low = table[0, ORIGIN : ORIGIN + 3]
         high = low + cell * (table[0, SHAPE : SHAPE + 3] - 1)

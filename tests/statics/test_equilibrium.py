@@ -45,7 +45,7 @@ def weighed(frame: Floats, state: Floats) -> Floats:
     return total
 
 
-def energy(found: sn.Equilibrium, states: Floats, rests: Floats, tensions: Any = ()) -> float:
+def energy(found: sn.answer.Equilibrium, states: Floats, rests: Floats, tensions: Any = ()) -> float:
     """Energy of a body of arcs, forces and weights, from their definitions."""
     robot, arcs = found.robot, len(states) // len(found.robot)
     frames, total, gravity = frames_of(states, robot.base), 0.0, robot.gravity

@@ -78,7 +78,7 @@ two: npt.NDArray[np.bool_] = sn.check(robot, [q, q], scene).ok
 print(sn.check(robot, solution.q).clearance < 1, sn.check(robot, track.q).ok.all())
 batch = ik.solve_many(positions=corners, directions=[[0, 0, 1.5]] * 4, initial=q, workers=2, progress=True)
 first: sn.Solution = batch[0]
-some: sn.Solutions = ik.solve_many([target, [target, elbow]], initial=[solution, solution.q])[:1]
+some: sn.answer.Solutions = ik.solve_many([target, [target, elbow]], initial=[solution, solution.q])[:1]
 print(batch.solved.mean(), batch.q.shape, sn.track(robot, positions=corners, time=0.1).q)
 job = sn.load("job.yaml", sn.Job)
 job.solve(time=0.5).explain()

@@ -9,7 +9,9 @@ __getattr__, __dir__, __all__ = entrance(
         "sinuous.answer.derivatives.many": "Derivatives",
         "sinuous.answer.explanation": "Explanation",
         "sinuous.answer.observer": "Observed",
+        "sinuous.answer.solutions": "Solutions",
         "sinuous.answer.step": "Active Step",
         "sinuous.answer.verification": "MotionVerification Verification Verifications",
+        "sinuous.statics.equilibrium": "Equilibrium",
     },
 )

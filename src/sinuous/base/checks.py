@@ -151,9 +151,9 @@ def _has_truth_value(value: Any) -> bool:
     return isinstance(value, (bool, np.bool_))
 
 
-def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
+def stack(key: str, value: Any, shape: Sequence[int | None], expected: str | None = None) -> Floats:
     """Check an array of finite numbers whose last axes have this shape, with any axes in front of them."""
-    expected = _stacked(tuple(shape))
+    expected = expected or _stacked(tuple(shape))
     try:
         lead = np.ndim(value) - len(shape)
     except ValueError:  # rows of different lengths; `array` says so

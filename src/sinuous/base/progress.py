@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Lock, Timer
 from typing import Any
@@ -12,6 +12,13 @@ LONG = 10
 
 LOG_EVERY = 60.0
 """Seconds between two lines where standard error is no terminal."""
+
+LATE = 2.0
+"""Seconds from which on somebody waits, and is told of it."""
+
+
+_open: "list[ProgressBar]" = []
+"""Bars that are shown: a terminal has room for one."""
 
 
 class ProgressBar:
@@ -61,10 +68,13 @@ class ProgressBar:
             (self._start.start if late > 0.0 else self._bar.start)()
 
     def __enter__(self) -> "ProgressBar":
+        if self.shows:
+            _open.append(self)
         return self
 
     def __exit__(self, *_: object) -> None:
         if self.shows:
+            _open.remove(self)
             self._start.cancel()
             if self._start.is_alive():
                 self._start.join()
@@ -109,6 +119,22 @@ class ProgressBar:
         self._bar.stop()
         yield
         self._bar.start()
+
+
+@contextmanager
+def estimated(what: str, seconds: float) -> Iterator[Callable[[str, float | None], object]]:
+    """Tell of something that takes about so many seconds, if that is long: in a bar, or in one line of a log.
+
+    Yields what is called with the name of a part, and the share of it that is done.
+    """
+    if seconds >= LATE and not sys.stderr.isatty():
+        sys.stderr.write(f"sinuous: {what}, about {seconds:,.0f} s\n")
+    if _open:
+        _open[-1].say(what)
+        yield _open[-1].say
+        return
+    with ProgressBar(what=what, late=LATE) as bar:
+        yield bar.say
 
 
 def rich_progress(*columns: Any) -> Any:

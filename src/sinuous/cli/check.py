@@ -14,6 +14,8 @@ from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
 from sinuous.files.documents import json_line
+from sinuous.model.joints import Fixed
+from sinuous.model.robot import Robot
 from sinuous.motion.job import Job
 
 MOST = 12
@@ -57,12 +59,14 @@ def _alone(problem: Job, q: Floats) -> Verification:
 
 
 def _contents(problem: Job, start: Verification | None) -> dict[str, Any]:
-    lengths = [segment.length for segment in problem.robot.rows]
+    robot = problem.robot
+    lengths, radii = [segment.length for segment in robot.segments], robot.body_radii
     return {
         "file": problem.file,
+        **({"joints": _joints(robot)} if robot.joints else {}),
         "segments": len(lengths),
         "length": [sum(low for low, _ in lengths), sum(high for _, high in lengths)],
-        "radius": [min(problem.robot.radii), max(problem.robot.radii)],
+        "radius": [min(radii, default=0.0), max(radii, default=0.0)],
         "obstacles": len(problem.scene),
         "waypoints": len(problem.waypoints),
         "sizes": [{"name": name, "size": size, "from_base": away} for name, size, away in _sizes(problem)],
@@ -78,7 +82,8 @@ def _description(problem: Job, start: Verification | None) -> str:
     counts = [counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
     line = f"{problem.file}: {counts[0]}, length {span(contents['length'])}; {counts[1]}; {counts[2]}"
     radii = contents["radius"]
-    sizes = [f"robot: radius {span(radii)}", *map(_size_in_words, contents["sizes"][:MOST])]
+    joints = [f"joint {each['name']}: {each['kind']}, {span(each['limits'])}" for each in contents.get("joints", ())]
+    sizes = [*joints, f"robot: radius {span(radii)}", *map(_size_in_words, contents["sizes"][:MOST])]
     if len(contents["sizes"]) > MOST:
         sizes.append(f"and {len(contents['sizes']) - MOST} more obstacles")
     if contents["targets_from_base"] is not None:
@@ -87,6 +92,13 @@ def _description(problem: Job, start: Verification | None) -> str:
     verdict = [] if start is None else [f"start {_verdict(problem, start)}"]
     values = problem.robot.drive.in_words(contents["actuators"] or {})
     return "\n  ".join([line, *sizes, *notes, *verdict, *([f"actuators there: {values}"] if values else [])])
+
+
+def _joints(robot: Robot) -> list[dict[str, Any]]:
+    """Name, kind and limits of the joints that move."""
+    moving = (joint for joint in robot.joints if not isinstance(joint, Fixed))
+    pairs = zip(robot.joint_names, moving, strict=True)
+    return [{"name": name, "kind": joint.kind, "limits": list(joint.limits)} for name, joint in pairs]
 
 
 def _actuators(problem: Job) -> dict[str, float] | None:

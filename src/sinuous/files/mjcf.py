@@ -20,15 +20,15 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.base import checks
-from sinuous.base.arguments import Batch
+from sinuous.base.arguments import JointsAndBatch
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
 from sinuous.files.joint_chain import ChainJoint, JointChain, Link
-from sinuous.files.urdf import THIN, TURNING, text, texts
+from sinuous.files.urdf import THIN, text, texts
 from sinuous.kernels.packing import BendLine
+from sinuous.model.poses import pose
 from sinuous.model.segment import coordinate_names
 
 if TYPE_CHECKING:
@@ -40,6 +40,9 @@ STEP = 0.002
 
 STIFFEST = 0.2
 """Phase in rad by which the stiffest mode turns in one step of a simulation; from 2 on the integration explodes."""
+
+LIGHT = 1e-3
+"""Mass of a link without a body, as a share of that of the arm."""
 
 SLOWEST = 1e-6
 """Modes whose stiffness is less than this share of the largest are driven by nothing."""
@@ -108,12 +111,19 @@ class DrivenChain(Frozen):
             raise InputError("robot", "nothing of it can move", robot, "a segment that bends or stretches")
         open_ones = np.flatnonzero(undetermined.ravel())
         rows = np.concatenate([robot.drive.jacobian, np.eye(3 * len(robot))[open_ones]])
+        own_joints = {(joint.segment, joint.coordinate): joint for joint in chain.joints[: len(robot.joint_names)]}
+        alone = [own_joints.get(divmod(int(c), 3)) for c in open_ones]
         moving = np.flatnonzero(rows[:, columns].any(axis=1))
         own, wanted = robot.drive.motors, len(open_ones)
-        gain, offset = np.append(own.gain, np.ones(wanted)), np.append(own.offset, np.zeros(wanted))
+        gain, offset = (
+            np.append(own.gain, np.ones(wanted)),
+            np.append(own.offset, [0.0 if j is None else j.offset for j in alone]),
+        )
         own_names = coordinate_names(robot.segment_names)
-        names = [*(a.name for a in robot.actuators), *(own_names[c] for c in open_ones)]
-        limits = [*(a.limits for a in robot.actuators), *(_limits(robot, int(c)) for c in open_ones)]
+        names = [a.name for a in robot.actuators]
+        names += [own_names[c] if j is None else j.name for c, j in zip(open_ones, alone, strict=True)]
+        limits = [a.limits for a in robot.actuators]
+        limits += [_limits(robot, int(c)) if j is None else j.limits for c, j in zip(open_ones, alone, strict=True)]
         inertia = np.tile([robot.mean_length**2] * 2 + [1.0], len(robot)) * mass
         squares = (chain.matrix**2).sum(axis=0)
         stiffness, of_stiffness, of_inertia = _servos(rows[np.ix_(moving, columns)], inertia[columns])
@@ -124,7 +134,8 @@ class DrivenChain(Frozen):
             weights = chain.matrix[:, columns] @ (rows[i, columns] / squares[columns])
             joints = {chain.names[j]: float(weights[j]) for j in np.flatnonzero(weights)}
             turned = own_stiffness / gain[i] ** 2
-            constant, told = float(rows[i, still] @ fixed), (float(gain[i]), float(offset[i]))
+            constant = float(rows[i, still] @ fixed) - float(weights @ chain.offsets)
+            told = float(gain[i]), float(offset[i])
             drives.append(Drive(names[i], joints, constant, *told, limits[i], turned, of_stiffness * turned))
         armature = (chain.matrix != 0.0) @ np.divide(inertia, squares, out=np.zeros(len(squares)), where=squares > 0.0)
         self._set(chain=chain, mass=mass, drives=tuple(drives), armature=armature)
@@ -135,9 +146,9 @@ class DrivenChain(Frozen):
         """Names of all drives, in the order of their controls."""
         return tuple(drive.name for drive in self.drives)
 
-    def controls(self, q: Batch) -> Floats:
+    def controls(self, q: JointsAndBatch) -> Floats:
         """What drives are told (..., d) so that the robot takes configurations (..., n, 3)."""
-        checked = checks.stack("q", q, (len(self.chain.robot), 3))
+        checked = self.chain.robot.configuration("q", q)
         return checked.reshape(*checked.shape[:-2], -1) @ self._rows.T + self._offsets
 
     def __len__(self) -> int:
@@ -243,29 +254,37 @@ def model_element(driven: DrivenChain) -> Element:
 def _bodies(world: Element, driven: DrivenChain) -> None:
     chain = driven.chain
     robot = chain.robot
-    density = driven.mass / sum(segment.length[1] for segment in robot.rows)
+    links = [chain.first, *(joint.link for joint in chain.joints)]
+    density = driven.mass / (sum(float(np.linalg.norm(c.end - c.start)) for own in links for c in own.cylinders) or 1.0)
     body = SubElement(world, "body", {"name": "base", "childclass": "arm"} | _pose(robot.base))
     thin = THIN * robot.mean_length
     _shapes(body, chain.first, density, thin)
     numbers = {joint.name: i for i, joint in enumerate(chain.joints)}
     for joints in _together(chain.joints):
-        height = joints[0].height + sum(_middle(joint) for joint in joints if joint.axis == "z")
-        body = SubElement(body, "body", name=joints[-1].name, pos=f"0 0 {text(height)}")
+        place = joints[0].origin
+        for joint in joints:
+            if joint.slides:
+                place = place @ pose(_middle(joint) * np.array(joint.axis))
+        body = SubElement(body, "body", {"name": joints[-1].name} | _pose(place))
         for joint in joints:
             i = numbers[joint.name]
             inertia = {"armature": text(driven.armature[i]), "damping": text(driven.damping[i])}
             SubElement(body, "joint", {"name": joint.name} | _joint(joint) | inertia)
         _shapes(body, joints[-1].link, density, thin)
-    SubElement(body, "site", name="tip", pos=f"0 0 {text(chain.end)}", size=text(thin))
-    at_tip = robot.tool.copy()
-    at_tip[2, 3] += chain.end
-    SubElement(body, "site", {"name": "tool", "size": text(thin)} | _pose(at_tip))
+        if not joints[-1].link.cylinders:  # what moves has a mass
+            mass = {"mass": text(LIGHT * driven.mass), "diaginertia": texts([LIGHT * driven.mass * thin * thin] * 3)}
+            SubElement(body, "inertial", {"pos": "0 0 0"} | mass)
+    SubElement(body, "site", {"name": "tip", "size": text(thin)} | _pose(chain.tip))
+    SubElement(body, "site", {"name": "tool", "size": text(thin)} | _pose(chain.tip @ robot.tool))
 
 
 def _together(joints: tuple[ChainJoint, ...]) -> Iterator[list[ChainJoint]]:
     """Yield runs of joints with nothing between them: they move one body."""
     run: list[ChainJoint] = []
     for joint in joints:
+        if run and (joint.slides or not np.array_equal(joint.origin, np.eye(4))):
+            yield run
+            run = []
         run.append(joint)
         if joint.link.cylinders or joint.link.balls:
             yield run
@@ -283,22 +302,24 @@ def _joint(joint: ChainJoint) -> dict[str, str]:
     """What is said of a joint, as in MuJoCo."""
     middle = _middle(joint)
     low, high = (middle + BEYOND * (end - middle) for end in joint.limits)
-    kind = {"type": "slide", "ref": text(middle)} if joint.axis == "z" else {"type": "hinge"}
+    kind = {"type": "slide", "ref": text(middle)} if joint.slides else {"type": "hinge"}
     limited = {"range": texts((low, high))} if low < high else {}  # what is locked has an equality
-    return kind | {"axis": TURNING[joint.axis], **limited}
+    return kind | {"axis": texts(joint.axis), **limited}
 
 
 def _shapes(body: Element, link: Link, density: float, thin: float) -> None:
     """Add the shapes of a link; cylinders carry the mass, by their lengths."""
-    for low, high, radius in link.cylinders:
-        size = f"{text(radius or thin)} {text(0.5 * (high - low))}"
-        _shape(body, "cylinder", 0.5 * (low + high), size, density * (high - low), radius)
-    for height, radius in link.balls:
-        _shape(body, "sphere", height, text(radius or thin), 0.0, radius)
+    for start, end, radius in link.cylinders:
+        along = end - start
+        length = float(np.linalg.norm(along))
+        place = pose(0.5 * (start + end), direction=along)
+        _shape(body, "cylinder", place, f"{text(radius or thin)} {text(0.5 * length)}", density * length, radius)
+    for at, radius in link.balls:
+        _shape(body, "sphere", pose(at), text(radius or thin), 0.0, radius)
 
 
-def _shape(body: Element, kind: str, height: float, size: str, mass: float, radius: float) -> None:
-    shape = {"type": kind, "pos": f"0 0 {text(height)}", "size": size, "mass": text(mass)}
+def _shape(body: Element, kind: str, place: Floats, size: str, mass: float, radius: float) -> None:
+    shape = {"type": kind, **_pose(place), "size": size, "mass": text(mass)}
     SubElement(body, "geom", shape if radius > 0.0 else shape | {"contype": "0"})
 
 
@@ -321,6 +342,8 @@ def _add_servos(element: Element, drives: tuple[Drive, ...]) -> None:
         SubElement(element, "general", {"name": drive.name, "tendon": drive.name} | servo)
 
 
-def _pose(pose: Floats) -> dict[str, str]:
-    axes = [*pose[:3, 0].tolist(), *pose[:3, 1].tolist()]
-    return {"pos": texts(pose[:3, 3].tolist()), "xyaxes": texts(axes)}
+def _pose(place: Floats) -> dict[str, str]:
+    """Where something is, as in MuJoCo."""
+    axes = [*place[:3, 0].tolist(), *place[:3, 1].tolist()]
+    turned = {} if np.array_equal(place[:3, :3], np.eye(3)) else {"xyaxes": texts(axes)}
+    return {"pos": texts(place[:3, 3].tolist())} | turned

@@ -17,7 +17,9 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import axis_of, read_table
 from sinuous.files.documents import join, parse_json, read_part, read_text
+from sinuous.files.urdf_joints import read_joints
 from sinuous.model.actuators import Actuators, Chambers, Stage, Tendons
+from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 from sinuous.model.loads import Payload
 from sinuous.model.names import MOST_SEGMENTS, segment_number
 from sinuous.model.poses import pose
@@ -125,15 +127,19 @@ def known_entries(value: Any, known: Iterable[str], required: Iterable[str] = ()
     return dict(value)
 
 
-def read_robot(value: Any) -> Robot:
-    """Read the mapping of a robot; what is in `SHARED` is that of every segment that has none of its own."""
-    entries = known_entries(value, keys_of(Robot)[0], ["segments"])
+def read_robot(value: Any, folder: Path = Path()) -> Robot:
+    """Read the mapping of a robot; what is in `SHARED` is that of every segment that has none of its own.
+
+    Names of files are relative to `folder`.
+    """
+    entries = known_entries(value, keys_of(Robot)[0], ["segments"] if not _has(value, "joints") else [])
     shared = {key: entries.pop(key) for key in SHARED if entries.get(key) is not None}
     checks.number("radius", shared.setdefault("radius", 0.0), low=0.0)
     with checks.inside("segments"):
-        entries["segments"] = _read_segments(entries["segments"], shared)
+        entries["segments"] = _read_segments(entries["segments"], shared) if "segments" in entries else []
     read_pose = partial(make, pose)
     parts: dict[str, Callable[[Any], Any]] = {
+        "joints": partial(_read_joints, folder=folder),
         "base": read_pose,
         "tool": read_pose,
         "actuators": partial(make, Actuators),
@@ -141,6 +147,36 @@ def read_robot(value: Any) -> Robot:
         "uncertainty": partial(make, Uncertainty),
     }
     return make(Robot, entries, parts)
+
+
+def _has(value: Any, key: str) -> bool:
+    """Whether a mapping says something under a key."""
+    return isinstance(value, dict) and value.get(key) is not None
+
+
+def _read_joints(value: Any, folder: Path) -> list[Joint]:
+    """Read a list of joints, or which chain of a URDF they are."""
+    if isinstance(value, dict):
+        files = {key: lambda name: folder / checks.text("", name) for key in ("urdf", "srdf")}
+        return make(read_joints, value, files)
+    return each(_read_joint, _list_of("joints", value))
+
+
+def _read_joint(value: Any) -> Joint:
+    kinds = {kind.__name__.lower(): kind for kind in (Revolute, Prismatic, Fixed)}
+    kind, description = _one_of(kinds, value)
+    with checks.inside(kind):
+        joint: Joint = make(kinds[kind], description, {"origin": _read_place_or_pose})
+    return joint
+
+
+def _one_of(kinds: Iterable[str], value: Any) -> tuple[str, Any]:
+    """Return the only entry of a mapping, whose key is one of some kinds."""
+    entries = known_entries(value, kinds)
+    if len(entries) != 1:
+        raise InputError("", "", value, "one of " + ", ".join(kinds))
+    ((kind, description),) = entries.items()
+    return kind, description
 
 
 def _read_segments(value: Any, shared: dict[str, Any]) -> list[Segment]:
@@ -181,17 +217,13 @@ def read_scene(value: Any, robot: Robot | None, folder: Path) -> Scene:
 
 def read_place(entries: dict[str, Any], folder: Path) -> tuple[Robot, Scene]:
     """Read the robot and the scene of a problem, each here or in a file of its own."""
-    robot = read_part("robot", entries["robot"], folder, lambda own, _: read_robot(own))
+    robot = read_part("robot", entries["robot"], folder, read_robot)
     return robot, read_part("scene", entries.get("scene"), folder, lambda own, inner: read_scene(own, robot, inner))
 
 
 def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obstacle]:
     """Read one obstacle; a mesh of bodies that overlap becomes several."""
-    kinds = (*OBSTACLES, *FROM_FILES)
-    entries = known_entries(value, kinds)
-    if len(entries) != 1:
-        raise InputError("", "", value, "one of " + ", ".join(kinds))
-    ((kind, description),) = entries.items()
+    kind, description = _one_of((*OBSTACLES, *FROM_FILES), value)
     with checks.inside(kind):
         if isinstance(description, dict) and MOVING in description:
             still = {key: value for key, value in description.items() if key != MOVING}
@@ -323,15 +355,26 @@ def read_configuration(key: str, value: Any, robot: Robot, folder: Path) -> Floa
 
 def _configuration(value: Any, robot: Robot) -> Floats:
     if not isinstance(value, dict):
-        return checks.array("", value, (len(robot), 3))
+        return _one_configuration("", value, robot)
+    joints = value.get("joints") if robot.joints else None
     if "knots" in value:  # a motion: where it ends
-        knots = checks.rows("knots", value["knots"], len(robot), 3)
+        rows = len(robot) if joints is None else len(robot.segments)
+        knots = checks.rows("knots", value["knots"], rows, 3)
         if not len(knots):
             raise InputError("knots", "", value["knots"], "at least one configuration")
-        return knots[-1]
+        last = None if joints is None else checks.rows("joints", joints, len(robot.joint_names))[-1]
+        return _one_configuration("knots", knots[-1], robot, last)
     if "q" not in value:
         raise InputError("q", "missing", value, "a result of an earlier solve")
-    return checks.array("q", value["q"], (len(robot), 3))
+    return _one_configuration("q", value["q"], robot, joints)
+
+
+def _one_configuration(key: str, value: Any, robot: Robot, joints: Any = None) -> Floats:
+    """Check rows of a configuration, or those of the segments and values of the joints."""
+    if not robot.joints:
+        return checks.array(key, value, (len(robot), 3))
+    found = robot.configuration(key, value, joints)
+    return checks.array(key, found, (len(robot), 3))
 
 
 def _list_of(what: str, value: Any, least: int = 1) -> list[Any]:

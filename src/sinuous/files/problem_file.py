@@ -49,10 +49,10 @@ def problem_arguments(value: Any, file: str, question: bool = True) -> dict[str,
     """Return what a problem file says, as arguments of `Job`; without its `question`, it may be a robot alone."""
     if not isinstance(value, dict):
         raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
-    alone = not question and "segments" in value and "robot" not in value
+    alone = not question and ("segments" in value or "joints" in value) and "robot" not in value
     entries = {} if alone else known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
-    robot, scene = (read_robot(value), Scene()) if alone else read_place(entries, folder)
+    robot, scene = (read_robot(value, folder), Scene()) if alone else read_place(entries, folder)
     start = entries.get("start")
     return {
         "robot": robot,

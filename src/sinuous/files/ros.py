@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-import numpy as np
-
 from sinuous.base import checks
 from sinuous.base.arguments import Whole
 from sinuous.base.checks import Floats
@@ -39,7 +37,7 @@ def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> JointMap:
     """Return the map to the joints of the chain, or to the motors of the robot."""
     if checks.choice("of", of, ("joints", "actuators")) == "joints":
         chain = JointChain(robot, joints_per_segment)
-        return JointMap(chain.names, chain.matrix, np.zeros(len(chain.names)))
+        return JointMap(chain.names, chain.matrix, chain.offsets)
     if not robot.actuators:
         raise InputError("of", "the robot has none", of, "joints")
     names = tuple(actuator.name for actuator in robot.actuators)

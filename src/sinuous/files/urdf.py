@@ -14,12 +14,15 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
+from sinuous.base.errors import InputError
 from sinuous.files.joint_chain import ChainJoint, JointChain, Link
+from sinuous.model.poses import pose
 
 THIN = 0.005
 """Radius, as a share of the robot's mean length, of an arm that has none, to be looked at."""
 
-TURNING = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
+LINKS = ("world", "base", "tip", "tool")
+"""Links of every file."""
 
 
 def write_urdf(file: str | Path, chain: JointChain) -> None:
@@ -28,8 +31,11 @@ def write_urdf(file: str | Path, chain: JointChain) -> None:
     Raises
     ------
     InputError
-        When the file cannot be written.
+        When a joint has the name of one of these links, or the file cannot be written.
     """
+    for name in chain.names:
+        if name in LINKS:
+            raise InputError("joints", "a URDF has a link of that name already", name, "another name for the joint")
     write_xml(file, robot_element(chain))
 
 
@@ -48,10 +54,8 @@ def robot_element(chain: JointChain) -> Element:
         _joint(root, parent, joint)
         _link(root, joint.name, joint.link, thin)
         parent = joint.name
-    at_tip = np.eye(4)
-    at_tip[2, 3] = chain.end
-    for name, pose in (("tip", at_tip), ("tool", robot.tool)):
-        _fixed(root, parent, name, pose)
+    for name, place in (("tip", chain.tip), ("tool", robot.tool)):
+        _fixed(root, parent, name, place)
         _link(root, name, Link(), thin)
         parent = name
     return root
@@ -63,34 +67,39 @@ def _link(root: Element, name: str, link: Link, thin: float) -> None:
     SubElement(inertial, "mass", value="1")
     moment = text(0.4 * thin * thin)
     SubElement(inertial, "inertia", ixx=moment, iyy=moment, izz=moment, ixy="0", ixz="0", iyz="0")
-    for low, high, radius in link.cylinders:
-        size = {"length": text(high - low)}
-        _shape(element, "cylinder", 0.5 * (low + high), radius, thin, size)
-    for height, radius in link.balls:
-        _shape(element, "sphere", height, radius, thin, {})
+    for start, end, radius in link.cylinders:
+        along, middle = end - start, 0.5 * (start + end)
+        length = float(np.linalg.norm(along))
+        _shape(element, "cylinder", pose(middle, direction=along), radius, thin, {"length": text(length)})
+    for place, radius in link.balls:
+        _shape(element, "sphere", pose(place), radius, thin, {})
 
 
-def _shape(element: Element, kind: str, height: float, radius: float, thin: float, size: dict[str, str]) -> None:
+def _shape(element: Element, kind: str, place: Floats, radius: float, thin: float, size: dict[str, str]) -> None:
     for use in ("visual", "collision") if radius > 0.0 else ("visual",):
         shape = SubElement(element, use)
-        SubElement(shape, "origin", xyz=f"0 0 {text(height)}")
+        _origin(shape, place)
         SubElement(SubElement(shape, "geometry"), kind, {"radius": text(radius or thin), **size})
 
 
+def _origin(element: Element, place: Floats) -> None:
+    turned = {} if np.array_equal(place[:3, :3], np.eye(3)) else {"rpy": texts(roll_pitch_yaw(place[:3, :3]))}
+    SubElement(element, "origin", {"xyz": texts(place[:3, 3].tolist())} | turned)
+
+
 def _joint(root: Element, parent: str, joint: ChainJoint) -> None:
-    kind = "prismatic" if joint.axis == "z" else "revolute"
-    element = SubElement(root, "joint", name=joint.name, type=kind)
-    SubElement(element, "origin", xyz=f"0 0 {text(joint.height)}")
+    element = SubElement(root, "joint", name=joint.name, type="prismatic" if joint.slides else "revolute")
+    _origin(element, joint.origin)
     _ends(element, parent, joint.name)
-    SubElement(element, "axis", xyz=TURNING[joint.axis])
+    SubElement(element, "axis", xyz=texts(joint.axis))
     low, high = map(text, joint.limits)
-    SubElement(element, "limit", lower=low, upper=high, effort="1", velocity="1")
+    fast = text(joint.rate) if joint.rate < math.inf else "1"
+    SubElement(element, "limit", lower=low, upper=high, effort="1", velocity=fast)
 
 
-def _fixed(root: Element, parent: str, child: str, pose: Floats) -> None:
+def _fixed(root: Element, parent: str, child: str, place: Floats) -> None:
     element = SubElement(root, "joint", name=f"{child}_joint", type="fixed")
-    xyz, rpy = pose[:3, 3].tolist(), roll_pitch_yaw(pose[:3, :3])
-    SubElement(element, "origin", xyz=texts(xyz), rpy=texts(rpy))
+    _origin(element, place)
     _ends(element, parent, child)
 
 

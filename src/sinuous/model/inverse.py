@@ -78,9 +78,12 @@ class Inverse(Frozen):
             found = found + product(flat(reference), self._of_reference)
         return found.reshape(*found.shape[:-1], len(self.undetermined), 3)
 
-    def named(self, names: Sequence[str]) -> list[str]:
-        """Name the coordinates that are undetermined, of segments with these names."""
-        return [f"{COORDINATES[c]} of {names[k]} (segment {k + 1})" for k, c in np.argwhere(self.undetermined)]
+    def named(self, names: Sequence[str], joints: int = 0) -> list[str]:
+        """Name the coordinates that are undetermined, of rows with these names, the first of which are of joints."""
+        return [
+            f"joint {names[k]}" if k < joints else f"{COORDINATES[c]} of {names[k]} (segment {k + 1 - joints})"
+            for k, c in np.argwhere(self.undetermined)
+        ]
 
 
 def some_of(coordinates: Sequence[str]) -> str:

@@ -7,15 +7,18 @@ tail. So steps, limits, proofs and plans of segments hold for joints, too.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from itertools import pairwise
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Limits, Number, Rows, Vector
 from sinuous.base.checks import Floats, closed
+from sinuous.base.documents import plain, pose_arguments
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.frozen import Noun
+from sinuous.base.words import counted, span
 from sinuous.kernels import packing, tables
 from sinuous.model.names import optional_name
 from sinuous.model.poses import as_pose, pose
@@ -42,7 +45,7 @@ class LinkCapsule(NamedTuple):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as a problem file says it."""
-        return {"from": self.start.tolist(), "to": self.end.tolist(), "radius": self.radius}
+        return {"from": plain(self.start), "to": plain(self.end), "radius": plain(self.radius)}
 
 
 class Joint(Noun):
@@ -61,7 +64,7 @@ class Joint(Noun):
     body : list of {from, to, radius}, optional
         Capsules of the link after the joint, in the frame of that link.
     touches : list of str, optional
-        Other joints whose links this one may touch. Neighbours always may.
+        Other joints whose links this one may touch. Neighbours always may, and links between which none has a body.
     rate, acceleration : float, optional
         Largest ones, per second and per second squared.
 
@@ -79,6 +82,7 @@ class Joint(Noun):
     touches: tuple[str, ...]
     rate: float
     acceleration: float
+    _notes: tuple[str, ...] = ()
 
     def __init__(
         self,
@@ -104,13 +108,28 @@ class Joint(Noun):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the joint as a problem file says it."""
-        said: dict[str, Any] = {"axis": self.axis.tolist(), "limits": list(self.limits)}
-        return {self.kind: said | _said(self)}
+        return {self.kind: {"axis": plain(self.axis), "limits": plain(self.limits)} | _said(self)}
 
     @property
     def kind(self) -> str:
         """`revolute`, `prismatic` or `fixed`: its key in a file."""
         return type(self).__name__.lower()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What reading it from a file had to decide."""
+        return self._notes
+
+    def noted(self, *notes: str) -> Self:
+        """Return the same joint with such notes."""
+        other = object.__new__(type(self))
+        other._set(**{**vars(self), "_notes": notes})
+        return other
+
+    def __str__(self) -> str:
+        """Kind, limits and what it carries, in words."""
+        parts = [self.kind] if isinstance(self, Fixed) else [self.kind, span(self.limits)]
+        return ", ".join([*parts, *([counted(len(self.body), "capsule")] if self.body else [])])
 
 
 class Revolute(Joint):
@@ -207,6 +226,22 @@ class RigidRows(NamedTuple):
         """How many links move, beside the base."""
         return len(self.values)
 
+    def with_joints(self, q: Floats, joints: Floats) -> Floats:
+        """Configurations (..., rows, 3) of q (..., n, 3) of the segments and values (..., j) of the joints."""
+        lead = np.broadcast_shapes(q.shape[:-2], joints.shape[:-1])
+        result = np.zeros((*lead, len(self.rows) + q.shape[-2], 3))
+        result[..., : len(self.rows), 2] = [row.length[0] for row in self.rows]
+        result[..., self.values, self.columns] = joints + self.shifts
+        result[..., len(self.rows) :, :] = q
+        return result
+
+    def split(self, configuration: Floats) -> tuple[Floats, Floats]:
+        """Values (..., j) of the joints, and q (..., n, 3) of the segments, of configurations (..., rows, 3)."""
+        return (
+            configuration[..., self.values, self.columns] - self.shifts,
+            np.array(configuration[..., len(self.rows) :, :]),
+        )
+
 
 def joint_list(joints: Any) -> tuple[Joint, ...]:
     """Check joints."""
@@ -282,6 +317,46 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
     return RigidRows(rows, np.array(values, np.intp), np.array(columns, np.intp), np.array(shifts, np.float64))
 
 
+def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -> Floats:
+    """Check configurations of all rows, or of `count` segments with joints; return those of all rows (..., rows, 3).
+
+    Parameters
+    ----------
+    rigid : RigidRows
+    count : int
+        n, the number of segments.
+    key : str
+        What `q` is called where it is refused.
+    q : array_like (..., rows, 3) or (..., n, 3), or a pair of joints (..., j) and q (..., n, 3)
+        `None` is q where there are no segments.
+    joints : array_like (..., j), optional
+        Where `q` is that of the segments alone.
+    """
+    if joints is None and _is_pair(q):
+        with checks.inside(key):
+            return joined(rigid, count, "q", q[1], q[0])
+    moving, rows = len(rigid.values), len(rigid.rows) + count
+    if joints is None:
+        if moving == 0 and np.shape(q)[-2:] == (count, 3):
+            return rigid.with_joints(checks.stack(key, q, (count, 3)), np.zeros(0))
+        wanted = f"finite numbers of shape (..., {rows}, 3), or (..., {count}, 3) with joints (..., {moving})"
+        return checks.stack(key, q, (rows, 3), wanted)
+    values = checks.stack("joints", joints, (moving,))
+    arcs = checks.stack(key, np.zeros((0, 3)) if q is None and count == 0 else q, (count, 3))
+    checks.broadcast("joints", joints, arcs[..., 0, 0] if count else arcs.sum((-2, -1)), values.sum(-1))
+    return rigid.with_joints(arcs, values)
+
+
+def _is_pair(value: Any) -> bool:
+    """Whether a value is a pair of joints (..., j) and q (..., n, 3), rather than an array."""
+    if not isinstance(value, tuple) or len(value) != 2:
+        return False
+    try:
+        return value[1] is None or np.ndim(value[1]) == np.ndim(value[0]) + 1
+    except ValueError:
+        return False
+
+
 def _row(
     may_touch: Sequence[int],
     *,
@@ -303,11 +378,13 @@ def _row(
 
 def _may_touch(joints: Sequence[Joint]) -> list[int]:
     """Return for each link the sum of `2 ** link` of those that it may touch."""
-    names, links, link = joint_names(joints), {}, 0
+    names, links, link, with_body = joint_names(joints), {}, 0, set()
     for joint, name in zip(joints, names, strict=True):
         link += not isinstance(joint, Fixed)
         links[name] = link
+        with_body |= {link} if joint.body else set()
     pairs = {(i, i) for i in range(link + 1)} | {(i, i + 1) for i in range(link + 1)}
+    pairs |= {*pairwise(sorted(with_body | {link + 1}))}  # the last is the first segment
     for k, (joint, name) in enumerate(zip(joints, names, strict=True)):
         for i, other in enumerate(joint.touches):
             if other not in links and other != "base":
@@ -358,16 +435,15 @@ def _capsules(body: Body) -> tuple[LinkCapsule, ...]:
 
 def _said(joint: Joint) -> dict[str, Any]:
     """What a file says of a joint beside its axis and limits."""
-    said: dict[str, Any] = {}
-    if not np.array_equal(joint.origin, np.eye(4)):
-        said["origin"] = joint.origin.tolist()
-    if joint.name is not None:
-        said["name"] = joint.name
-    if joint.body:
-        said["body"] = [capsule.to_dict() for capsule in joint.body]
-    if joint.touches:
-        said["touches"] = list(joint.touches)
-    return said | {key: getattr(joint, key) for key in ("rate", "acceleration") if getattr(joint, key) < math.inf}
+    said = {
+        "origin": pose_arguments(joint.origin),
+        "name": joint.name,
+        "body": [capsule.to_dict() for capsule in joint.body],
+        "touches": list(joint.touches),
+        "rate": plain(joint.rate),
+        "acceleration": plain(joint.acceleration),
+    }
+    return {key: value for key, value in said.items() if value}
 
 
 NO_BODY = -1e100

@@ -13,11 +13,13 @@ from sinuous.base import checks
 from sinuous.base.arguments import (
     ActuatorValues,
     Batch,
+    JointsAndBatch,
     Limits,
     Number,
     OneEach,
     Rows,
     SelfCollision,
+    Stack,
     Vector,
     Which,
     Whole,
@@ -33,12 +35,23 @@ from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
 from sinuous.model.home import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
-from sinuous.model.joints import Joint, RigidRows, joint_list, mean_reach, rigid_rows, with_links
+from sinuous.model.joints import (
+    Joint,
+    RigidRow,
+    RigidRows,
+    joined,
+    joint_list,
+    joint_names,
+    mean_reach,
+    rigid_rows,
+    with_links,
+)
 from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
+from sinuous.model.link_overlaps import overlap_notes
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
-from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
+from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.model.poses import as_pose
-from sinuous.model.segment import Locked, Segment, Stiffness, segment_names
+from sinuous.model.segment import Locked, Segment, Stiffness, segment_names, straight
 from sinuous.model.tension_rows import TensionRows
 
 
@@ -247,6 +260,9 @@ class Robot(NotebookMixin, Frozen):
             listed = tuple(segment.changed(**given) for segment in listed)
         chain = (*rigid.rows, *listed)
         names = segment_names(chain)
+        if given_joints:
+            kinds = ("joints", joint_names(given_joints)), ("segments", names[len(rigid.rows) :])
+            refuse_repeated((f"{kind}[{k}].name", each) for kind, all_of in kinds for k, each in enumerate(all_of))
         carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
         checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")
@@ -338,7 +354,7 @@ class Robot(NotebookMixin, Frozen):
         checks.instance("coordinates", coordinates, Mapping, "a mapping from segments to (bend_x, bend_y, length)")
         segments = list(self.segments)
         for which, held in coordinates.items():
-            number = segment_number("coordinates", which, self.segment_names)
+            number = segment_number("coordinates", which, self.segment_names[len(self._rigid.rows) :])
             with checks.inside(f"coordinates.{which}"):
                 segments[number - 1] = segments[number - 1].changed(locked=held)
         return self.changed(segments=segments)
@@ -354,7 +370,14 @@ class Robot(NotebookMixin, Frozen):
         low, high = (sum(segment.length[i] for segment in self.segments) for i in (0, 1))
         name = [] if self.name is None else [text(self.name)]
         driven = [f"{len(self.drive)} actuators"] if len(self.drive) else []
-        return call("Robot", [*name, f"{len(self)} segments", f"total length {low:g} to {high:g}", *driven])
+        moved = [f"{len(self.joint_names)} joints"] if self.joints else []
+        arcs = [f"{len(self.segments)} segments", f"total length {low:g} to {high:g}"] if self.segments else []
+        return call("Robot", [*name, *moved, *arcs, *driven])
+
+    @property
+    def body_radii(self) -> tuple[float, ...]:
+        """Radii of what has a body: capsules of links, and all segments."""
+        return tuple(row.radius for row in self.rows if not isinstance(row, RigidRow) or row.has_body)
 
     @cached_property
     def mean_length(self) -> float:
@@ -418,8 +441,21 @@ class Robot(NotebookMixin, Frozen):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What may surprise: segments that are too thick for their own limits, and what `coordinate_notes` say."""
-        return (*held_back(self.rows, self.self_radii, self.curvatures), *self.coordinate_notes)
+        """What may surprise: segments too thick for their own limits, what `coordinate_notes` say, notes of joints."""
+        thick = held_back(self.rows, self.self_radii, self.curvatures)
+        return (*thick, *self.coordinate_notes, *self.joint_notes)
+
+    @cached_property
+    def joint_notes(self) -> tuple[str, ...]:
+        """What was decided where joints were read from a file, by joint; and which links overlap nearly everywhere."""
+        pairs = zip(joint_names(self.joints), self.joints, strict=True)
+        read = (f"{name}: {note}" for name, joint in pairs for note in joint.notes)
+        return (*read, *overlap_notes(self._rigid, self.joints, self.joint_names, self._begins))
+
+    def _begins(self, joints: Floats) -> Floats:
+        """Poses (m, r, 4, 4) in which rows of joints and links begin, at these values (m, j)."""
+        ends = self.forward(straight(self.segments).reshape(-1, 3), joints)[:, : len(self._rigid.rows) - 1]
+        return np.concatenate([np.broadcast_to(self.base, (len(ends), 1, 4, 4)), ends], axis=1)
 
     @cached_property
     def held_notes(self) -> tuple[str, ...]:
@@ -436,11 +472,12 @@ class Robot(NotebookMixin, Frozen):
 
     @property
     def _open_notes(self) -> tuple[str, ...]:
-        """What actuators that bend the robot move, but do not determine."""
+        """What actuators that bend the robot move, but do not determine; joints have motors of their own."""
         if not self.drive.jacobian.reshape(-1, len(self), 3)[..., :2].any():
             return ()
         lengths = {f"length of {name} (" for name in self._loose_lengths}
-        left = [each for each in self.undetermined if not any(each.startswith(name) for name in lengths)]
+        own = tuple(f"joint {name}" for name in self.joint_names)
+        left = [each for each in self.undetermined if not each.startswith((*lengths, *own))]
         return (f"actuators alone do not determine {some_of(left)}",) if left else ()
 
     @property
@@ -453,11 +490,16 @@ class Robot(NotebookMixin, Frozen):
             own = self.drive.elastic.determined & self.drive.coordinates.stretches
             moved[self.drive.coordinates.owner[own]] = True
         low, high = self.drive.coordinates.lengths.T
+        moved[: len(self._rigid.rows)] = True
         return tuple(self.segment_names[k] for k in np.flatnonzero((low < high) & ~moved))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the robot as a problem file says it: plain values that make an equal robot."""
-        return described(self) | {"segments": counted([segment.to_dict() for segment in self.segments])}
+        own = {
+            "segments": counted([segment.to_dict() for segment in self.segments]),
+            "joints": [joint.to_dict() for joint in self.joints],
+        }
+        return {key: value for key, value in (described(self) | own).items() if value != []}
 
     def save(self, file: str | Path) -> None:
         """Write the robot into a file, JSON when it is called so, YAML otherwise; `sinuous.load` reads it.
@@ -510,29 +552,69 @@ class Robot(NotebookMixin, Frozen):
         door("files.mjcf").write_mjcf(file, driven)
         return driven
 
-    def configuration(self, key: str, q: Batch) -> Floats:
-        """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
-        return checks.stack(key, q, (len(self), 3))
+    def configuration(self, key: str, q: Any, joints: Stack | None = None) -> Floats:
+        """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
-    def forward(self, q: Batch) -> Floats:
-        """Poses (..., n, 4, 4) of the ends of all segments in the world; the tool is not applied."""
-        _, frames, lead = self._frames(q)
+        Parameters
+        ----------
+        key : str
+            What it is called where it is refused.
+        q : array_like (..., rows, 3) or (..., n, 3), or a pair of joints (..., j) and q (..., n, 3)
+        joints : array_like (..., j), optional
+            Where `q` is that of the segments alone.
+        """
+        if not self._rigid.rows and joints is None:
+            return checks.stack(key, q, (len(self), 3))
+        return joined(self._rigid, len(self.segments), key, q, joints)
+
+    def with_joints(self, q: Batch | None, joints: Stack) -> Floats:
+        """Configurations (..., rows, 3) of the segments' q (..., n, 3) and the values (..., j) of the joints.
+
+        `q` may be `None` for a robot without segments.
+
+        Raises
+        ------
+        InputError
+            When the shapes are others, or do not fit each other.
+        """
+        return self.configuration("q", q, joints)
+
+    def split(self, configuration: Batch) -> tuple[Floats, Floats]:
+        """Values (..., j) of the joints and q (..., n, 3) of the segments, of configurations (..., rows, 3)."""
+        return self._rigid.split(self.configuration("configuration", configuration))
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints that move, in the order of their values; by default `j1`, `j2`, ..."""
+        return tuple(self.segment_names[row] for row in self._rigid.values)
+
+    def forward(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
+        """Poses (..., rows, 4, 4) of the ends of all rows in the world; the tool is not applied.
+
+        Rows are the joints and the capsules of their links, if there are any, then the n segments. The end of a joint
+        or capsule is where the next row begins.
+        """
+        _, frames, lead = self._frames(q, joints)
         poses = np.zeros((*frames.shape[:2], 4, 4))
         poses[..., :3, :3] = frames[..., :9].reshape(*frames.shape[:2], 3, 3)
         poses[..., :3, 3] = frames[..., 9:]
         poses[..., 3, 3] = 1.0
         return poses[:, 1:].reshape(*lead, len(self), 4, 4)
 
-    def tip(self, q: Batch) -> Floats:
+    def tip(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
-        return self.forward(q)[..., -1, :, :] @ self.tool
+        return self.forward(q, joints)[..., -1, :, :] @ self.tool
 
-    def backbone(self, q: Batch, samples: Whole = 20) -> Floats:
-        """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment."""
+    def backbone(self, q: JointsAndBatch | None, samples: Whole = 20, joints: Stack | None = None) -> Floats:
+        """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment.
+
+        Joints and capsules of links count as segments before them; the last n * samples points are those of the arm,
+        without the place where its first segment begins.
+        """
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         count = checks.integer("samples", samples, 1, 100_000)
-        flat, frames, lead = self._frames(q)
+        flat, frames, lead = self._frames(q, joints)
         points = np.empty((len(flat), len(self) * count + 1, 3))
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
@@ -554,18 +636,18 @@ class Robot(NotebookMixin, Frozen):
         )
         return out.reshape(*lead, 6, 3 * len(self))
 
-    def _frames(self, q: Batch) -> tuple[Floats, Floats, tuple[int, ...]]:
+    def _frames(self, q: JointsAndBatch | None, joints: Stack | None = None) -> tuple[Floats, Floats, tuple[int, ...]]:
         """Configurations (m, n, 3), the frames (m, n + 1, 12) of base and ends of segments, and axes in front."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
-        checked = self.configuration("q", q)
+        checked = self.configuration("q", q, joints)
         lead = checked.shape[:-2]
         flat = np.array(checked.reshape(-1, len(self), 3))
         frames = np.empty((len(flat), len(self) + 1, 12))
         batch.frames_of(self.limits.copy(), flat, packing.pose_row(self.base), frames)
         return flat, frames, lead
 
-    def shape(self, q: Batch, load: Loads = ()) -> "sn.Equilibrium":
+    def shape(self, q: Batch, load: Loads = ()) -> "sn.answer.Equilibrium":
         """Shape of the body under gravity, its payload and other loads, whose configuration without any would be `q`.
 
         Tendons and chambers keep their lengths, or stretch where they have a stiffness, and tendons that would have to
@@ -597,7 +679,7 @@ class Robot(NotebookMixin, Frozen):
         *,
         tensions: ActuatorValues | None = None,
         initial: Batch | None = None,
-    ) -> "sn.Equilibrium":
+    ) -> "sn.answer.Equilibrium":
         """Shape of the body under load at these values of the actuators (m,), or at these tensions (m,).
 
         Parameters
@@ -634,10 +716,12 @@ class Robot(NotebookMixin, Frozen):
         values, reference = fitting(given, initial, [each.name for each in self.actuators], len(self))
         return self._rest(loads, "actuators", values, reference)
 
-    def _rest(self, loads: tuple[Load, ...], drive: str, values: Floats, initial: Floats | None) -> "sn.Equilibrium":
+    def _rest(
+        self, loads: tuple[Load, ...], drive: str, values: Floats, initial: Floats | None
+    ) -> "sn.answer.Equilibrium":
         statics = door("statics.equilibrium")
         question = statics.EquilibriumQuestion(self, loads, drive, values, initial)
-        found: sn.Equilibrium = statics.find_equilibrium(question)
+        found: sn.answer.Equilibrium = statics.find_equilibrium(question)
         return found
 
     def excess(self, q: Batch) -> float:
@@ -778,7 +862,7 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def undetermined(self) -> tuple[str, ...]:
         """What no actuator determines, like `length of s2 (segment 2)`: `from_actuators` takes it from `initial`."""
-        return tuple(self._inverse.named(self.segment_names))
+        return tuple(self._inverse.named(self.segment_names, len(self._rigid.rows)))
 
     @cached_property
     def _inverse(self) -> Inverse:

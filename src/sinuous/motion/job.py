@@ -156,11 +156,11 @@ class Job(Frozen):
             for defect in obstacle.defects
         ]
         suspicious = all_suspicions(self.robot, self.scene.snapshot(), self.waypoints)
-        return (*defects, *suspicious, *self.robot.coordinate_notes)
+        return (*defects, *suspicious, *self.robot.coordinate_notes, *self.robot.joint_notes)
 
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
-        yield f"{len(self.robot)} segments"
+        yield f"{len(self.robot.segments)} segments"
         targets = f"{len(self.waypoints)} waypoints" if self.is_path else f"{sum(map(len, self.waypoints))} targets"
         yield "a goal" if self.goal is not None else targets
         yield f"{len(self.scene)} obstacles"
@@ -414,8 +414,12 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
 def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
     if isinstance(values, list):
         return read_scene(values, None, Path(file).parent)
-    if isinstance(values, dict) and "segments" in values and "robot" not in values:
-        return read_robot(values)
+    if (
+        isinstance(values, dict)
+        and ("segments" in values or "joints" in values)
+        and not {"robot", "motion"} & {*values}
+    ):
+        return read_robot(values, Path(file).parent)
     checks.instance("file", values, dict, "a problem, a robot, a list of obstacles, or a motion")
     if "motion" in values:
         return _saved_motion(values, file)

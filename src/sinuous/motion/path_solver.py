@@ -254,14 +254,15 @@ class PathSolver:
         asked = set[int]()
         while True:
             first, last = self._reached()
-            for station in dict.fromkeys((min(first + 1, whole - 1), max(last - 1, 0))):
-                if station not in asked:
-                    asked.add(station)
-                    found = self._whole.solve_all(list(self._stations[station].targets), count=OTHERS)
-                    yield from ((station, self._knot(each)) for each in found)
-                    if self._cannot_be_crossed(station if station > first else station + 1):
-                        self._hopeless = True
-                        return
+            for station, crossed in ((first + 1, first + 1), (last - 1, last)):
+                if not 0 <= station < whole or station in asked:
+                    continue
+                asked.add(station)
+                found = self._whole.solve_all(list(self._stations[station].targets), count=OTHERS)
+                yield from ((station, self._knot(each)) for each in found)
+                if crossed < whole and self._cannot_be_crossed(crossed):
+                    self._hopeless = True
+                    return
             for station, strand in ((first, True), (last, False)):
                 near = [each for each in self._strands if each.begin <= station <= each.end]
                 if near:

@@ -13,9 +13,10 @@ from sinuous.base.arguments import Number, Orientation, Rows, Triangles, Truth, 
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import text
+from sinuous.base.progress import estimated
 from sinuous.scene.mesh_files import Y_UP, read_mesh
 from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around
-from sinuous.scene.triangles import Integers, apart, cuts_itself, mend
+from sinuous.scene.triangles import Integers, apart, cuts_itself, drop_unused, mend
 
 TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """The turn by a quarter about x that brings y up to z."""
@@ -25,6 +26,10 @@ Up = Literal["y", "z"]
 
 ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
+
+
+TRIANGLE_SECONDS = 7e-6
+"""Seconds that checking a triangle takes, about."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -90,8 +95,11 @@ class Mesh(Obstacle):
         name: str | None = None,
     ) -> None:
         places = checks.points("vertices", vertices)
-        clean, used, solid, defects = mend(places, _indices(faces, len(places)))
-        if solid and cuts_itself(clean, used):
+        numbers = _indices(faces, len(places))
+        with estimated(f"checking {len(numbers):,} triangles", TRIANGLE_SECONDS * len(numbers)):
+            clean, used, solid, defects = mend(places, numbers)
+            cuts = solid and cuts_itself(clean, used)
+        if cuts:
             solid = False
             defects.append("its surface cuts through itself, so it is used as a shell and not as a solid")
         width, within = checks.number("thickness", thickness, low=0.0), checks.truth("inside", inside)
@@ -187,13 +195,25 @@ class Mesh(Obstacle):
         groups = apart(self.vertices, self.faces) if self.watertight and not self.inside else []
         if len(groups) < 2:
             return (self,)
-        parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
         own = super().source
-        source = None if own is None else own._replace(parts=len(parts))
-        for i, part in enumerate(parts):
-            defects = () if i else self.defects
-            part._keep(self.name, defects=defects, extent=self.extent, scale=self.scale, _source=source)
-        return parts
+        source = None if own is None else own._replace(parts=len(groups))
+        return tuple(
+            self._part(faces, defects=() if i else self.defects, _source=source, _together=len(groups))
+            for i, faces in enumerate(groups)
+        )
+
+    def _part(self, faces: Integers, **told: Any) -> "Mesh":
+        """Return a solid of some of the bodies; nothing of it is checked again."""
+        vertices, used = drop_unused(self.vertices, faces)
+        part = object.__new__(Mesh)
+        part._set(**{name: value for name, value in vars(self).items() if name != "_longest"})
+        part._set(_vertices=checks.closed(vertices), faces=checks.closed(used), _place=None, **told)
+        return part
+
+    @property
+    def together(self) -> int:
+        """Of how many parts of one mesh it is one, see `bodies`; they share what samples one obstacle has."""
+        return int(vars(self).get("_together", 1))
 
     @property
     def source(self) -> Origin | None:

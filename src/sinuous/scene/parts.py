@@ -15,14 +15,16 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
-from sinuous.kernels.tables import BALLS, CUBES, LEAF_ITEMS, TRIANGLES
+from sinuous.kernels.tables import BALLS, CUBES, TRIANGLES
 from sinuous.scene import sampling
 from sinuous.scene.grids import Field, Grid
+from sinuous.scene.hierarchy import BOX_NUMBERS, PADDING
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.sampling import Progress
-from sinuous.scene.triangles import bodies_overlap, sides_of
+from sinuous.scene.trees import enclose_in_order, tree_of_boxes
+from sinuous.scene.triangles import bodies_overlap, cross, sides_of
 
 
 def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
@@ -41,29 +43,39 @@ def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
     ndarray (f, 7, 3)
         Unit vectors: triangle; edges from the first corner to the second, second to third, third to first; corners.
     """
-    corners = vertices[faces]
-    sides = np.roll(corners, -1, axis=1) - corners
-    flat = _unit(np.cross(sides[:, 0], sides[:, 1]))
-    before = -np.roll(sides, 1, axis=1)
-    angles = np.arctan2(np.linalg.norm(np.cross(sides, before), axis=-1), (sides * before).sum(axis=-1))
-    at_corners = _gather(faces, angles[..., None] * flat[:, None], len(vertices))
-    _, edge = np.unique(sides_of(faces)[2], return_inverse=True)
-    edge = edge.reshape(faces.shape)
-    at_edges = _gather(edge, np.broadcast_to(flat[:, None], corners.shape), int(edge.max()) + 1)
-    return np.concatenate([flat[:, None], at_edges, at_corners], axis=1)
+    corners = [vertices[corner].T for corner in faces.T]
+    sides = [after - own for own, after in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    flat = _unit(cross(sides[0], sides[1]))
+    weighted = []
+    for own, last in zip(sides, [sides[2], *sides[:2]], strict=True):
+        angle = np.arctan2(_size(cross(own, -last)), (own * -last).sum(axis=0))
+        weighted.append(angle * flat)
+    # Sums are made triangle by triangle, so that their rounding does not depend on how they are gathered.
+    index, each = faces.ravel(), np.stack(weighted, axis=-1).reshape(3, -1)
+    at_corners = _unit(np.stack([np.bincount(index, axis, len(vertices)) for axis in each]))[:, index]
+    order = np.argsort(sides_of(faces)[2], kind="stable")
+    at_edges = np.empty((3, 3 * len(faces)))
+    at_edges[:, order] = np.repeat(_unit(flat[:, order[::2] // 3] + flat[:, order[1::2] // 3]), 2, axis=1)
+    result = np.empty((len(faces), 7, 3))
+    result[:, 0] = flat.T
+    result[:, 1:4], result[:, 4:] = at_edges.T.reshape(-1, 3, 3), at_corners.T.reshape(-1, 3, 3)
+    return result
 
 
-def _gather(index: NDArray[np.int64], vectors: Floats, count: int) -> Floats:
-    """Sum vectors (f, 3, 3) by their index (f, 3), and give everyone the direction of the sum of its own."""
-    sums = [np.bincount(index.ravel(), vectors[..., axis].ravel(), count) for axis in range(3)]
-    return _unit(np.stack(sums, axis=-1))[index]
+def _size(vectors: Floats) -> Floats:
+    """Lengths (m,) of vectors (3, m)."""
+    x, y, z = vectors
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _unit(vectors: Floats) -> Floats:
-    """Scale vectors (..., 3) to length 1; zero stays zero."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return vectors / np.where(length > 0.0, length, 1.0)
+    """Scale vectors (3, m) to length 1; zero stays zero."""
+    length = _size(vectors)
+    return np.asarray(vectors / np.where(length > 0.0, length, 1.0))
 
+
+PIECE_SECONDS = 8e-6
+"""Seconds that a primitive takes to be prepared, but for samples, about."""
 
 WORSE = 1.5
 """By how much larger leaves may be than in a new order, on average, before one is made."""
@@ -129,7 +141,7 @@ NO_NORMALS = np.empty((0, 21))
 def triangles(mesh: Mesh) -> Pieces:
     """Triangles of a mesh, with normals where it is watertight."""
     corners = mesh.vertices[mesh.faces]
-    order, levels, nodes = _tree(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
+    order, levels, nodes = tree_of_boxes(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
     return Pieces(
         TRIANGLES,
         levels,
@@ -143,10 +155,11 @@ def triangles(mesh: Mesh) -> Pieces:
 
 def with_planes(corners: Floats) -> Floats:
     """Numbers (m, 13) of triangles: corners, unit normal, offset of the plane."""
-    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = sides / np.linalg.norm(sides, axis=-1, keepdims=True)
-    offsets = (normals * corners[:, 0]).sum(axis=-1, keepdims=True)
-    return np.concatenate([corners.reshape(-1, 9), normals, offsets], axis=1)
+    a, b, c = (corner.T for corner in np.moveaxis(corners, 1, 0))
+    normals = cross(b - a, c - a)
+    normals /= _size(normals)
+    x, y, z = normals * a
+    return np.concatenate([corners.reshape(-1, 9), normals.T, (x + y + z)[:, None]], axis=1)
 
 
 def balls(cloud: PointCloud, like: LeafOrder | None = None) -> Pieces:
@@ -155,10 +168,10 @@ def balls(cloud: PointCloud, like: LeafOrder | None = None) -> Pieces:
     corners = cloud.points - radii, cloud.points + radii
     known = None if like is None or len(like.order) != len(cloud.points) else like
     if known is not None:
-        levels, nodes = _enclosed(known.order, *corners)
+        levels, nodes = enclose_in_order(known.order, *corners)
         known = known if _leaves(levels, nodes) <= WORSE * known.leaves else None
     if known is None:
-        order, levels, nodes = _tree(cloud.points, *corners)
+        order, levels, nodes = tree_of_boxes(cloud.points, *corners)
         known = LeafOrder(order, _leaves(levels, nodes))
     items = np.concatenate([cloud.points, radii], axis=1)[known.order]
     return Pieces(BALLS, levels, nodes, items, NO_NORMALS, order=known)
@@ -166,42 +179,14 @@ def balls(cloud: PointCloud, like: LeafOrder | None = None) -> Pieces:
 
 def cubes(centers: Floats, side: float) -> Pieces:
     """Solid cubes about points (m, 3)."""
-    order, levels, nodes = _tree(centers, centers - 0.5 * side, centers + 0.5 * side)
+    order, levels, nodes = tree_of_boxes(centers, centers - 0.5 * side, centers + 0.5 * side)
     return Pieces(CUBES, levels, nodes, centers[order], NO_NORMALS, half=0.5 * side)
-
-
-def _tree(centers: Floats, lows: Floats, highs: Floats) -> tuple[NDArray[np.int64], int, Floats]:
-    """Order, number of levels, and boxes (2 << levels, 6) of a tree over what has these centers and corners (m, 3)."""
-    from sinuous.kernels.fields.trees import arrange  # noqa: PLC0415
-
-    order = np.arange(len(centers))
-    arrange(_plain(centers), _levels(len(centers)), order)
-    return order, *_enclosed(order, lows, highs)
-
-
-def _enclosed(order: NDArray[np.int64], lows: Floats, highs: Floats) -> tuple[int, Floats]:
-    """Number of levels, and boxes (2 << levels, 6) of a tree over what is in this order, with these corners (m, 3)."""
-    from sinuous.kernels.fields.trees import enclose  # noqa: PLC0415
-
-    levels = _levels(len(order))
-    nodes = np.empty((2 << levels, 6))
-    enclose(_plain(lows), _plain(highs), order, levels, nodes)
-    return levels, nodes
-
-
-def _levels(count: int) -> int:
-    return max(0, (max(1, -(-count // LEAF_ITEMS)) - 1).bit_length())
 
 
 def _leaves(levels: int, nodes: Floats) -> float:
     """Sum of the sides of all leaves."""
     leaves = nodes[1 << levels :]
     return float((leaves[:, 3:] - leaves[:, :3]).sum())
-
-
-def _plain(array: Floats) -> Floats:
-    """Return an array as the kernels are compiled for: writable, rows one after the other."""
-    return np.require(array, np.float64, ["C", "W"])
 
 
 NOTHING = np.empty(0)
@@ -216,10 +201,27 @@ class Part:
     row : ndarray (33,)
         Its places in the store are counted from the beginning of its own.
     store : ndarray (s,)
+    own_box : ndarray (16,) or None
+        Of what is in the store, where that was described: see `box`.
     """
 
     row: Floats
     store: Floats
+    own_box: Floats | None = None
+
+    @property
+    def box(self) -> Floats:
+        """A box about it (16,), see `hierarchy.BOX_NUMBERS`; infinite where there is none."""
+        if self.row[t.KIND] < t.TREE:
+            return self.row[t.CENTER : t.ROUNDING_RADIUS + 1]
+        if self.own_box is None:
+            return np.full(BOX_NUMBERS, np.inf)
+        box = self.own_box.copy()
+        if self.row[t.PLACED]:
+            turn = self.row[t.PLACE : t.PLACE + 9].reshape(3, 3)
+            box[:3] = turn @ box[:3] + self.row[t.PLACE + t.POSE_POSITION : t.PLACE + t.POSE_WIDTH]
+            box[3:12] = (turn @ box[3:12].reshape(3, 3)).ravel()
+        return box
 
 
 class _Entry:
@@ -266,13 +268,25 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
         return entry.part
 
 
+def seconds_to_prepare(obstacle: Obstacle) -> float:
+    """How long `prepare` will take, about, where nothing is kept on disk."""
+    if obstacle.place is not None:
+        return seconds_to_prepare(obstacle.place[0])
+    if not isinstance(obstacle, Mesh | PointCloud) or _entry(obstacle).part is not None:
+        return 0.0
+    of_mesh = isinstance(obstacle, Mesh)
+    pieces = len(obstacle.faces) if isinstance(obstacle, Mesh) else len(obstacle.points)
+    samples = sampling.sample_count(of_mesh, pieces, obstacle.together if isinstance(obstacle, Mesh) else 1)
+    return sampling.SAMPLE_SECONDS * samples + PIECE_SECONDS * pieces
+
+
 def put(part: Part, pose: Floats) -> Part:
     """Return what the kernels read of an obstacle that is in the store, moved by a pose (4, 4); the store is shared."""
     row = part.row.copy()
     row[t.PLACED] = 1.0
     row[t.PLACE : t.PLACE + t.POSE_WIDTH] = packing.pose_row(pose)[0]
     row[t.ROUNDOFF] += packing.roundoff(pose[None, :3, 3])
-    return Part(row, part.store)
+    return Part(row, part.store, part.own_box)
 
 
 def unsampled(obstacle: PointCloud | Mesh, before: PointCloud | None = None) -> Part:
@@ -307,7 +321,8 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
         small = len(pieces.items) < sampling.FEWEST_PIECES
         if small and not obstacle.watertight:
             return _with_candidates(pieces)
-        part = _sampled(pieces, progress)  # of a small one, too: samples tell whether its sides are as its normals say
+        # Of a small one, too: samples tell whether its sides are as its normals say.
+        part = _sampled(pieces, progress, obstacle.together)
         if obstacle.watertight:
             _check_sides(obstacle, part, name)
         return _with_candidates(pieces) if small else part
@@ -326,21 +341,38 @@ def _of_pieces(pieces: Pieces) -> Part:
     row[[t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
     if len(pieces.items):
         row[t.ROUNDOFF] = packing.roundoff(np.stack([pieces.low, pieces.high]), abs(pieces.rounding))
-    return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
+    store = np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()])
+    return Part(row, store, _box_of(pieces) if len(pieces.items) else None)
 
 
-def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
-    """Row and store of a tree with samples."""
+def _box_of(pieces: Pieces) -> Floats:
+    """A box (16,) about a few triangles along their own axes, about anything else along those of the world."""
+    turn = np.eye(3)
+    low, high = pieces.nodes[1, :3], pieces.nodes[1, 3:]
+    if pieces.kind == TRIANGLES and len(pieces.items) < sampling.FEWEST_PIECES:
+        corners = pieces.items[:, :9].reshape(-1, 3)
+        own = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[2].T
+        lows, highs = (corners @ own).min(axis=0), (corners @ own).max(axis=0)
+        if np.prod(highs - lows) < np.prod(high - low):
+            turn, low, high = own, lows, highs
+    center, half = turn @ (0.5 * (low + high)), 0.5 * (high - low)
+    return np.concatenate([center, turn.ravel(), half + PADDING * np.abs(center).sum(), [pieces.rounding]])
+
+
+def _sampled(pieces: Pieces, progress: Progress | None, together: int = 1) -> Part:
+    """Row and store of a tree with samples, of which so many obstacles `together` have no more than one."""
     part = _of_pieces(pieces)
     if not len(pieces.items):
         return part
-    wanted = min(max(sampling.PER_PIECE * len(pieces.items), sampling.LEAST), sampling.MOST)
+    wanted = sampling.sample_count(pieces.kind == TRIANGLES, len(pieces.items), together)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
     row = _with_grid(part.row, t.FIRST_SAMPLE, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)
+    extent = spacing * (np.array(shape) - 1.0)  # beyond the samples, a distance is no less than that to their grid
     return Part(
         _with_grid(part.row, t.FIRST_SAMPLE, part.store.size, shape, low, spacing),
         np.concatenate([part.store, values.ravel()]),
+        np.concatenate([low + 0.5 * extent, np.eye(3).ravel(), 0.5 * extent, [0.0]]),
     )
 
 
@@ -359,7 +391,7 @@ def _with_candidates(pieces: Pieces) -> Part:
     part = _of_pieces(pieces)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.CELLS)
     row = _with_grid(part.row, t.FIRST_CELL, part.store.size, shape, low, spacing)
-    return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]))
+    return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]), part.own_box)
 
 
 def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacing: float) -> Floats:

@@ -79,6 +79,16 @@ FEWEST_PIECES = 500
 PER_PIECE = 128
 """Samples for every primitive, between these."""
 
+MANY_TRIANGLES, MOST_OF_MANY = 100_000, 2**19
+"""Triangles from which on a sample takes several times as long, and most samples of such a mesh: steps and bounds are
+coarser there, and what they leave undecided is decided exactly."""
+
+FEWEST = 2**15
+"""Samples of a part of a mesh, at least about so many: its parts share those of one."""
+
+SAMPLE_SECONDS = 6e-7
+"""Seconds that a sample takes, about."""
+
 PAD = 3
 """Cells around the box of the obstacle."""
 
@@ -92,6 +102,12 @@ WORTH_KEEPING = 0.1
 
 VERSION = 2
 """Raised when the samples of the same obstacle come out differently."""
+
+
+def sample_count(of_triangles: bool, pieces: int, together: int = 1) -> int:
+    """How many samples an obstacle of so many primitives has, of which so many `together` are one mesh."""
+    most = MOST_OF_MANY if of_triangles and pieces * together > MANY_TRIANGLES else MOST
+    return max(min(max(PER_PIECE * pieces, LEAST), most) // together, FEWEST if together > 1 else 0)
 
 
 def sampling_grid(low: Floats, high: Floats, most: int) -> tuple[Floats, float, tuple[int, int, int]]:

@@ -198,7 +198,7 @@ class Scene(NotebookMixin, Surroundings):
         name: str | None = None,
         *,
         invalid: Invalid = "refuse",
-        ignore_robot: "sn.Solution | sn.Equilibrium | tuple[sn.Robot, Rows] | None" = None,
+        ignore_robot: "sn.Solution | sn.answer.Equilibrium | tuple[sn.Robot, Rows] | None" = None,
         margin: Number = 0.0,
     ) -> None:
         """Replace a point cloud by what is seen now; a `Solver` made before goes on with the new one.
@@ -266,7 +266,7 @@ class Scene(NotebookMixin, Surroundings):
         there = pose(position, rotation=rotation, xyzw=xyzw)
         with self._lock:
             before = self._snapshot
-            found = [i for i in range(len(before)) if before.name(i) == name]
+            found = before._called(name)
             if len(found) != 1 or isinstance(before.obstacles[found[0]], Moving):
                 expected = "the name of one obstacle that stands still"
                 raise InputError("name", "" if len(found) < 2 else "is that of several", name, expected)

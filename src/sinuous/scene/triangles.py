@@ -14,8 +14,12 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.words import counted
+from sinuous.scene.trees import tree_of_boxes
 
 Integers = NDArray[np.int64]
+
+HASH_FACTOR = np.uint64(0x9E3779B97F4A7C15)
+"""What mixes the bits of coordinates: 2^64 over the golden ratio."""
 
 FLAT = 1e-12
 """Height over longest edge, up to which a triangle counts as a line; likewise volume over the cube of the extent."""
@@ -54,19 +58,33 @@ def sides_of(faces: Integers) -> tuple[Integers, Integers, Integers]:
 def count_edges(faces: Integers) -> Edges:
     """Count the edges of `faces` (f, 3) that are not as those of a closed surface."""
     start, end, number = sides_of(faces)
-    _, edge, count = np.unique(number, return_inverse=True, return_counts=True)
-    balance = np.bincount(edge, np.where(start < end, 1.0, -1.0))
-    return Edges(int((count == 1).sum()), int((count > 2).sum()), int(((count == 2) & (balance != 0.0)).sum()))
+    sides = np.sort(2 * number + (start < end))
+    first = np.flatnonzero(np.diff(sides >> 1, prepend=-1))
+    count = np.diff(first, append=len(sides))
+    two = first[count == 2]
+    return Edges(int((count == 1).sum()), int((count > 2).sum()), int((sides[two] == sides[two + 1]).sum()))
 
 
 def merge_equal(vertices: Floats, faces: Integers) -> tuple[Floats, Integers]:
     """Make one vertex of all that are exactly equal: STL files repeat them for every triangle."""
     clean = vertices + 0.0  # -0 and 0 are one place
-    order = np.lexsort(clean.T)
-    new = np.concatenate([[True], (np.diff(clean[order], axis=0) != 0.0).any(axis=1)])
-    merged = np.empty(len(vertices), np.int64)
-    merged[order] = np.cumsum(new) - 1
-    return clean[order[new]], merged[faces]
+    mixed = np.zeros(len(clean), np.uint64)
+    for bits in clean.view(np.uint64).T:
+        mixed += bits
+        mixed = (mixed ^ (mixed >> np.uint64(32))) * HASH_FACTOR
+    order = np.argsort(mixed)
+    new = np.append(True, np.diff(mixed[order]) != 0)
+    place = np.cumsum(new) - 1
+    some = clean[order[new]]
+    if (some[place] != clean[order]).any():  # two places have one hash: a chance in a million for a million vertices
+        some, order, place = clean, np.arange(len(clean)), np.arange(len(clean))
+    sorting = np.lexsort(some.T)
+    firsts = np.append(True, (np.diff(some[sorting], axis=0) != 0.0).any(axis=1))
+    rank = np.empty(len(some), np.int64)
+    rank[sorting] = np.cumsum(firsts) - 1
+    merged = np.empty(len(clean), np.int64)
+    merged[order] = rank[place]
+    return some[sorting[firsts]], merged[faces]
 
 
 def drop_unused(vertices: Floats, faces: Integers) -> tuple[Floats, Integers]:
@@ -78,10 +96,10 @@ def drop_unused(vertices: Floats, faces: Integers) -> tuple[Floats, Integers]:
 
 def are_triangles(vertices: Floats, faces: Integers) -> NDArray[np.bool_]:
     """Tell (f,) which of `faces` have an area and are no mere lines or points."""
-    corners = vertices[faces]
-    sides = np.roll(corners, -1, axis=1) - corners
-    longest = (sides**2).sum(axis=-1).max(axis=-1)
-    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=-1)
+    a, b, c = (vertices[corner].T for corner in faces.T)
+    first, second, third = b - a, c - b, a - c
+    longest = np.maximum(np.maximum(_square(first), _square(second)), _square(third))
+    area = np.sqrt(_square(cross(first, second)))
     return np.asarray(area > FLAT * longest)
 
 
@@ -98,8 +116,21 @@ def enclosed_volume(vertices: Floats, faces: Integers) -> float:
 def cones(vertices: Floats, faces: Integers) -> Floats:
     """Signed volumes (f,) between the triangles and the middle of their box; a closed body's sum up to its own."""
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    a, b, c = np.moveaxis((vertices - middle)[faces], 1, 0)
-    return (a * np.cross(b, c)).sum(axis=-1) / 6.0
+    about = vertices - middle
+    a, b, c = (about[corner].T for corner in faces.T)
+    x, y, z = a * cross(b, c)
+    return np.asarray((x + y + z) / 6.0)
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Cross products (3, m) of vectors (3, m); NumPy's own takes several times as long."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _square(vectors: Floats) -> Floats:
+    """Squared lengths (m,) of vectors (3, m)."""
+    x, y, z = vectors
+    return np.asarray(x * x + y * y + z * z)
 
 
 def turn_alike(faces: Integers) -> tuple[Integers, int]:
@@ -377,17 +408,11 @@ def _boxes(vertices: Floats, faces: Integers, piece: Integers, count: int) -> tu
     return low, high
 
 
-AT_ONCE = 65_536
-"""Pairs of triangles that are held against each other at once: most are neighbours, and small sets have few others."""
-
-GATHERED = 20_000
-"""Pairs of triangles whose boxes meet that are looked at together."""
+ROOM_FOR_PAIRS = 16
+"""Pairs of triangles to a triangle that there is room for at once; most have one or two."""
 
 ROUNDED, PLACED = 1e-13, 4e-16
 """What counts as no volume of a tetrahedron, in cubes of its size; and more, in squares of that times the extent."""
-
-MOST_ASKED = 300_000
-"""Triangles up to which a surface is held against itself: it takes some 20 us a triangle."""
 
 INWARDS = 1e-7
 """How far below its surface a body is looked at, relative to its extent."""
@@ -407,27 +432,26 @@ def bodies_overlap(vertices: Floats, faces: Integers) -> bool:
         Closed and facing outwards, cavities inwards.
     """
     piece = pieces(vertices, faces)
-    members = [np.flatnonzero(piece == k) for k in range(int(piece.max()) + 1)]
-    low, high = _boxes(vertices, faces, piece, len(members))
-    first, second = np.triu_indices(len(members), 1)
-    meet = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
-    if not meet.any():
+    low, high = _boxes(vertices, faces, piece, int(piece.max()) + 1)
+    meet = [np.flatnonzero(((low <= high[k]) & (low[k] <= high)).all(axis=1)) for k in range(len(low))]
+    crowded = np.array([k for k, others in enumerate(meet) if len(others) > 1], np.int64)
+    if not len(crowded):
         return False
-    surface, asked = _Surface.of(vertices, faces), set[int]()
-    for a, b in zip(first[meet].tolist(), second[meet].tolist(), strict=True):
-        touching = surface.touching(members[a], members[b])
-        if touching is None:
-            return True
-        asked |= touching | {int(own[surface.areas[own].argmax()]) for own in (members[a], members[b])}
-    return surface.is_covered_twice(asked)
+    own = np.isin(piece, crowded)
+    surface, body = _Surface.of(vertices, faces), piece[own]
+    touching = surface.touching(np.flatnonzero(own), body, same=False)
+    if touching is None:
+        return True
+    order = np.lexsort((surface.areas, piece))
+    largest = order[np.append(np.flatnonzero(np.diff(piece[order])), len(order) - 1)]
+    return surface.is_covered_twice(touching | set(largest[crowded].tolist()))
 
 
 def cuts_itself(vertices: Floats, faces: Integers) -> bool:
     """Whether a surface in one piece cuts through itself, or overlaps itself: exactly, however little it does.
 
     Then the closest triangle does not tell which side a place is on. Triangles that have at most one vertex in common
-    must not cross. Where they only touch, what is just below them must be inside once. Surfaces of more than
-    `MOST_ASKED` triangles are not asked.
+    must not cross. Where they only touch, what is just below them must be inside once.
 
     Parameters
     ----------
@@ -435,14 +459,16 @@ def cuts_itself(vertices: Floats, faces: Integers) -> bool:
     faces : ndarray (f, 3)
         Closed and facing outwards, cavities inwards.
     """
-    if len(faces) > MOST_ASKED:
-        return False
     piece = pieces(vertices, faces)
-    for k in range(int(piece.max()) + 1):
-        surface = _Surface.of(vertices, faces[piece == k])
-        every = np.arange(len(surface.faces))
-        touching = surface.touching(every, every)
-        if touching is None or surface.is_covered_twice(touching):
+    surface = _Surface.of(vertices, faces)
+    touching = surface.touching(np.arange(len(faces)), piece, same=True)
+    if touching is None:
+        return True
+    touched = np.array(sorted(touching), np.int64)
+    for k in np.unique(piece[touched]).tolist():
+        one = _Surface.of(vertices, faces[piece == k])
+        places = np.searchsorted(np.flatnonzero(piece == k), touched[piece[touched] == k])
+        if one.is_covered_twice(set(places.tolist())):
             return True
     return False
 
@@ -459,7 +485,8 @@ class _Surface(NamedTuple):
         Unit vectors.
     areas, sizes : ndarray (f,)
         Twice the area, and the longest side of the box.
-    extent : float
+    tiny : ndarray (f,)
+        What rounding may move a corner by.
     """
 
     faces: Integers
@@ -467,26 +494,25 @@ class _Surface(NamedTuple):
     normals: Floats
     areas: Floats
     sizes: Floats
-    extent: float
+    tiny: Floats
 
     @classmethod
     def of(cls, vertices: Floats, faces: Integers) -> "_Surface":
-        """Make it of the triangles of a mesh."""
-        corners = vertices[faces] - 0.5 * (vertices[faces].min(axis=(0, 1)) + vertices[faces].max(axis=(0, 1)))
+        """Make it of the triangles of a mesh, about their middle."""
+        corners = vertices[faces]
+        corners -= 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
         normals, areas = _normals(corners)
-        return cls(faces, corners, normals, areas, np.ptp(corners, axis=1).max(axis=1), float(np.abs(corners).max()))
+        sizes = np.ptp(corners, axis=1).max(axis=1)
+        return cls(faces, corners, normals, areas, sizes, ROUNDED * sizes + PLACED * float(np.abs(corners).max()))
 
-    def touching(self, one: Integers, other: Integers) -> set[int] | None:
-        """The triangles of two sets (or of one) that only touch another one; `None` where one crosses another."""
+    def touching(self, those: Integers, body: Integers, *, same: bool) -> set[int] | None:
+        """Which of `those` triangles (k,) only touch another one; `None` where one crosses another.
+
+        Only pairs of the `same` body (k,), or of two, are held against each other.
+        """
         corners, found = self.corners, set[int]()
-        for first, second in _gathered(_box_pairs(corners[one], corners[other], once=one is other)):
-            i, j = one[first], other[second]
-            common = np.sum([at == of for at in self.faces[i].T for of in self.faces[j].T], axis=0)
-            i, j, common = i[common < 2], j[common < 2], common[common < 2]
-            for _ in range(2):  # each of its plane, and of the other's; those that do not meet it are left out
-                tiny = ROUNDED * np.maximum(self.sizes[i], self.sizes[j]) + PLACED * self.extent
-                met = self._planes_meet(i, j, tiny, common)
-                i, j, common, tiny = j[met], i[met], common[met], tiny[met]
+        for i, j, common in self._pairs(those, body, same):
+            tiny = np.maximum(self.tiny[i], self.tiny[j])
             small = np.maximum(self.sizes[i], self.sizes[j]) ** 2 * tiny
             for a, b in ((i, j), (j, i)):
                 crossing, near = _edges_meet(corners[a], corners[b], small)
@@ -497,11 +523,21 @@ class _Surface(NamedTuple):
                 found |= {*i[near].tolist(), *j[near].tolist()}
         return found
 
-    def _planes_meet(self, i: Integers, j: Integers, tiny: Floats, common: Integers) -> Flags:
-        """Whether triangles `j` (m,) reach to both sides of the planes of triangles `i`, but for a common corner."""
-        heights = np.einsum("mkx,mx->km", self.corners[j] - self.corners[i, :1], self.normals[i])
-        slack = np.where(common > 0, -tiny, tiny)
-        return (heights.min(axis=0) <= slack) & (heights.max(axis=0) >= -slack)
+    def _pairs(self, those: Integers, body: Integers, same: bool) -> Iterator[tuple[Integers, Integers, Integers]]:
+        """Both triangles (m,) of pairs that may meet, and how many corners they have in common, some at a time."""
+        from sinuous.kernels.fields.triangle_pairs import gather_pairs  # noqa: PLC0415
+
+        corners = self.corners[those]
+        order, levels, nodes = tree_of_boxes(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
+        own = those[order]
+        columns = self.faces[own], corners[order], self.normals[own], self.tiny[own], body[order]
+        pairs = np.empty((ROOM_FOR_PAIRS * len(own) + 1, 3), np.int64)
+        first = 0
+        while first < len(own):
+            found = gather_pairs(nodes, levels, *columns, int(same), first, len(own), pairs)
+            first = len(own) if found >= 0 else -1 - found
+            i, j, common = pairs[: found if found >= 0 else int((pairs[:, 0] < 0).argmax())].T
+            yield own[i], own[j], common
 
     def is_covered_twice(self, triangles: set[int]) -> bool:
         """Whether what is just below some triangles is inside more than once, or not at all.
@@ -533,52 +569,9 @@ def _apart(one: Floats, other: Floats, tiny: Floats) -> Flags:
 
 def _normals(corners: Floats) -> tuple[Floats, Floats]:
     """Unit normals (f, 3) of triangles (f, 3, 3), and twice their areas (f,)."""
-    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(sides, axis=1)
-    return sides / areas[:, None], areas
-
-
-def _gathered(pairs: Iterator[tuple[Integers, Integers]]) -> Iterator[tuple[Integers, Integers]]:
-    """Pairs some `GATHERED` at a time: of a few each, most of what is done is to begin."""
-    some, count = list[tuple[Integers, Integers]](), 0
-    for pair in pairs:
-        some.append(pair)
-        count += len(pair[0])
-        if count >= GATHERED:
-            yield np.concatenate([i for i, _ in some]), np.concatenate([j for _, j in some])
-            some, count = [], 0
-    if some:
-        yield np.concatenate([i for i, _ in some]), np.concatenate([j for _, j in some])
-
-
-def _box_pairs(one: Floats, other: Floats, *, once: bool) -> Iterator[tuple[Integers, Integers]]:
-    """Numbers (m,) of triangles of both sets whose boxes meet, some pairs at a time: large sets are halved.
-
-    Where both sets are the same, `once` leaves out a pair the other way round, and a triangle with itself.
-    """
-    lows, highs = [t.min(axis=1) for t in (one, other)], [t.max(axis=1) for t in (one, other)]
-    todo = [(np.arange(len(one)), np.arange(len(other)))]
-    while todo:
-        own = todo.pop()
-        box_low = np.maximum(*(low[at].min(axis=0) for low, at in zip(lows, own, strict=True)))
-        box_high = np.minimum(*(high[at].max(axis=0) for high, at in zip(highs, own, strict=True)))
-        i, j = (
-            at[((low[at] <= box_high) & (high[at] >= box_low)).all(axis=1)]
-            for low, high, at in zip(lows, highs, own, strict=True)
-        )
-        if len(i) * len(j) <= AT_ONCE:
-            meet: Flags = np.ones((len(i), len(j)), np.bool_)
-            for k in range(3):
-                meet &= (lows[0][i, k, None] <= highs[1][j, k]) & (highs[0][i, k, None] >= lows[1][j, k])
-            if once:
-                meet &= i[:, None] < j
-            a, b = np.nonzero(meet)
-            yield i[a], j[b]
-        else:  # halve the larger set by its longest side
-            large, small, turned = (i, j, False) if len(i) >= len(j) else (j, i, True)
-            middles = (one, other)[turned][large].mean(axis=1)
-            order = large[np.argsort(middles[:, int(np.ptp(middles, axis=0).argmax())])]
-            todo += [(small, half) if turned else (half, small) for half in np.array_split(order, 2)]
+    sides = cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T).T
+    areas = np.sqrt(_square(sides.T))
+    return np.ascontiguousarray(sides / areas[:, None]), areas
 
 
 def _edges_meet(edges: Floats, triangles: Floats, small: Floats) -> tuple[Flags, Flags]:

@@ -1,12 +1,13 @@
 """What is not compiled yet is interpreted, and compiled beside it, in processes that end with the program."""
 
+import multiprocessing
 import os
 import signal
-import subprocess
 import sys
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
+from multiprocessing.queues import SimpleQueue
 from pathlib import Path
 from typing import Any
 
@@ -182,11 +183,15 @@ def order(folder: Path, name: str = "twice_the_norm", signature: Any = None) -> 
     return helpers.CompileOrder(parts.__name__, name, signature, folder / f"{name}.code")
 
 
+def home(folder: Path) -> dict[str, str]:
+    """Words of the environment of helpers, with which they have a store of their own, and find the tests."""
+    return {"SINUOUS_CACHE": str(folder), "PYTHONPATH": os.pathsep.join([str(HERE), str(HERE / "src")])}
+
+
 @pytest.fixture
 def at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Let helpers have a store of their own, and find the tests."""
-    monkeypatch.setenv("SINUOUS_CACHE", str(tmp_path))
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(HERE), str(HERE / "src")]))
+    for name, word in home(tmp_path).items():
+        monkeypatch.setenv(name, word)
     return tmp_path / "kernels"
 
 
@@ -208,34 +213,25 @@ def test_a_helper_that_is_killed_is_given_up(foreman: helpers.Foreman, at_home: 
     assert until(lambda: not foreman.order(lost))
 
 
-PROGRAM = """
-import sys, time
-from pathlib import Path
-from numba import types
-from sinuous.kernels.compile.helpers import CompileOrder, foreman
-from tests.kernels.compile import parts
-from tests.base.processes import alive, until
-signature = types.float64, types.float64
-foreman.order(CompileOrder(parts.__name__, "twice_the_norm", signature, Path(sys.argv[1]) / "norm.code"))
-while not foreman._processes: time.sleep(0.01)
-print(foreman._processes[0].pid, flush=True)
-time.sleep(60)
-"""
+def give_order(folder: Path, words: dict[str, str], said: "SimpleQueue[int]") -> None:
+    """Order something, say which process compiles it, and go on for a while."""
+    os.environ.update(words)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    assert helpers.foreman.order(order(folder))
+    while not helpers.foreman._processes:
+        time.sleep(0.01)
+    said.put(helpers.foreman._processes[0].pid)
+    time.sleep(60)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
-def test_helpers_end_with_their_program(end: int, at_home: Path) -> None:
-    program = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, str(at_home)],
-        cwd=HERE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    with program:
-        assert program.stdout is not None
-        helper = int(program.stdout.readline())
-        program.send_signal(end)
-        program.wait()
+def test_helpers_end_with_their_program(end: int, tmp_path: Path) -> None:
+    context = multiprocessing.get_context("spawn")
+    said = context.SimpleQueue()
+    program = context.Process(target=give_order, args=(tmp_path / "kernels", home(tmp_path), said))
+    program.start()
+    helper = said.get()
+    os.kill(program.pid or 0, end)
+    program.join()
     assert until(lambda: not alive(helper))

@@ -34,7 +34,7 @@ def write_csv(file: Path, rows: Floats, header: str = "x,y,z") -> Path:
 
 
 @cache
-def loop(count: int) -> tuple[sn.Solutions, list[int]]:
+def loop(count: int) -> tuple[sn.answer.Solutions, list[int]]:
     """What `solve_many` says of the rows that are targets, and their numbers, 0 = first."""
     rows = [row for row in range(count) if row not in BAD]
     return sn.Solver(ROBOT, [BALL], **OPTIONS).solve_many(positions=points(count)[rows], workers=1), rows

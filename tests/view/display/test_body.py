@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
+from sinuous.view.display.contents import gather
+from sinuous.view.display.style import ARMS
 from sinuous.view.display.surfaces import BodySurface, ColouredPart, as_triangles
 from sinuous.view.pictures.paint import normals_of
 from tests.helpers import random_pose
@@ -71,3 +74,41 @@ def test_the_sleeve_follows_the_backbone_as_far_as_the_mount_goes(mount: float) 
     assert np.linalg.norm(centers[:, :, None] - backbone[:, None], axis=-1).min(axis=-1).max() < 0.02
     lengths = np.linalg.norm(np.diff(centers, axis=1), axis=-1).sum(axis=1)
     np.testing.assert_allclose(lengths, np.minimum(mount, q[..., 2].sum(axis=1)), rtol=0.01)
+
+
+@pytest.mark.parametrize("pieces", [1, 3])
+def test_links_are_drawn_as_their_capsules(pieces: int) -> None:
+    body = [((0.1, 0.2, 0.0), (0.4, -0.1, 0.3), 0.1), ((0, 0, 0), (0, 0, 0), 0.2)]
+    joints = [
+        sn.Revolute(RNG.normal(size=3), (-2, 2), random_pose(RNG), body=body),
+        sn.Prismatic(RNG.normal(size=3), (-1, 1), random_pose(RNG)),
+        sn.Revolute(origin=random_pose(RNG)),
+    ]
+    robot = sn.Robot([sn.Segment(1.0, radius=0.05)], joints=joints, mount=0.3, base=random_pose(RNG))
+    surface = BodySurface(robot, 0.01, AROUND, pieces=pieces)
+    values = RNG.uniform(-1, 1, (3, 3))
+    q = robot.with_joints(np.array([[0.5, 0.4, 1.0]]), values)
+    vertices = surface.vertices(q)
+    parts = body_parts(surface)
+    assert [part.segment for part in parts] == np.repeat(np.arange(len(robot)), pieces).tolist()
+    assert all(np.isfinite(own).all() for own in vertices)
+    first = robot.changed(joints=joints[:1], segments=[])
+    for name, (begin, end, radius) in zip(("j1.body1", "j1.body2"), body, strict=True):
+        own = vertices[robot.segment_names.index(name) * pieces]
+        frames = first.base @ first.joints[0].origin
+        for i, value in enumerate(values[:, 0].tolist()):
+            axis = first.joints[0].axis
+            turned = frames[:3, :3] @ Rotation.from_rotvec(value * axis).as_matrix()
+            a, b = (turned @ np.array(place) + frames[:3, 3] for place in (begin, end))
+            share = np.clip((own[i] - a) @ (b - a) / max((b - a) @ (b - a), 1e-300), 0.0, 1.0)
+            away = np.linalg.norm(own[i] - a - share[:, None] * (b - a), axis=1)
+            np.testing.assert_allclose(away, radius, atol=1e-9)
+
+
+def test_colours_of_joints_and_links_are_not_those_of_segments() -> None:
+    joints = [sn.Revolute(body=[((0, 0, 0), (0, 0, 1), 0.1)]), sn.Prismatic((1, 0, 0), (0, 1))]
+    robot = sn.Robot([sn.Segment(1.0), sn.Segment(1.0)], joints=joints)
+    colours = gather([robot]).arms[0].colours
+    by_name = dict(zip(robot.segment_names, colours, strict=True))
+    assert (by_name["s1"], by_name["s2"]) == ARMS[0]
+    assert len({by_name["j1"], by_name["j1.body1"], *ARMS[0]}) == 4

@@ -110,8 +110,8 @@ PIECES = (
     ),
     Piece(
         "trees of meshes, clouds and grids",
-        1,
-        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose"),
+        2,
+        ("kernels.fields.trees.arrange", "kernels.fields.trees.enclose", "kernels.fields.triangle_pairs.gather_pairs"),
         most=FEW,
     ),
     Piece(

@@ -411,7 +411,7 @@ class Prover:
         self._tensions, self._limit_slack = robot.tension_rows, LIMIT_SLACK * robot.mean_length
         self._drifts = Drifts(scene) if scene.moves else None
         if self._drifts is not None:
-            self._scene_group = self._scene_group.copy()  # rows of it are written
+            self._scene_group = scene.at(0.0).group_beside(scene.courses)  # rows of it are written
 
     def prove(
         self,

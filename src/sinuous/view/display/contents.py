@@ -31,7 +31,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import Equilibrium, under_load
 from sinuous.statics.rest import bodies_at
-from sinuous.view.display.style import arm_tones
+from sinuous.view.display.style import arm_tones, rigid_tone
 
 MOST_THICKENED = 16
 """Robots whose thicker bodies are kept."""
@@ -74,9 +74,10 @@ class Arm(NamedTuple):
 
     @property
     def colours(self) -> list[str]:
-        """Colours of the segments of the body."""
-        pair = arm_tones(self.solved, self.number)
-        return [pair[k % 2] for k in self.segments]
+        """Colours of the segments of the body; joints and links before them have those of their kind."""
+        pair, before = arm_tones(self.solved, self.number), len(self.robot.rows) - len(self.robot.segments)
+        rows = zip(self.segments, self.robot.rows, strict=True)
+        return [rigid_tone(row) if row.rigid else pair[(k - before) % 2] for k, row in rows]
 
     def end(self, segment: int | None) -> Floats:
         """Where a segment of its robot ends (3,), 1 = first; the point of the tool for the last one, and for None."""
@@ -302,7 +303,7 @@ def gather(things: Iterable[Any]) -> Contents:
             targets.append(thing)
         elif isinstance(thing, Robot):
             if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
-                contents.add_robot(thing, straight(thing.rows))
+                contents.add_robot(thing, middle_of(thing))
         elif _is_array(thing):
             before = flat[i - 1][1] if i else None
             if not isinstance(before, Robot):
@@ -317,6 +318,12 @@ def gather(things: Iterable[Any]) -> Contents:
     if not (contents.robots or contents.obstacles or contents.targets):
         raise InputError("things", "", [thing for _, thing in flat], "something to draw: " + EXPECTED)
     return contents
+
+
+def middle_of(robot: Robot) -> Floats:
+    """Return the straight robot (n, 3), with its joints as near to 0 as they can be."""
+    q = straight(robot.rows)
+    return robot.drive.coordinates.project(q) if robot.joints else q
 
 
 def _is_array(thing: Any) -> bool:
@@ -362,7 +369,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
 
 
 def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
-    _add_arm(contents, robot, straight(robot.rows), True, targets)
+    _add_arm(contents, robot, middle_of(robot), True, targets)
     contents.add_obstacles(scene.obstacles)
 
 
@@ -394,7 +401,7 @@ def _add_motion(contents: Contents, motion: Motion, way: tuple[Floats, Floats] |
         q, times = (motion.q, motion.times) if way is None else way
         contents.add_way(motion.robot, q, times, motion.solved)
     else:
-        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot.rows)
+        q = motion.solutions[-1].q if motion.solutions else middle_of(motion.robot)
         contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):

@@ -7,11 +7,14 @@ import numpy as np
 
 from sinuous.base.arguments import Number
 from sinuous.base.checks import Floats
+from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
+from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
 
 INK, PALE, LINE, GRID = "#2f343a", "#6b7178", "#b4bac1", "#e7eaed"
 OBSTACLE, DOTS, METAL = "#b9c1cb", "#98a1ac", "#4a5058"
+LINK = "#8a93a0"
 TARGET, PATH, ROUTE, TIP_PATH = "#d55e00", "#f0b48c", "#009e73", "#d55e00"
 FORCE = INK
 X, Y, Z = "#d55e00", "#009e73", "#0072b2"
@@ -82,6 +85,11 @@ def rgb(colour: str) -> Rgb:
 def arm_tones(solved: bool = True, number: int = 0) -> tuple[str, str]:
     """Two tones for the segments of a robot in turn; `number` counts the robots of a picture."""
     return ARMS[number % len(ARMS)] if solved else UNSOLVED
+
+
+def rigid_tone(row: Segment) -> str:
+    """Colour of a joint, or of a capsule of a link."""
+    return LINK if isinstance(row, RigidRow) and row.has_body else METAL
 
 
 def map_colour(share: float) -> Rgb:

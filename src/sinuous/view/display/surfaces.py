@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.kernels import packing
+from sinuous.model.joints import RigidRow
 from sinuous.model.poses import least_rotation
 from sinuous.model.robot import Robot
 from sinuous.scene.grids import Field, Grid
@@ -247,6 +248,9 @@ FLANGE_RADII, PLATE_RADII = 1.6, 0.5
 SLEEVE_RADII = 1.25
 """Radius of the sleeve over the mount, in radii of the first segment."""
 
+DRUM_RADII, ROD_RADII = (0.8, 1.2), 0.45
+"""Radius and half height of a joint that turns, and radius of a rod, in radii of its link."""
+
 TOOL_RADII = 0.3
 """Radius of the tool, which has no body, in radii of the last segment."""
 
@@ -321,24 +325,76 @@ class BodySurface:
         self._around, self._circle, self._rings = around, circle(around), list[Ring]()
         radii = [share * max(radius, least_radius) for radius in robot.radii]
         self._last = len(robot) * self.per_segment
+        self._turned: list[tuple[int, Floats]] = []  # frames that rigid parts lie about: of the body, turned by a pose
+        self._begin = len(robot.rows) - len(robot.segments)
         self._mounted = _segments_within(robot, robot.mount) if fittings else 0
         self._reach = float(np.linalg.norm(robot.tool[:3, 3])) if fittings else 0.0
-        for k in range(len(robot)):
+        for k, row in enumerate(robot.rows):
+            if isinstance(row, RigidRow):
+                self._add_rigid(k, row, radii, pieces, share * least_radius)
+                continue
             for first in range(k * self.per_segment, (k + 1) * self.per_segment, steps):
                 self._add_piece(k, radii[k], first, first + steps)
         if fittings:
-            self._add_fittings(radii[0], radii[-1])
+            self._add_rods(radii, share * least_radius)
+            self._add_fittings(_thickness(robot, 0, radii), radii[-1])
         self._frame, self._radius, self._ahead = (np.array(column) for column in zip(*self._rings, strict=True))
 
     def _add_piece(self, segment: int, radius: float, first: int, last: int) -> None:
         """Add a tube about these frames; the body ends in half balls."""
         rings = [Ring(i, radius, 0.0) for i in range(first, last + 1)]
         angles = [0.5 * math.pi * i / CAP_BANDS for i in range(1, CAP_BANDS + 1)]
-        if first == 0:
-            rings = [Ring(0, radius * math.cos(a), -radius * math.sin(a)) for a in reversed(angles)] + rings
+        if first == self._begin * self.per_segment:
+            rings = [Ring(first, radius * math.cos(a), -radius * math.sin(a)) for a in reversed(angles)] + rings
         if last == self._last:
             rings += [Ring(last, radius * math.cos(a), radius * math.sin(a)) for a in angles]
         self._add(segment, rings)
+
+    def _add_rigid(self, k: int, row: RigidRow, radii: list[float], pieces: int, least: float) -> None:
+        """Add a capsule of a link, a drum about the axis of a joint that turns, or the rod that one slides along."""
+        begin = k * self.per_segment
+        if row.has_body:
+            length, r = row.length[1], radii[k]
+            low, high = arc(r, -0.5 * math.pi, 0.0, CAP_BANDS), arc(r, 0.0, 0.5 * math.pi, CAP_BANDS)
+            rings = [Ring(begin, size, ahead) for size, ahead in low.tolist()]
+            rings += [Ring(begin, size, length + ahead) for size, ahead in high.tolist()]
+        elif row.joint < 0:
+            rings = [Ring(begin, 0.0, 0.0)] * 2
+        else:
+            size = max(2.0 * least, _thickness(self.robot, row.link, radii))
+            if row.length[1] > 0.0:
+                back = np.asarray(np.linalg.inv(row.tail), np.float64)
+                end = self._turn(begin + self.per_segment, back)
+                rings = [
+                    Ring(at, size * ROD_RADII * wide, 0.0) for at, wide in ((begin, 0), (begin, 1), (end, 1), (end, 0))
+                ]
+            else:
+                turned = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # z is the y axis here
+                about = self._turn(begin, turned)
+                ends = ((-1.0, 0.0), (-1.0, 1.0), (1.0, 1.0), (1.0, 0.0))
+                rings = [Ring(about, size * DRUM_RADII[0] * wide, size * DRUM_RADII[1] * ahead) for ahead, wide in ends]
+        self._add(k, rings)
+        for _ in range(1, pieces):
+            self._add(k, [Ring(begin, 0.0, 0.0)] * 2)
+
+    def _add_rods(self, radii: list[float], least: float) -> None:
+        """Add rods between the joints of links that have no body."""
+        rows = [row for row in self.robot.rows if isinstance(row, RigidRow)]
+        with_body = {row.link for row in rows if row.has_body}
+        for k, row in enumerate(rows):
+            back = np.asarray(np.linalg.inv(row.tail), np.float64)
+            length = float(np.linalg.norm(back[:3, 3]))
+            if row.link not in with_body and length > 0.0:
+                towards = np.eye(4)
+                towards[:3, :3] = least_rotation(back[:3, 3] / length)
+                at = self._turn((k + 1) * self.per_segment, towards)
+                size = max(least, ROD_RADII * _thickness(self.robot, row.link, radii))
+                self._add(None, [Ring(at, size, 0.0), Ring(at, size, length)])
+
+    def _turn(self, frame: int, pose: Floats) -> int:
+        """Number of a frame of the body that is turned by a pose (4, 4)."""
+        self._turned.append((frame, pose))
+        return self._last + len(self._turned)
 
     def _add_fittings(self, first: float, last: float) -> None:
         """Add the flange behind the half ball of the base, the sleeve and the tool; two equal rings make an edge."""
@@ -346,11 +402,13 @@ class BodySurface:
         behind = before._replace(ahead=-(1.0 + PLATE_RADII) * first)
         ends = behind._replace(radius=0.0), before._replace(radius=0.0)
         self._add(None, [ends[0], behind, behind, before, before, ends[1]])
-        frame = self._last + 1
+        frame = self._last + 1 + len(self._turned)
         if self._mounted:
-            sleeve = [Ring(frame + i, SLEEVE_RADII * first, 0.0) for i in range(self._mounted * self.per_segment + 1)]
+            own = SLEEVE_RADII * (_thickness(self.robot, None, [*self.robot.radii]) or first)
+            begin = frame + self._begin * self.per_segment
+            sleeve = [Ring(begin + i, own, 0.0) for i in range(self._mounted * self.per_segment + 1)]
             self._add(None, [*sleeve, sleeve[-1], sleeve[-1]._replace(radius=0.0)])
-            frame += len(sleeve)
+            frame = sleeve[-1].frame + 1
         if self._reach > 0.0:
             outline = ((1.0, 0.0), (0.8, 0.7), (0.0, 1.0))
             self._add(None, [Ring(frame, TOOL_RADII * last * size, self._reach * share) for size, share in outline])
@@ -370,6 +428,7 @@ class BodySurface:
                 self.per_segment,
             )
         ]
+        known += [_turned(known[0][:, frame], pose)[:, None] for frame, pose in self._turned]
         if self._mounted:
             known.append(self._mount_frames(q))
         if self._reach > 0.0:
@@ -387,17 +446,36 @@ class BodySurface:
 
     def _mount_frames(self, q: Floats) -> Floats:
         """Frames (T, k, 12) along the part of the backbone that lies within the mount."""
-        own = np.asarray(q, np.float64)[:, : self._mounted]
-        begins = np.cumsum(own[..., 2], axis=1) - own[..., 2]
-        share = np.clip((self.robot.mount - begins) / np.maximum(own[..., 2], 1e-300), 0.0, 1.0)
+        own = np.asarray(q, np.float64)[:, : self._begin + self._mounted]
+        begins = np.cumsum(own[:, self._begin :, 2], axis=1) - own[:, self._begin :, 2]
+        share = np.ones(own.shape[:2])  # joints and links are where they are
+        within = (self.robot.mount - begins) / np.maximum(own[:, self._begin :, 2], 1e-300)
+        share[:, self._begin :] = np.clip(within, 0.0, 1.0)
         fine = np.repeat(share[..., None] * own / self.per_segment, self.per_segment, axis=1)
         return _frames(self.robot, fine, self.per_segment)
 
 
 def _segments_within(robot: Robot, length: float) -> int:
-    """How many segments may begin within this length of backbone from the base."""
-    begins = np.cumsum([0.0, *(segment.length[0] for segment in robot.rows[:-1])])
-    return int((begins < length).sum())
+    """How many segments may begin within this length of backbone from where the first one begins."""
+    begins = np.cumsum([0.0, *(segment.length[0] for segment in robot.segments[:-1])])
+    return int((begins < length).sum()) if robot.segments else 0
+
+
+def _thickness(robot: Robot, link: int | None, radii: list[float]) -> float:
+    """Radius, of these of all rows, of the thickest capsule of a link; without any, that of the first segment."""
+    own = [
+        radius
+        for row, radius in zip(robot.rows, radii, strict=True)
+        if isinstance(row, RigidRow) and row.has_body and row.link == link
+    ]
+    return max(own) if own else radii[len(robot.rows) - len(robot.segments)] if robot.segments else radii[-1]
+
+
+def _turned(frames: Floats, pose: Floats) -> Floats:
+    """Frames (T, 12) turned and shifted by a pose that they see."""
+    rotation = frames[:, :9].reshape(-1, 3, 3)
+    place = frames[:, 9:] + rotation @ pose[:3, 3]
+    return np.concatenate([(rotation @ pose[:3, :3]).reshape(-1, 9), place], axis=-1)
 
 
 def _frames(robot: Robot, arcs: Floats, per: int = 1) -> Floats:
@@ -414,8 +492,6 @@ def _frames(robot: Robot, arcs: Floats, per: int = 1) -> Floats:
 def _tool_frames(robot: Robot, tips: Floats) -> Floats:
     """Frames (T, 1, 12) at the tip, where `tips` are those of the body, with z towards the point of the tool."""
     place = robot.tool[:3, 3]
-    turned = tips.copy()
-    turned[..., :9] = (tips[..., :9].reshape(-1, 3, 3) @ least_rotation(place / np.linalg.norm(place))).reshape(
-        -1, 1, 9
-    )
-    return turned
+    towards = np.eye(4)
+    towards[:3, :3] = least_rotation(place / np.linalg.norm(place))
+    return _turned(tips[:, 0], towards)[:, None]

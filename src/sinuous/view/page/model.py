@@ -23,7 +23,7 @@ from sinuous.methods.method import name_of
 from sinuous.model.poses import least_rotation
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment, straight
+from sinuous.model.segment import Segment
 from sinuous.motion.job import Job, job_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import pace_motion
@@ -34,6 +34,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Mover, Snapshot
 from sinuous.solver.options import TIME
 from sinuous.statics.equilibrium import under_load
+from sinuous.view.display.contents import middle_of
 from sinuous.view.page import edits
 
 ASKED = ("position", "direction", "rotation")
@@ -214,8 +215,8 @@ class PageModel:
     def load(self, job: Job) -> None:
         """Begin anew with another problem."""
         self.job = job
-        self.q: Floats = straight(job.robot.rows) if job.start is None else job.start
-        self._q_beside = straight(job.robot.rows)
+        self.q: Floats = middle_of(job.robot) if job.start is None else job.start
+        self._q_beside = middle_of(job.robot)
         self.answer: Solution | None = None
         self.beside: Solution | None = None
         self.waypoint = 0
@@ -475,10 +476,9 @@ class PageModel:
 
     def limit(self, segment: int | None, **values: Any) -> None:
         """Change limits or the radius of a segment (0 = first; None: of all): arguments of `Segment`."""
-        chosen = (
-            range(len(self.robot)) if segment is None else [checks.integer("segment", segment, 0, len(self.robot) - 1)]
-        )
-        segments: list[Segment] = list(self.robot.rows)
+        segments: list[Segment] = list(self.robot.segments)
+        last = len(segments) - 1
+        chosen = range(last + 1) if segment is None else [checks.integer("segment", segment, 0, last)]
         for k in chosen:
             with checks.inside(f"segments[{k}]"):
                 segments[k] = segments[k].changed(**values)
@@ -486,23 +486,26 @@ class PageModel:
 
     def add_segment(self, segment: int | None) -> None:
         """Add a segment like this one (0 = first; None: the last) right after it."""
-        count = len(self.robot)
+        count = len(self.robot.segments)
         k = count - 1 if segment is None else checks.integer("segment", segment, 0, count - 1)
         self._rebuild([*range(k + 1), *range(k, count)], new=k + 1)
 
     def remove_segment(self, segment: int | None) -> None:
         """Take a segment away (0 = first; None: the last)."""
-        count = len(self.robot)
+        count, before = len(self.robot.segments), len(self.robot.rows) - len(self.robot.segments)
         k = count - 1 if segment is None else checks.integer("segment", segment, 0, count - 1)
-        if any(target.segment == k + 1 for targets in self.job.waypoints for target in targets):
-            raise InputError("segment", "a target asks for its end", self.robot.segment_names[k], "another segment")
+        if any(target.segment == before + k + 1 for targets in self.job.waypoints for target in targets):
+            name = self.robot.segment_names[before + k]
+            raise InputError("segment", "a target asks for its end", name, "another segment")
         self._rebuild([i for i in range(count) if i != k])
 
-    def _rebuild(self, rows: list[int], new: int | None = None) -> None:
+    def _rebuild(self, chosen: list[int], new: int | None = None) -> None:
         """Make the robot of these segments of before (0 = first); one that is `new` has no name of its own."""
-        segments = [self.robot.rows[i] for i in rows]
+        segments = [self.robot.segments[i] for i in chosen]
         if new is not None:
             segments[new] = segments[new].changed(name=None)
+        before = len(self.robot.rows) - len(self.robot.segments)
+        rows = [*range(before), *(before + i for i in chosen)]
         place = {old: i for i, old in reversed([*enumerate(rows)])}
 
         def moved(target: Target) -> Target:

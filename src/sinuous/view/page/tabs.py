@@ -15,6 +15,7 @@ from viser.transforms import SO3
 from sinuous.base.checks import Floats
 from sinuous.kernels.packing import BendLine
 from sinuous.methods.method import METHODS
+from sinuous.model.joints import Fixed, RigidRow
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance
@@ -202,9 +203,12 @@ Slider = tuple[str, tuple[float, float], Callable[[], Any], Callable[[float], ob
 
 
 def _of_segments(session: Session, seen: range) -> Iterator[Slider]:
-    """Yield sliders for bends and lengths of segments (0 = first)."""
+    """Yield sliders for joints, and for bends and lengths of segments (0 = first)."""
     for k in seen:
-        name, segment = session.model.robot.segment_names[k], session.model.robot.segments[k]
+        name, segment = session.model.robot.segment_names[k], session.model.robot.rows[k]
+        if isinstance(segment, RigidRow):
+            yield from _of_joint(session, k, segment)
+            continue
         line = session.model.robot.drive.coordinates.bends[k]
         if isinstance(line, BendLine):
             if line.low < line.high:
@@ -216,6 +220,21 @@ def _of_segments(session: Session, seen: range) -> Iterator[Slider]:
         for c, what, ends in [*bends, (2, "length", segment.length)]:
             get = partial(lambda k, c: session.model.shown[k, c], k, c)
             yield f"{name} {what}", ends, get, partial(_bend, session, k, c)
+
+
+def _of_joint(session: Session, k: int, row: RigidRow) -> Iterator[Slider]:
+    """Yield the slider of a joint; links have none."""
+    robot, i = session.model.robot, row.joint
+    if i >= 0:
+        moving = [joint for joint in robot.joints if not isinstance(joint, Fixed)][i]
+        column, shift = int(robot._rigid.columns[i]), float(robot._rigid.shifts[i])
+        get = partial(lambda i: robot.split(session.model.shown)[0][i], i)
+        yield (
+            f"joint {robot.joint_names[i]}",
+            moving.limits,
+            get,
+            lambda value: _bend(session, k, column, value + shift),
+        )
 
 
 def _bend_in_plane(session: Session, k: int, line: BendLine) -> float:
@@ -240,7 +259,7 @@ def _of_actuators(session: Session, seen: range) -> Iterator[Slider]:
 
 def value_ranges(robot: Robot) -> Floats:
     """Least and largest values (m, 2) of all actuators: their limits, and what limits of the segments leave of them."""
-    drive, ends = robot.drive, np.array([segment.length for segment in robot.segments])
+    drive, ends = robot.drive, np.array([row.length for row in robot.rows])
     slopes = drive.value_jacobian.reshape(len(drive), len(robot), 3)
     bends = np.hypot(slopes[..., 0], slopes[..., 1]) @ largest_bends(robot)
     lengths = np.sort(slopes[..., 2, None] * ends, axis=-1).sum(axis=1) + drive.motors.offset[:, None]
@@ -288,7 +307,10 @@ def chosen_sizes(session: Session) -> dict[str, float]:
 def robot_tab(session: Session, fields: Fields) -> None:
     """Limits and radius of one segment or of all."""
     model = session.model
-    names = (ALL, *model.robot.segment_names)
+    if not model.robot.segments:
+        return
+    before = len(model.robot.rows) - len(model.robot.segments)
+    names = (ALL, *model.robot.segment_names[before:])
     hint = "Of which limits are changed; of all, the first one's are shown."
     which = fields.gui.add_dropdown("segment", names, hint=hint)
     fields.field(which, lambda: which.value, lambda _: None)

@@ -12,7 +12,7 @@ from sinuous.answer.explanation import Explanation
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
 from sinuous.base.documents import written
-from sinuous.base.words import duration, span
+from sinuous.base.words import duration, listed, span
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.trajectory import Trajectory
@@ -87,11 +87,12 @@ def _rows(noun: Any) -> dict[str, str]:
 
 
 def _of_robot(robot: Robot) -> dict[str, str]:
-    low, high = (sum(segment.length[i] for segment in robot.rows) for i in (0, 1))
+    low, high = (sum(segment.length[i] for segment in robot.segments) for i in (0, 1))
     rows = {
-        "segments": str(len(robot)),
+        **({"joints": listed(robot.joint_names)} if robot.joints else {}),
+        "segments": str(len(robot.segments)),
         "length": span((low, high)),
-        "radius": span((min(robot.radii), max(robot.radii))),
+        "radius": span((min(robot.body_radii, default=0.0), max(robot.body_radii, default=0.0))),
     }
     return rows | ({"actuators": str(len(robot.actuators))} if robot.actuators else {})
 

@@ -1,0 +1,233 @@
+"""Joints before the first segment, held against matrix exponentials and the Denavit-Hartenberg table of a Panda."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import sinuous as sn
+from sinuous.base.checks import Floats
+from sinuous.model.joints import Fixed, Joint
+from sinuous.model.link_overlaps import segment_distances
+from tests.helpers import as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
+
+BODY: list[Any] = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
+
+PANDA = [  # a_{i-1}, d_i, alpha_{i-1}: modified Denavit-Hartenberg (Craig)
+    (0.0, 0.333, 0.0),
+    (0.0, 0.0, -math.pi / 2),
+    (0.0, 0.316, math.pi / 2),
+    (0.0825, 0.0, math.pi / 2),
+    (-0.0825, 0.384, -math.pi / 2),
+    (0.0, 0.0, math.pi / 2),
+    (0.088, 0.0, math.pi / 2),
+]
+
+
+def link(a: float, d: float, alpha: float) -> Floats:
+    """Where a joint of the table is in the frame of the link before it, at value 0."""
+    c, s = math.cos(alpha), math.sin(alpha)
+    return np.array([[1, 0, 0, a], [0, c, -s, -d * s], [0, s, c, d * c], [0, 0, 0, 1.0]])
+
+
+def about_z(angle: float) -> Floats:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+
+
+def panda(**whole: object) -> sn.Robot:
+    joints: list[Joint] = [sn.Revolute(limits=(-2.9, 2.9), origin=link(*row)) for row in PANDA]
+    return sn.Robot(joints=[*joints, Fixed((0, 0, 0.107))], **whole)  # type: ignore[arg-type]
+
+
+def moved(joint: Joint, value: float) -> Floats:
+    """Pose of the link after a joint in the frame of the link before it: a matrix exponential."""
+    twist = np.zeros((4, 4))
+    if isinstance(joint, sn.Revolute):
+        twist[:3, :3] = skew(joint.axis)
+    elif isinstance(joint, sn.Prismatic):
+        twist[:3, 3] = joint.axis
+    return np.asarray(joint.origin @ expm(value * twist))
+
+
+def robots(count: int = 6) -> Iterator[tuple[sn.Robot, Floats, Floats]]:
+    """Robots with joints of all kinds, values of their joints, and configurations of their segments."""
+    rng = np.random.default_rng(5)
+    for trial in range(count):
+        joints: list[Joint] = []
+        for _ in range(5):
+            origin, axis = random_pose(rng), random_unit(rng)
+            body = BODY if rng.random() < 0.5 else []
+            low, high = np.sort(rng.uniform(-2.0, 2.0, 2)).tolist()
+            kind = rng.integers(3)
+            if kind == 2:
+                joints.append(Fixed(origin, body=body))
+            else:
+                joints.append((sn.Revolute, sn.Prismatic)[kind](axis, (low, high), origin, body=body))
+        moving = [joint.limits for joint in joints if not isinstance(joint, Fixed)]
+        if not moving:
+            continue
+        segments = [sn.Segment((0.2, 0.5), radius=0.02), sn.Segment(0.4)][: 2 if trial else 1]
+        robot = sn.Robot(segments, joints=joints, base=random_pose(rng), tool=random_pose(rng))
+        q = np.concatenate([rng.uniform(-1, 1, (len(segments), 2)), [[0.3], [0.4]][: len(segments)]], axis=1)
+        yield robot, rng.uniform(*np.transpose(moving)), q
+
+
+def test_the_tip_is_the_product_of_exponentials() -> None:
+    for robot, joints, q in robots():
+        values, pose = iter(joints.tolist()), robot.base
+        for joint in robot.joints:
+            pose = pose @ moved(joint, 0.0 if isinstance(joint, Fixed) else next(values))
+        first = pose
+        for one in q:
+            pose = pose @ expm(twist_matrix(one))
+        np.testing.assert_allclose(robot.tip(q, joints), pose @ robot.tool, atol=1e-13)
+        whole = robot.with_joints(q, joints)
+        np.testing.assert_array_equal(robot.tip(whole), robot.tip(q, joints))
+        ends = robot.forward(q, joints)
+        assert len(ends) == len(robot) == len(whole)
+        np.testing.assert_allclose(ends[-1] @ robot.tool, robot.tip(whole), atol=1e-15)
+        np.testing.assert_allclose(ends[-len(q) - 1], first, atol=1e-13)
+        points = robot.backbone(q, 4, joints)
+        np.testing.assert_allclose(points[-1 - 4 * (len(q) - 1)], ends[-len(q), :3, 3], atol=1e-13)
+
+
+def test_a_panda_is_where_its_table_says() -> None:
+    robot, rng = panda(), np.random.default_rng(1)
+    for _ in range(5):
+        values = rng.uniform(-2.9, 2.9, 7)
+        pose = np.eye(4)
+        for row, value in zip(PANDA, values.tolist(), strict=True):
+            pose = pose @ link(*row) @ about_z(value)
+        pose = pose @ as_matrix(np.eye(3), (0, 0, 0.107))
+        np.testing.assert_allclose(robot.tip(None, values), pose, atol=1e-14)
+
+
+def test_bodies_are_in_the_frames_of_their_links() -> None:
+    for robot, joints, q in robots():
+        values, pose, found = iter(joints.tolist()), robot.base, []
+        for joint in robot.joints:
+            pose = pose @ moved(joint, 0.0 if isinstance(joint, Fixed) else next(values))
+            found += [(pose[:3, :3] @ end + pose[:3, 3]) for own in joint.body for end in (own.start, own.end)]
+        whole = robot.with_joints(q, joints)
+        points = robot.backbone(whole, 1000)
+        for place in found:  # ends of capsules are on the rows, the last samples of which may be far behind the tail
+            assert np.linalg.norm(points - place, axis=1).min() < 1e-3
+
+
+def test_configurations_are_put_together_and_taken_apart() -> None:
+    for robot, joints, q in robots():
+        many = np.stack([joints, joints + 0.1, joints])
+        whole = robot.with_joints(q, many)
+        assert whole.shape == (3, len(robot), 3)
+        values, arcs = robot.split(whole)
+        np.testing.assert_allclose(values, many, atol=1e-15)
+        np.testing.assert_array_equal(arcs, np.broadcast_to(q, (3, *q.shape)))
+        np.testing.assert_array_equal(robot.configuration("initial", (joints, q)), robot.with_joints(q, joints))
+        assert robot.excess(robot.with_joints(q, joints)) == 0.0
+    assert panda().with_joints(None, np.zeros((4, 7))).shape == (4, len(panda()), 3)
+
+
+def test_a_robot_without_joints_takes_its_configuration_alone() -> None:
+    robot = sn.Robot.uniform(2, 1.0)
+    q = np.array([[0.1, 0.2, 1.0], [0.3, 0.0, 1.0]])
+    np.testing.assert_array_equal(robot.tip(q, []), robot.tip(q))
+    values, arcs = robot.split(q)
+    assert values.shape == (0,)
+    np.testing.assert_array_equal(arcs, q)
+    assert robot.joint_names == ()
+
+
+def test_links_that_do_not_move_need_no_values() -> None:
+    arm = sn.Robot([sn.Segment(1.0)], joints=[sn.Revolute(), Fixed((0, 0, 1))])
+    np.testing.assert_allclose(arm.tip([[0, 0, 1.0]], [0.5])[:3, 3], (0, 0, 2))
+
+
+ARM = sn.Robot([sn.Segment(1.0), sn.Segment(1.0)], joints=[sn.Revolute(name="roll"), sn.Prismatic(limits=(0, 1))])
+Q = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+
+
+def test_shapes_that_do_not_fit_are_refused() -> None:
+    rows = len(ARM)
+    said = rf"q: shape \(2, 3\); expected finite numbers of shape \(..., {rows}, 3\), or \(..., 2, 3\) with joints"
+    with pytest.raises(sn.InputError, match=said):
+        ARM.tip(Q)
+    refused_each("joints", [[1.0], 1.0, [[1.0]], [np.nan, 0.0], "j"], lambda value: ARM.tip(Q, value))
+    refused("q", lambda: ARM.tip(Q[:1], [0, 0]), "(..., 2, 3)")
+    refused("q", lambda: ARM.with_joints(None, [0, 0]))
+    refused("joints", lambda: ARM.tip(np.stack([Q, Q, Q]), np.zeros((2, 2))), "broadcast")
+    refused("initial.joints", lambda: ARM.configuration("initial", ([0.0], Q)))
+    refused("joints", lambda: sn.Robot.uniform(2, 1.0).tip(Q, [0.5]))
+
+
+def test_joints_that_cannot_be_are_refused() -> None:
+    refused("axis", lambda: sn.Revolute((0, 0, 0)))
+    refused("limits", lambda: sn.Prismatic(limits=(1, 0)), "lower limit above")
+    refused("origin.matrix", lambda: sn.Revolute(origin=np.ones((4, 4))))
+    refused("rate", lambda: sn.Revolute(rate=0))
+    refused_each("body[0]", [[3], [{"from": (0, 0, 0)}], [(1, 2)]], lambda value: sn.Revolute(body=value))
+    refused("body[0].radius", lambda: sn.Revolute(body=[((0, 0, 0), (0, 0, 1), 0)]))
+    refused("body[0].form", lambda: sn.Revolute(body=[{"form": 3}]), "from")
+    refused("joints[1].touches[0]", lambda: sn.Robot(joints=[sn.Revolute(name="a"), sn.Revolute(touches=["b"])]))
+    refused("joints[1].name", lambda: sn.Robot(joints=[sn.Revolute(name="a"), sn.Revolute(name="a")]), "joints[0]")
+    refused("segments[0].name", lambda: sn.Robot([sn.Segment(1)], joints=[sn.Revolute(name="s1")]), "joints[0]")
+    refused("joints[0]", lambda: sn.Robot(joints=[3]))  # type: ignore[list-item]
+    refused("segments", lambda: sn.Robot(joints=[]))
+
+
+def test_tendons_do_not_run_through_joints() -> None:
+    arm = sn.Robot([sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))], joints=[sn.Revolute((1, 0, 0)), sn.Revolute()])
+    alone = sn.Robot([sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))])
+    q = np.array([[0.4, -0.2, 1.0]])
+    whole = arm.with_joints(q, [0.5, -0.7])
+    np.testing.assert_allclose(arm.to_actuators(whole), alone.to_actuators(q), atol=1e-15)
+    assert arm.undetermined == ("joint j1", "joint j2")
+    assert not arm.notes
+    again = arm.from_actuators(arm.to_actuators(whole), whole)
+    np.testing.assert_allclose(again, whole, atol=1e-12)
+
+
+def test_what_a_robot_with_joints_shows() -> None:
+    assert repr(ARM) == "Robot(2 joints, 2 segments, total length 2 to 2)"
+    assert ARM.joint_names == ("roll", "j2")
+    assert repr(panda(name="panda")) == "Robot('panda', 7 joints)"
+    assert [str(joint) for joint in (sn.Revolute(limits=(-1, 2)), Fixed(body=BODY))] == [
+        "revolute, -1 to 2",
+        "fixed, 2 capsules",
+    ]
+    assert repr(sn.Prismatic((1, 0, 0), (0, 2), name="feed")) == "Prismatic(axis=(1, 0, 0), limits=(0, 2), name='feed')"
+
+
+def test_links_that_overlap_nearly_everywhere_are_noted() -> None:
+    ball = [((0, 0, 0), (0, 0, 0), 0.1)]
+    far, near = ((0, 0, 1), (0, 0, 0.01))
+
+    def robot(place: tuple[float, float, float], touches: tuple[str, ...] = ()) -> sn.Robot:
+        joints = [sn.Revolute((1, 0, 0), (-1, 1), place, body=ball) for _ in range(2)]
+        return sn.Robot(joints=[*joints, sn.Revolute(origin=place, body=ball, touches=touches)])
+
+    assert robot(far).notes == ()
+    said = "links of j1 and j3 overlap in 100 of 100 random configurations: `touches` of j3, or an SRDF, allows it"
+    assert robot(near).notes == (said,)
+    assert robot(near, ("j1",)).notes == ()
+
+
+def test_distances_of_segments_are_the_least_ones() -> None:
+    rng = np.random.default_rng(0)
+    a, b, c, d = rng.normal(size=(4, 40, 3))
+    b[:5], d[3:8] = a[:5], c[3:8]
+    d[10:15] = c[10:15] + 2.0 * (b - a)[10:15]
+    share = np.linspace(0.0, 1.0, 101)[:, None]
+    for i, found in enumerate(segment_distances(a, b, c, d).tolist()):
+        one, other = a[i] + share * (b - a)[i], c[i] + share * (d - c)[i]
+        least = float(np.linalg.norm(one[:, None] - other, axis=-1).min())
+        assert least - 0.05 < found <= least + 1e-12
+
+
+def test_segments_are_locked_beside_joints() -> None:
+    locked = ARM.locked({"s2": (0.1, 0.2, None), 1: (None, None, 1.0)})
+    assert [segment.locked for segment in locked.segments] == [(None, None, 1.0), (0.1, 0.2, None)]
+    refused("coordinates", lambda: ARM.locked({"roll": None}), "no segment is called 'roll'")

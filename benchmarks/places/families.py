@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from benchmarks.places import cells, media, polyhedra, tubes
+from benchmarks.places import cells, crowds, media, polyhedra, tubes
 from benchmarks.places.around import drum, duct, pipe, plates, shelf, spheres
 from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
@@ -95,6 +95,14 @@ _JUDGING: dict[str, tuple[Trap, str]] = {
     "keyholes": (cells.keyholes, "thick walls with keyholes, meshes"),
     "nested": (cells.nested, "a cell within a cell, a door each, boxes"),
 }
+_CROWDS: dict[str, tuple[Trap, str]] = {
+    "rods": (crowds.rods, "hundreds of rods thrown about, capsules"),
+    "sheets": (crowds.sheets, "hundreds of thin sheets, boxes"),
+    "hoops": (crowds.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
+    "cables": (crowds.cables, "trays of curved cables, hundreds of capsules"),
+    "profiles": (crowds.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
+    "assembly": (crowds.assembly, "dozens of bars that one mesh holds"),
+}
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
 SCANNED_TRAPS = (
     *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
@@ -125,6 +133,7 @@ def _traps() -> dict[str, tuple[Draw, str]]:
     """Traps as they are drawn, as meshes, and as scans, each for its robots."""
     as_drawn: dict[str, tuple[Draw, str]] = {}
     as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _TRAPS.items()}
+    as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _CROWDS.items()}
     as_drawn |= {name: (partial(trapped, trap, long_robot), words) for name, (trap, words) in _LONG.items()}
     as_drawn |= {name: (partial(trapped, trap, thin_robot), words) for name, (trap, words) in _THIN.items()}
     to_scan = {name: partial(trapped, _TRAPS[name][0], stout_robot) for name in SCANNED_TRAPS}

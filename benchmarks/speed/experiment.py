@@ -1,7 +1,7 @@
 """`python -m benchmarks speed`: every figure that this project claims, measured in one run."""
 
 from benchmarks.harness.experiment import Part
-from benchmarks.speed import budgets, endurance, fields, rivals, solves, startup
+from benchmarks.speed import budgets, endurance, fields, parts, rivals, solves, startup
 
 PARTS: dict[str, Part] = {
     "cold": solves.measure,
@@ -11,6 +11,7 @@ PARTS: dict[str, Part] = {
     "honesty": solves.false_claims,
     "budgets": budgets.measure,
     "fields": fields.measure,
+    "parts": parts.measure,
     "startup": startup.measure,
     "endurance": endurance.measure,
 }

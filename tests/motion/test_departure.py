@@ -1,6 +1,7 @@
 """A tip that leaves the line between two waypoints, and what a motion says of it."""
 
 import json
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -65,8 +66,14 @@ def test_a_tip_that_leaves_a_weld_is_told(number: int) -> None:
         assert max(most) == pytest.approx(motion.largest_deviation[0], rel=1e-2)
 
 
+@cache
+def left() -> sn.Motion:
+    """The motion around the plate; not led when tests are collected, since that compiles."""
+    return sn.track(ROBOT, ACROSS, [PLATE])
+
+
 def test_a_motion_that_leaves_its_path_says_so() -> None:
-    motion = sn.track(ROBOT, ACROSS, [PLATE])
+    motion = left()
     assert motion.status is sn.Status.LEFT_PATH
     assert not motion.solved
     assert motion.between == "proved"
@@ -106,8 +113,7 @@ def test_other_shapes_at_the_start_are_tried_before_a_path_is_left() -> None:
 
 
 def test_where_it_is_allowed_the_path_may_be_left() -> None:
-    asked = sn.track(ROBOT, ACROSS, [PLATE])
-    motion = sn.track(ROBOT, ACROSS, [PLATE], reconfigure="allow")
+    asked, motion = left(), sn.track(ROBOT, ACROSS, [PLATE], reconfigure="allow")
     assert motion.solved
     assert motion.verify().ok
     assert motion.left_steps == asked.left_steps

@@ -46,7 +46,7 @@ def test_a_step_through_an_obstacle_is_blocked_and_says_where() -> None:
         motion.raise_for_status()
 
 
-@with_each("seed", range(8))
+@with_each("seed", range(5))
 def test_a_motion_is_blocked_where_independent_sampling_sees_an_overlap(seed: int) -> None:
     rng = np.random.default_rng(seed)
     knots = np.stack([ROBOT.clamp(BENT + rng.normal(0.0, 0.3, (3, 3))) for _ in range(4)])

@@ -10,7 +10,7 @@ import pytest
 import sinuous as sn
 from sinuous.scene.grids import Grid
 from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere, rows_of
 from sinuous.scene.point_cloud import PointCloud
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
@@ -106,3 +106,17 @@ class Unmeasured(Sphere):
 def test_nothing_is_clear_of_a_primitive_without_a_distance(inside: bool) -> None:
     scene = sn.Scene([Unmeasured((0.0, 0.0, 0.0), 9.0 if inside else 0.1, inside=inside)])
     assert scene.distance([5.0, 0.0, 0.0]) == -np.inf
+
+
+def test_rows_of_many_obstacles_are_those_of_each() -> None:
+    rng = np.random.default_rng(9)
+    obstacles: list[Primitive] = [
+        HalfSpace((0.0, 0.0, 1.0), (1.0, 0.0, 2.0)),
+        Sphere((1.0, 2.0, 3.0), 2.0, inside=True),
+    ]
+    for axis in (*np.eye(3), *-np.eye(3), *rng.normal(size=(5, 3)), np.array([1e-120, 0.0, -1.0])):
+        start = rng.normal(size=3)
+        obstacles += [Capsule(start, start + axis, 0.3), Cylinder(start, start + axis, 0.2, inside=bool(axis[0] > 0.0))]
+        obstacles += [Box(start, (1.0, 2.0, 3.0), rng.normal(size=4)), Sphere(start, 0.5), Capsule(start, start, 0.1)]
+    together = rows_of(obstacles)
+    np.testing.assert_allclose(together, [own.row for own in obstacles], rtol=1e-14, atol=1e-15)

@@ -232,23 +232,70 @@ def primitive_row(
     return row
 
 
+def primitive_rows(
+    kinds: Floats, inside: Floats, centers: Floats, axes: Floats, half_extents: Floats, roundings: Floats
+) -> Floats:
+    """Return rows (m, 33) of many primitives: the same, but for what arithmetic makes of them."""
+    rows = np.zeros((len(kinds), t.OBSTACLE_WIDTH))
+    rows[:, t.KIND], rows[:, t.SIGN], rows[:, t.ROUNDING_RADIUS] = kinds, np.where(inside, -1.0, 1.0), roundings
+    rows[:, t.CENTER : t.CENTER + 3], rows[:, t.AXES : t.AXES + 9] = centers, axes.reshape(-1, 9)
+    rows[:, t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
+    rows[:, t.ROUNDOFF] = ROUNDOFF * ((np.abs(centers) + np.abs(half_extents)).sum(axis=1) + roundings)
+    rows[:, t.EXTENT] = np.sqrt((half_extents**2).sum(axis=1)) + roundings
+    rows[(inside != 0.0) | (kinds == t.HALF_SPACE), t.EXTENT] = math.inf
+    return rows
+
+
 def roundoff(corners: Floats, more: float = 0.0) -> float:
     """What arithmetic may make of the distance to what lies among these corners (m, 3), rounded by `more`."""
     return ROUNDOFF * (float(np.abs(corners).max(axis=0).sum()) + more)
 
 
-def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
-    """Return the group of a scene; places in the rows count from the start of the obstacle's own store."""
-    table = np.array(rows, np.float64).reshape(-1, t.OBSTACLE_WIDTH)
-    at = 0
-    for row, store in zip(table, stores, strict=True):
-        if row[t.KIND] >= t.TREE:
-            for column in (t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL):
-                if row[column] >= 0.0:
-                    row[column] += at
-        at += len(store)
+STORE_PLACES = [t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL]
+"""Columns of a row that say where something begins in the store."""
+
+
+def scene_group(rows: Floats, stores: Sequence[Floats], hierarchy: Floats) -> Floats:
+    """Return the group of a scene of rows (m, 33) and its hierarchy (h,), empty where there is none.
+
+    Places in the rows count from the start of the obstacle's own store.
+    """
+    table = rows.copy()
+    begins = len(hierarchy) + np.cumsum([0, *map(len, stores)])[:-1]
+    moved = (table[:, t.KIND] >= t.TREE)[:, None] & (table[:, STORE_PLACES] >= 0.0)
+    table[:, STORE_PLACES] += np.where(moved, begins[:, None], 0)
+    kept = [store for store in stores if len(store)]
     # One number more than there is: an empty store would be another type of array to NumPy's slices.
-    return np.concatenate([[float(len(table))], table.ravel(), *stores, [0.0]])
+    return np.concatenate([[float(len(table))], table.ravel(), hierarchy, *kept, [0.0]])
+
+
+def with_row(group: Floats, index: int, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats | None:
+    """Return the group of a scene in which one obstacle is another one, as `scene_group` would make it.
+
+    `before` and `now`: its row and store, as they are given to that. The hierarchy stays as it is. `None` where only
+    one of both is in the store: then the group has to be made anew.
+    """
+    (old, old_store), (row, store) = before, now
+    if (len(old_store) > 0) != (len(store) > 0):
+        return None
+    end, begin = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0]), 0
+    if len(store):
+        column = next(each for each in STORE_PLACES if old[each] >= 0.0)
+        begin = int(scene_parts(group)[0][index, column] - old[column])
+    at = end + begin
+    if len(store) == len(old_store):
+        made = group.copy()
+        made[at : at + len(store)] = store
+    else:
+        made = np.concatenate([group[:at], store, group[at + len(old_store) :]])
+        rows = scene_parts(made)[0]
+        moved = (rows[:, t.KIND] >= t.TREE)[:, None] & (rows[:, STORE_PLACES] >= begin + len(old_store))
+        rows[:, STORE_PLACES] += np.where(moved, len(store) - len(old_store), 0)
+    table = scene_parts(made)[0]
+    table[index] = row
+    if row[t.KIND] >= t.TREE:
+        table[index, STORE_PLACES] += np.where(row[STORE_PLACES] >= 0.0, begin, 0)
+    return made
 
 
 def scene_parts(group: Floats) -> tuple[Floats, Floats]:

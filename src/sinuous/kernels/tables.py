@@ -6,7 +6,7 @@ single flat array, because every array that Python hands to a compiled function 
 more:
 
 - the robot: `[n, p, avoid]`, rows of its n segments, rows of its p actuator limits, poses of base and tool;
-- the scene: `[m]`, rows of its m obstacles, then the store: all numbers that these rows point to;
+- the scene: `[m]`, rows of its m obstacles, then the store: a hierarchy of many, and all numbers that rows point to;
 - the settings: one number for each name below, then the options of the method;
 - the targets: a table (t, 15), the only group with two axes.
 
@@ -109,6 +109,28 @@ FIRST_CELL = 32
 none). SHAPE, ORIGIN and SPACING are then of their middles: who has cells has no samples."""
 
 OBSTACLE_WIDTH = 33
+
+MANY_OBSTACLES = 48
+"""From so many obstacles on, the store begins with a hierarchy: a tree of boxes about all of them. With fewer it takes
+longer to walk than to ask everyone."""
+
+(
+    HIERARCHY_OBSTACLES,
+    HIERARCHY_LEVELS,
+    HIERARCHY_BOXES,
+    HIERARCHY_BESIDE,
+    HIERARCHY_WORK,
+    HIERARCHY_ROUNDOFF,
+    HIERARCHY_SPACING,
+    HIERARCHY_CHANGES,
+    HIERARCHY_HEADER,
+) = range(9)
+"""First places of the store of many obstacles: their number; levels of the tree; how many boxes are in its leaves, one
+each at most; how many obstacles are beside it; work units of a query; the largest `ROUNDOFF` and the largest spacing of
+samples of all; and how many obstacles were changed since it was made.
+
+After this header follow the numbers of the obstacles that are beside the tree, because they have no end or move; the
+number of the obstacle of each box, which may have several; and the nodes."""
 
 TRIANGLES, BALLS, CUBES = range(3)
 """Kinds of items."""

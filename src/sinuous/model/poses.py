@@ -143,6 +143,18 @@ def least_rotation(direction: Floats) -> Floats:
     return np.array([[1.0 - c * x * x, -c * x * y, x], [-c * x * y, 1.0 - c * y * y, y], [-x, -y, z]])
 
 
+def least_rotations(directions: Floats) -> Floats:
+    """Return what `least_rotation` does (m, 3, 3), of many unit vectors (m, 3)."""
+    x, y, z = directions.T
+    side = x * x + y * y
+    upright = np.hypot(x, y) < 1e-100
+    c = np.where(z > -0.5, 1.0 / np.where(z > -0.5, 1.0 + z, 1.0), (1.0 - z) / np.where(upright, 1.0, side))
+    turns = np.array([[1.0 - c * x * x, -c * x * y, x], [-c * x * y, 1.0 - c * y * y, y], [-x, -y, z]])
+    turns[:, :, upright] = np.eye(3)[:, :, None]
+    turns[1, 1, upright] = turns[2, 2, upright] = np.where(z[upright] > 0.0, 1.0, -1.0)
+    return np.moveaxis(turns, -1, 0)
+
+
 def pose(
     position: Vector | None = None,
     *,

@@ -13,6 +13,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import (
     ActuatorValues,
     Batch,
+    JointsAndBatch,
     Limits,
     Number,
     OneEach,
@@ -88,10 +89,6 @@ class Uncertainty(Frozen):
 
 if TYPE_CHECKING:
     import sinuous as sn
-
-
-JointsAndBatch = Batch | tuple[Stack, Batch | None]
-"""Configurations of all rows, or a pair of joints and q of the segments."""
 
 
 class WholeArguments(TypedDict, total=False):

@@ -19,9 +19,9 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import plain, pose_arguments, readable
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
-from sinuous.kernels.packing import primitive_row
+from sinuous.kernels.packing import primitive_row, primitive_rows
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
-from sinuous.model.poses import any_rotation, least_rotation, pose
+from sinuous.model.poses import any_rotation, least_rotation, least_rotations, pose
 
 
 def check_file(file: Path, kinds: Sequence[str]) -> None:
@@ -409,3 +409,27 @@ class HalfSpace(Primitive):
     @property
     def _box(self) -> None:
         return None
+
+
+def rows_of(obstacles: Sequence[Primitive]) -> Floats:
+    """Rows (m, 33) of many exact obstacles, quicker than one after the other."""
+    (centers, half), rounding = np.empty((2, len(obstacles), 3)), np.empty(len(obstacles))
+    turns = np.empty((len(obstacles), 3, 3))
+    lines = [i for i, own in enumerate(obstacles) if isinstance(own, Capsule | Cylinder)]
+    if lines:
+        listed = [own for own in obstacles if isinstance(own, Capsule | Cylinder)]
+        starts, ends = np.array([own.start for own in listed]), np.array([own.end for own in listed])
+        radii, round_ends = np.array([own.radius for own in listed]), np.array([own._code == BOX for own in listed])
+        spans = ends - starts
+        lengths = np.sqrt((spans**2).sum(axis=1))
+        ways = (
+            np.where((lengths > 0.0)[:, None], spans, (0.0, 0.0, 1.0)) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        )
+        across = np.where(round_ends, 0.0, radii)
+        centers[lines], turns[lines] = 0.5 * (starts + ends), least_rotations(ways)
+        half[lines] = np.stack([across, across, 0.5 * lengths], axis=1)
+        rounding[lines] = np.where(round_ends, radii, 0.0)
+    for i in sorted(set(range(len(obstacles))) - set(lines)):
+        centers[i], turns[i], half[i], rounding[i] = obstacles[i].frame
+    kinds, inside = np.array([own._code for own in obstacles]), np.array([own.inside for own in obstacles])
+    return primitive_rows(kinds, inside, centers, turns, half, rounding)

@@ -18,6 +18,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.tables import BALLS, CUBES, TRIANGLES
 from sinuous.scene import sampling
 from sinuous.scene.grids import Field, Grid
+from sinuous.scene.hierarchy import BOX_NUMBERS, PADDING
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.point_cloud import PointCloud
@@ -200,10 +201,27 @@ class Part:
     row : ndarray (33,)
         Its places in the store are counted from the beginning of its own.
     store : ndarray (s,)
+    own_box : ndarray (16,) or None
+        Of what is in the store, where that was described: see `box`.
     """
 
     row: Floats
     store: Floats
+    own_box: Floats | None = None
+
+    @property
+    def box(self) -> Floats:
+        """A box about it (16,), see `hierarchy.BOX_NUMBERS`; infinite where there is none."""
+        if self.row[t.KIND] < t.TREE:
+            return self.row[t.CENTER : t.ROUNDING_RADIUS + 1]
+        if self.own_box is None:
+            return np.full(BOX_NUMBERS, np.inf)
+        box = self.own_box.copy()
+        if self.row[t.PLACED]:
+            turn = self.row[t.PLACE : t.PLACE + 9].reshape(3, 3)
+            box[:3] = turn @ box[:3] + self.row[t.PLACE + t.POSE_POSITION : t.PLACE + t.POSE_WIDTH]
+            box[3:12] = (turn @ box[3:12].reshape(3, 3)).ravel()
+        return box
 
 
 class _Entry:
@@ -268,7 +286,7 @@ def put(part: Part, pose: Floats) -> Part:
     row[t.PLACED] = 1.0
     row[t.PLACE : t.PLACE + t.POSE_WIDTH] = packing.pose_row(pose)[0]
     row[t.ROUNDOFF] += packing.roundoff(pose[None, :3, 3])
-    return Part(row, part.store)
+    return Part(row, part.store, part.own_box)
 
 
 def unsampled(obstacle: PointCloud | Mesh, before: PointCloud | None = None) -> Part:
@@ -323,7 +341,22 @@ def _of_pieces(pieces: Pieces) -> Part:
     row[[t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
     if len(pieces.items):
         row[t.ROUNDOFF] = packing.roundoff(np.stack([pieces.low, pieces.high]), abs(pieces.rounding))
-    return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
+    store = np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()])
+    return Part(row, store, _box_of(pieces) if len(pieces.items) else None)
+
+
+def _box_of(pieces: Pieces) -> Floats:
+    """A box (16,) about a few triangles along their own axes, about anything else along those of the world."""
+    turn = np.eye(3)
+    low, high = pieces.nodes[1, :3], pieces.nodes[1, 3:]
+    if pieces.kind == TRIANGLES and len(pieces.items) < sampling.FEWEST_PIECES:
+        corners = pieces.items[:, :9].reshape(-1, 3)
+        own = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[2].T
+        lows, highs = (corners @ own).min(axis=0), (corners @ own).max(axis=0)
+        if np.prod(highs - lows) < np.prod(high - low):
+            turn, low, high = own, lows, highs
+    center, half = turn @ (0.5 * (low + high)), 0.5 * (high - low)
+    return np.concatenate([center, turn.ravel(), half + PADDING * np.abs(center).sum(), [pieces.rounding]])
 
 
 def _sampled(pieces: Pieces, progress: Progress | None, together: int = 1) -> Part:
@@ -335,9 +368,11 @@ def _sampled(pieces: Pieces, progress: Progress | None, together: int = 1) -> Pa
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
     row = _with_grid(part.row, t.FIRST_SAMPLE, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)
+    extent = spacing * (np.array(shape) - 1.0)  # beyond the samples, a distance is no less than that to their grid
     return Part(
         _with_grid(part.row, t.FIRST_SAMPLE, part.store.size, shape, low, spacing),
         np.concatenate([part.store, values.ravel()]),
+        np.concatenate([low + 0.5 * extent, np.eye(3).ravel(), 0.5 * extent, [0.0]]),
     )
 
 
@@ -356,7 +391,7 @@ def _with_candidates(pieces: Pieces) -> Part:
     part = _of_pieces(pieces)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.CELLS)
     row = _with_grid(part.row, t.FIRST_CELL, part.store.size, shape, low, spacing)
-    return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]))
+    return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]), part.own_box)
 
 
 def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacing: float) -> Floats:

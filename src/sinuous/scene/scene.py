@@ -266,7 +266,7 @@ class Scene(NotebookMixin, Surroundings):
         there = pose(position, rotation=rotation, xyzw=xyzw)
         with self._lock:
             before = self._snapshot
-            found = [i for i in range(len(before)) if before.name(i) == name]
+            found = before._called(name)
             if len(found) != 1 or isinstance(before.obstacles[found[0]], Moving):
                 expected = "the name of one obstacle that stands still"
                 raise InputError("name", "" if len(found) < 2 else "is that of several", name, expected)

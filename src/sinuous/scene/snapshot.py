@@ -16,11 +16,13 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.base.progress import LATE, estimated
 from sinuous.kernels import packing
+from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, evaluate
+from sinuous.scene.hierarchy import hierarchy, is_worn, refit
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
-from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.parts import Part, prepare, seconds_to_prepare, unsampled
+from sinuous.scene.obstacles import Obstacle, Primitive, rows_of
+from sinuous.scene.parts import NOTHING, Part, prepare, seconds_to_prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -67,6 +69,15 @@ class Surroundings:
         own = self.obstacles[index]
         return own.name or f"{own.kind}[{index}]"
 
+    def _called(self, name: str) -> list[int]:
+        """Indices of the obstacles of this name."""
+        every = self.obstacles
+        found = [i for i, own in enumerate(every) if own.name == name]
+        kind, _, number = name.removesuffix("]").rpartition("[")
+        if kind and number.isdecimal() and int(number) < len(every) and not every[int(number)].name:
+            found += [int(number)] if self.name(int(number)) == name else []
+        return found
+
     def distance(self, points: Stack) -> Floats:
         """Signed distance (...) of points (..., 3) to the nearest obstacle; infinite in an empty scene.
 
@@ -92,6 +103,18 @@ class Surroundings:
         return self.snapshot()._query(points)[2]
 
 
+def group_of(parts: Sequence[Part], beside: Collection[int] = ()) -> Floats:
+    """What the kernels read of all obstacles; those that are `beside` the hierarchy may be moved in it."""
+    rows = np.array([part.row for part in parts], np.float64).reshape(-1, t.OBSTACLE_WIDTH)
+    tree = np.zeros(0)
+    if len(rows) >= t.MANY_OBSTACLES:
+        boxes = rows[:, t.CENTER : t.ROUNDING_RADIUS + 1].copy()
+        for i in np.flatnonzero(rows[:, t.KIND] >= t.TREE).tolist():
+            boxes[i] = parts[i].box
+        tree = hierarchy(rows, boxes, beside)
+    return packing.scene_group(rows, [part.store for part in parts], tree)
+
+
 class Snapshot(Surroundings, Frozen):
     """A union of obstacles, frozen. Distances are positive outside, negative inside, in the length unit.
 
@@ -105,8 +128,9 @@ class Snapshot(Surroundings, Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_group", "_kept_sizes", "_lock", "_moves", "_obstacles", "_parts")
+    __slots__ = ("_fields", "_group", "_kept_sizes", "_lock", "_moves", "_obstacles", "_parts")
 
+    _fields: dict[int, Field] | None
     _kept_sizes: tuple[dict[int, float], float] | None
     _group: Floats | None
     _lock: threading.Lock
@@ -115,7 +139,7 @@ class Snapshot(Surroundings, Frozen):
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        kept: dict[str, Any] = {"_group": None, "_moves": None, "_kept_sizes": None}
+        kept: dict[str, Any] = {"_group": None, "_fields": None, "_moves": None, "_kept_sizes": None}
         self._set(_obstacles=obstacles, _parts=parts, _lock=threading.Lock(), **kept)
 
     def snapshot(self) -> "Snapshot":
@@ -140,21 +164,33 @@ class Snapshot(Surroundings, Frozen):
             self._set(_parts=self._parts or self._all_parts(progress))
             parts: Sequence[Part] = self._parts or []
             if self._group is None and not self.moves:
-                self._set(_group=packing.scene_group([part.row for part in parts], [part.store for part in parts]))
+                self._set(_group=group_of(parts))
         return parts
+
+    def group_beside(self, beside: Collection[int]) -> Floats:
+        """What the kernels read, an array of its own, where the rows of some obstacles may be written."""
+        return group_of(self._prepared(), beside)
 
     def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
         """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
+        exact = {i: own for i, own in enumerate(self._obstacles) if isinstance(own, Primitive)}
+        together = len(exact) >= t.MANY_OBSTACLES  # they are quicker so
+        rows = dict(zip(exact, rows_of(list(exact.values())), strict=True)) if together else {}
+
+        def part(i: int, say: Callable[[str, float], object] | None) -> Part:
+            return Part(rows[i], NOTHING) if i in rows else self._part(i, say)
+
+        every = range(len(self))
         if progress is not None:
-            return [self._part(i, progress) for i in range(len(self))]
+            return [part(i, progress) for i in every]
         still = [own.obstacle if isinstance(own, Moving) else own for own in self._obstacles]
-        seconds = [seconds_to_prepare(own) for own in still]
+        seconds = [0.0 if i in exact else seconds_to_prepare(own) for i, own in enumerate(still)]
         if sum(seconds) < LATE:
-            return [self._part(i, None) for i in range(len(self))]
+            return [part(i, None) for i in every]
         longest = self.name(int(np.argmax(seconds)))
         others = " and others" if sum(each > 0.0 for each in seconds) > 1 else ""
         with estimated(f"preparing {longest}{others}", sum(seconds)) as say:
-            return [self._part(i, lambda name, share: say(f"preparing {name}", share)) for i in range(len(self))]
+            return [part(i, lambda name, share: say(f"preparing {name}", share)) for i in every]
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""
@@ -171,6 +207,13 @@ class Snapshot(Surroundings, Frozen):
         if self._moves is None:  # every plan asks several times
             self._set(_moves=any(isinstance(obstacle, Moving) for obstacle in self._obstacles))
         return bool(self._moves)
+
+    @property
+    def _functions(self) -> dict[int, Field]:
+        """The obstacles that are functions, by their index."""
+        if self._fields is None:
+            self._set(_fields={i: own for i, own in enumerate(self._obstacles) if isinstance(own, Field)})
+        return self._fields or {}
 
     @property
     def _sizes(self) -> tuple[dict[int, float], float]:
@@ -211,9 +254,11 @@ class Snapshot(Surroundings, Frozen):
         return Snapshot(there, parts)
 
     def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
-        name = self.name(index)
         obstacle = self._obstacles[index]
         still = obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
+        if isinstance(still, Primitive):
+            return prepare(still, "")
+        name = self.name(index)
         return prepare(still, name, None if progress is None else partial(progress, name))
 
     def replaced(
@@ -227,9 +272,22 @@ class Snapshot(Surroundings, Frozen):
         known = self._parts or [own if i == index else self._part(i, None) for i in range(len(self))]
         parts = [*known[:index], own, *known[index + 1 :]]
         snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
-        snapshot._set(_group=group)
+        snapshot._set(_group=self._group_with(index, known[index], own) if group is None else group)
+        if not isinstance(obstacle, Moving) and self._moves is False:
+            snapshot._set(_moves=False)
         snapshot.prepare()
         return snapshot
+
+    def _group_with(self, index: int, before: Part, now: Part) -> Floats | None:
+        """What the kernels read with another obstacle in the place of one; `None` where all of it is made anew."""
+        if (
+            self._group is None
+            or len(self) < t.MANY_OBSTACLES
+            or is_worn(packing.scene_parts(self._group)[1], len(self))
+        ):
+            return None
+        group = packing.with_row(self._group, index, (before.row, before.store), (now.row, now.store))
+        return group if group is not None and refit(*packing.scene_parts(group), index, now.box) else None
 
     def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
         """Return a snapshot with these meshes, too. They are not sampled: only their trees are built.
@@ -272,12 +330,16 @@ class Snapshot(Surroundings, Frozen):
         flat = checked.reshape(-1, 3).copy()
         values, gradients, which = np.empty(len(flat)), np.empty(flat.shape), np.empty(len(flat), np.int64)
         rows, store = packing.scene_parts(self._kernel_group)
-        asked = range(len(rows)) if among is None else among
-        fields = {i: own for i in asked if isinstance(own := self.obstacles[i], Field)}
-        others = np.array([i for i in asked if i not in fields], np.int64)
+        fields = self._functions
+        asked = None if among is None and not fields else among or range(len(rows))
         above = np.empty(len(flat))
-        distances.many(rows[others], store, flat, values, above, gradients, which)
-        which = np.where(which >= 0, others[which] if len(others) else -1, -1)
+        if asked is None:  # with their hierarchy
+            distances.many(rows, store, flat, values, above, gradients, which)
+        else:
+            fields = {i: own for i, own in fields.items() if i in asked}
+            others = np.array([i for i in asked if i not in fields], np.int64)
+            distances.many(rows[others], store, flat, values, above, gradients, which)
+            which = np.where(which >= 0, others[which] if len(others) else -1, -1)
         for i, field in fields.items():
             _ask_field(field, i, flat, values, above, gradients, which)
         lead = checked.shape[:-1]
@@ -324,11 +386,12 @@ def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = Fals
     """
     from sinuous.kernels.fields import distances  # noqa: PLC0415
 
-    fields = {i: obstacle for i, obstacle in enumerate(scene.obstacles) if isinstance(obstacle, Field)}
+    fields = scene._functions
     rows, store = packing.scene_parts(scene._kernel_group)
-    others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
+    others = np.array([i for i in range(len(rows)) if i not in fields], np.int64) if fields else np.arange(len(rows))
     plain = np.require(points, np.float64, ["C", "W"]), np.require(radii, np.float64, ["C", "W"])
-    least, place, which = distances.least_gap(rows[others], store, *plain, above)
+    listed = rows[others] if fields else rows  # all rows have their hierarchy
+    least, place, which = distances.least_gap(listed, store, *plain, above)
     best = least, place, int(others[which]) if which >= 0 else -1
     for i, field in fields.items():
         gaps = (field.at_most(points) if above else evaluate(field.function, points)) - radii
@@ -357,8 +420,12 @@ class Mover:
     """
 
     def __init__(self, snapshot: Snapshot, index: int) -> None:
+        self._index = index
+        self._begin(snapshot)
+
+    def _begin(self, snapshot: Snapshot) -> None:
         snapshot.prepare()
-        self._index, self._latest = index, snapshot
+        self._latest = snapshot
         self._arrays: list[Floats] = [np.array(snapshot._kernel_group) for _ in range(2)]
 
     def goes_on(self, snapshot: Snapshot, index: int) -> bool:
@@ -368,7 +435,11 @@ class Mover:
     def moved(self, obstacle: Primitive) -> Snapshot:
         """Return the scene with this in the place of the obstacle."""
         array = self._arrays.pop(0)
+        rows, store = packing.scene_parts(array)
+        rows[self._index] = obstacle.row
+        if len(rows) >= t.MANY_OBSTACLES and not refit(rows, store, self._index, Part(obstacle.row, NOTHING).box):
+            self._begin(self._latest.replaced(self._index, obstacle))
+            return self._latest
         self._arrays.append(array)
-        packing.scene_parts(array)[0][self._index] = obstacle.row
         self._latest = self._latest.replaced(self._index, obstacle, group=array)
         return self._latest

@@ -3,7 +3,7 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, near, work_among
+from sinuous.kernels.body.pieces import MANY, Scratch, closest, few_near, following, free_part, near, work_among
 from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.clock import spend
@@ -53,11 +53,11 @@ def contacts(
         return at, least
     half = 0.5 * length * part
     needed, wished = radius + search.margin, radius + max(search.margin, search.wish)
-    count, _ = near(scene, body_point(q, frames, k, start + 0.5 * part), wished + half, among)
+    count, _ = few_near(scene, body_point(q, frames, k, start + 0.5 * part), wished + half, among)
     last = at + PER_SEGMENT
     units = work_among(scene, among, count)
     level, piece = 0, 0
-    while count > 0 and piece < 1 << level and not spend(clock, units):
+    while count != 0 and piece < 1 << level and not spend(clock, units):
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
@@ -73,7 +73,8 @@ def contacts(
         level, piece = following(level, piece)
         least = min(least, d - radius)
         if d < wished:
-            for j in range(count):
+            listed = near(scene, p, wished, among)[0] if count == MANY else count
+            for j in range(listed):
                 if at < last:
                     known = d if among[j] == nearest else math.inf
                     at = _contact(body, scene, among[j], (k, s, p), (needed, wished, known), search.mode, rows, at)

@@ -3,11 +3,23 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import inline
-from sinuous.kernels.fields.distances import Scene, evaluate, work_of
+from sinuous.kernels.compile import inline, shared
+from sinuous.kernels.fields.distances import Scene, evaluate, is_large, search, work_of, work_of_all
+from sinuous.kernels.fields.hierarchy import LEAST_SQUARE, item_of, tree_over
 from sinuous.kernels.fields.solids import INTERPOLATED, LOWER_BOUND
+from sinuous.kernels.fields.trees import next_leaf
 from sinuous.kernels.maths.vectors import Array, Vec
-from sinuous.kernels.tables import KIND, RIGID, ROUNDOFF, TREE
+from sinuous.kernels.tables import HIERARCHY_HEADER, KIND, RIGID, ROUNDOFF, TREE
+
+MANY = -1
+"""A number of obstacles: too many to be listed, or asked one after the other. The hierarchy is asked again."""
+
+FEW, MOST_SORTED = 12, 256
+"""Most obstacles of a large scene that are listed where the hierarchy may be asked again, and where it may not: of more
+than these everyone is asked."""
+
+BEYOND = 1.0 + 1e-6
+"""By how much farther a large scene is searched than matters: what is found to be beyond is so without rounding."""
 
 Scratch = namedtuple("Scratch", ["among", "clock"])
 """What examining obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
@@ -34,6 +46,10 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
 
     No upper bound is asked for, so INTERPOLATED serves for primitives: most are far, and balls about them say so.
     """
+    if is_large(scene) and reach < math.inf:
+        count = _list_near(scene, p, reach, among, MOST_SORTED)
+        if count != MANY:
+            return count, reach
     count, rest = 0, math.inf
     for i in range(scene.table.shape[0]):
         roundoff, mode = scene.table[i, ROUNDOFF], LOWER_BOUND if scene.table[i, KIND] >= TREE else INTERPOLATED
@@ -46,8 +62,53 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     return count, rest
 
 
+@shared
+def _list_near(scene: Scene, p: Vec, reach: float, among: Array, most: int) -> int:
+    """The same in a large scene; MANY where they are more than `most`."""
+    store, tree = scene.store, tree_over(scene.store)
+    count, beside, besides = 0, 0, tree.items - HIERARCHY_HEADER
+    square = max(reach * reach, LEAST_SQUARE) if reach > 0.0 else LEAST_SQUARE
+    node, due = 0, 1
+    while True:
+        if beside < besides:
+            at = HIERARCHY_HEADER + beside
+            beside += 1
+        else:
+            node, due = next_leaf(store, tree, node, due, p, square)
+            if node == 0:
+                return count
+            at = item_of(tree, node)
+            if at < 0:
+                continue
+        i = int(store[at])
+        e = count
+        while e > 0 and among[e - 1] > i:
+            e -= 1
+        if e > 0 and among[e - 1] == i:
+            continue
+        roundoff, mode = scene.table[i, ROUNDOFF], LOWER_BOUND if scene.table[i, KIND] >= TREE else INTERPOLATED
+        if evaluate(scene, i, p, reach + roundoff, mode)[0] - roundoff >= reach:
+            continue
+        if count == most:
+            return MANY
+        for j in range(count, e, -1):
+            among[j] = among[j - 1]
+        among[e] = i
+        count += 1
+
+
+def few_near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
+    """The same as `near`, but of a large scene nothing is listed where it would be more than a `FEW`: that is MANY."""
+    if is_large(scene):
+        count = MANY if reach == math.inf else _list_near(scene, p, reach, among, FEW)
+        return count, math.inf if count == MANY else reach
+    return near(scene, p, reach, among)
+
+
 def work_among(scene: Scene, among: Array, count: int) -> int:
     """Work units that the distance to the first `count` obstacles costs that `among` lists."""
+    if count == MANY:
+        return work_of_all(scene)
     units = 0
     for j in range(count):
         units += work_of(scene, among[j])
@@ -73,6 +134,8 @@ def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: 
     `mode` of the query, and `reach`, beyond which a distance does not matter: see `distances.evaluate`. `among` (m,)
     int64.
     """
+    if count == MANY:
+        return search(scene, p, BEYOND * reach, mode, -1.0, -1)
     least, most, which = math.inf, math.inf, -1
     for j in range(count):
         roundoff = scene.table[among[j], ROUNDOFF]

@@ -16,10 +16,13 @@ import math
 
 from sinuous.kernels.body.chords import sagitta_bound
 from sinuous.kernels.body.pieces import (
+    BEYOND,
+    MANY,
     Scratch,
     backbone_of,
     closest,
     evaluate_here,
+    few_near,
     following,
     free_part,
     near,
@@ -80,6 +83,8 @@ def _by_tangents(
     place in the middle, and the obstacle that it is to; `wanted`: the bound that proves something.
     """
     nothing, least = (0.0, 0.0, 0.0), math.inf
+    if count == MANY:  # who is farther than all of the piece can be decides nothing
+        count, _ = near(scene, middle, BEYOND * (closest_one[0] + half), among)
     patch = Patch(scale(0.5, add(ends[0], ends[1])), scale(0.5, sub(ends[1], ends[0])), nothing, nothing)
     for j in range(count):
         i, roundoff = among[j], scene.table[among[j], ROUNDOFF]
@@ -119,11 +124,11 @@ def prove(
             return UNDECIDED, least, where, fraction, which
         # Whoever is farther than the best clearance so far cannot matter to any piece of this segment.
         reach = 0.5 * length * part + radius + rounding
-        count, rest = near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
+        count, rest = few_near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
         bound = min(bound, rest - reach)
         units = work_among(scene, among, count)
         level, piece = 0, 0
-        while count > 0 and piece < 1 << level:
+        while count != 0 and piece < 1 << level:
             if spend(clock, units):
                 return UNDECIDED, least, where, fraction, which
             width = part / (1 << level)

@@ -12,14 +12,14 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.body.chords import sagitta_bound
-from sinuous.kernels.body.pieces import backbone_of, evaluate_here, following, free_part
+from sinuous.kernels.body.pieces import BEYOND, MANY, backbone_of, evaluate_here, following, free_part, near
 from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
 from sinuous.kernels.certificate.drift import OF, drift_of
 from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Motion, Sweep
 from sinuous.kernels.chain.kinematics import body_point, place_on
 from sinuous.kernels.chain.rates import TAIL, acceleration_bound
 from sinuous.kernels.clock import spend
-from sinuous.kernels.fields.distances import Scene, beside, evaluate, slope, tangents_pay, work_of
+from sinuous.kernels.fields.distances import Scene, beside, evaluate, is_large, slope, tangents_pay, work_of
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
@@ -77,8 +77,11 @@ GRACE = 1.0 + 1e-9
 def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None:
     """Leave out of the lists of obstacles what a segment (rows (n, 18)) cannot reach from the `base`.
 
-    Lower bounds of clearances hold for what can be reached, then.
+    Lower bounds of clearances hold for what can be reached, then. Of a large scene nothing is listed: its hierarchy is
+    asked what is near.
     """
+    if is_large(scene):
+        return
     along = 0.0
     for k in range(limits.shape[0]):
         along += limits[k, MAX_LENGTH]
@@ -98,13 +101,14 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
     That of anything else is infinite.
 
     Most obstacles are far from a piece of the body. Their balls, side by side in memory, say so in a third of the time.
+    In a large scene the hierarchy does.
     """
     table, balls = motion.scene.table, sweep.balls
-    for i in range(table.shape[0]):
+    for i in range(balls.shape[0]):
         put_vec(balls, i, 0, get_vec(table, i, CENTER))
         known = table[i, KIND] == SPHERE and table[i, SIGN] > 0.0
         balls[i, BALL] = table[i, ROUNDING_RADIUS] + table[i, ROUNDOFF] if known else math.inf
-    for e in range(motion.drifts.shape[0]):
+    for e in range(motion.drifts.shape[0] if balls.shape[0] > 0 else 0):
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
 
@@ -189,24 +193,47 @@ def _by_corners(scene: Scene, i: int, corners: PieceCorners, piece: Piece, reach
 
 def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
     """Whether obstacle `i` is known to be farther from the center of a piece than what would change anything."""
+    if sweep.balls.shape[0] == 0:
+        return False
     away, passed = sub(piece.center, get_vec(sweep.balls, i, 0)), sweep.balls[i, BALL] + enough
     return dot(away, away) > passed * passed
 
 
-def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
+def _list_near(motion: Motion, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
+    """List all obstacles of a large scene that may be too near to a piece during an interval; return their number.
+
+    Those that move are among them, wherever they are: how far they come is not known here.
+    """
+    reach, listed = piece.reach + accuracy.rounding, sweep.near[piece.k]
+    margin = max(wanted(accuracy, seen), accuracy.rounding, min(seen[LEAST_SEEN], piece.reach))
+    count, rest = near(motion.scene, piece.center, BEYOND * (reach + margin), listed)
+    seen[PROVED_BOUND] = min(seen[PROVED_BOUND], rest - reach)
+    for e in range(motion.drifts.shape[0]):
+        i, known = int(motion.drifts[e, OF]), False
+        for at in range(count):
+            known = known or listed[at] == i
+        if not known:
+            listed[count] = i
+            count += 1
+    return count
+
+
+def _narrow(motion: Motion, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
     """Put those obstacles first that may be too near to a piece during an interval; return their number."""
-    near, k = sweep.near, piece.k
+    scene, own, k = motion.scene, sweep.near, piece.k
     reach, more = piece.reach + accuracy.rounding, max(wanted(accuracy, seen), accuracy.rounding)
-    count = 0
-    for e in range(sweep.counts[interval.level, k]):
-        i = near[k, e]
+    count, listed = 0, sweep.counts[interval.level, k]
+    if listed == MANY:
+        listed = _list_near(motion, sweep, interval, piece, accuracy, seen)
+    for e in range(listed):
+        i = own[k, e]
         if _far(sweep, i, piece, reach + max(seen[PROVED_BOUND], more)):
             continue
         far = reach + scene.table[i, ROUNDOFF] + drift_of(sweep, i, interval.h, piece.center, piece.reach)
         enough = far + more  # beyond that, what is returned may be no more than that
         d, _ = evaluate_here(scene, i, piece.center, enough, LOWER_BOUND)
         if d < enough:
-            near[k, e], near[k, count] = near[k, count], i
+            own[k, e], own[k, count] = own[k, count], i
             count += 1
         else:
             seen[PROVED_BOUND] = min(seen[PROVED_BOUND], d - far)
@@ -276,7 +303,7 @@ def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, acc
     if part > 0.0:
         radius = motion.limits[k, RADIUS]
         whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, accuracy.mount)
-        sweep.counts[interval.level + 1, k] = _narrow(motion.scene, sweep, interval, whole, accuracy, seen)
+        sweep.counts[interval.level + 1, k] = _narrow(motion, sweep, interval, whole, accuracy, seen)
 
 
 def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, seen: Array) -> int:
@@ -295,7 +322,7 @@ def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accu
         return CLEAR
     radius, scene = motion.limits[k, RADIUS], motion.scene
     whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, accuracy.mount)
-    count = _narrow(scene, sweep, interval, whole, accuracy, seen)
+    count = _narrow(motion, sweep, interval, whole, accuracy, seen)
     deep = number = 0
     while count > 0 and number < 1 << deep:
         piece = whole

@@ -5,12 +5,14 @@ from collections import namedtuple
 
 import numpy as np
 
+from sinuous.kernels.body.pieces import MANY
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.tables import MANY_OBSTACLES
 
 TIME_LEVELS = 44
 """How often time may be halved."""
@@ -53,8 +55,10 @@ def sweep_size(segments: int, obstacles: int) -> int:
 def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12).
 
-    Every segment may reach every obstacle, at first, and none of these moves or is known to lie in a ball.
+    Every segment may reach every obstacle, at first, and none of these moves or is known to lie in a ball. Where there
+    are many (`MANY_OBSTACLES`) nothing is listed, and no ball is kept.
     """
+    large = m >= MANY_OBSTACLES
     a = 3 * KNOTS * n
     b = a + 12 * KNOTS * (n + 1)
     c = b + SPAN_WIDTH * KNOTS * (n + 1)
@@ -74,12 +78,15 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     for at in range(KNOTS):
         put_frame(frames[at], 0, rotation, position)
     buffer[paces:balls] = 0.0
-    buffer[balls:d] = math.inf
     reach, reached = shaped(whole[:e], (n, m)), whole[e:f]
-    for at in range(n):
-        reached[at] = m
-        for which in range(m):
-            reach[at, which] = which
+    if large:
+        reached[:] = MANY
+    else:
+        buffer[balls:d] = math.inf
+        for at in range(n):
+            reached[at] = m
+            for which in range(m):
+                reach[at, which] = which
     return Sweep(
         shaped(buffer[:a], (KNOTS, n, 3)),
         frames,
@@ -93,7 +100,7 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
         whole[i:j],
         whole[j:k],
         shaped(buffer[paces:balls], (m, PACE_WIDTH)),
-        shaped(buffer[balls:d], (m, BALL_WIDTH)),
+        shaped(buffer[balls:d], (0 if large else m, BALL_WIDTH)),
         shaped(buffer[:0], (0, DRIFT_WIDTH)),
         whole[k : k + CLOCK_SIZE],
     )

@@ -9,10 +9,12 @@ from typing import Any
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import TREE_WORK
-from sinuous.kernels.compile import apart, entry
+from sinuous.kernels.compile import apart, entry, inline, shared
 from sinuous.kernels.fields import primitives, solids
+from sinuous.kernels.fields.hierarchy import LEAST_SQUARE, item_of, tree_over
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, UPPER_BOUND
+from sinuous.kernels.fields.trees import lift, next_leaf
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 
@@ -127,10 +129,18 @@ def number_of(scene: Scene | None) -> int:
     return int(scene.table.shape[0])
 
 
+def is_large(scene: Scene) -> bool:
+    """Whether the scene has a hierarchy: see `hierarchy`. A table of some of its rows has none."""
+    count = scene.table.shape[0]
+    return bool(count >= t.MANY_OBSTACLES and scene.store[t.HIERARCHY_OBSTACLES] == count)
+
+
 def coarseness(scene: Scene | None) -> float:
     """Largest spacing of samples that stand in for something exact; 0 without any."""
     if scene is None:
         return 0.0
+    if is_large(scene):
+        return float(scene.store[t.HIERARCHY_SPACING])
     spacing = 0.0
     for i in range(scene.table.shape[0]):
         if scene.table[i, t.KIND] >= t.TREE and scene.table[i, t.FIRST_SAMPLE] >= 0.0:
@@ -145,10 +155,50 @@ def work_of(scene: Scene, i: int) -> int:
 
 def work_of_all(scene: Scene) -> int:
     """Work units that the distance to the scene costs."""
+    if is_large(scene):
+        return int(scene.store[t.HIERARCHY_WORK])
     units = 0
     for i in range(scene.table.shape[0]):
         units += work_of(scene, i)
     return units
+
+
+TIE = 2.0**-50
+"""By what share a distance is increased where another one that is the same should be found, too."""
+
+next_leaf_here = inline(next_leaf)
+
+
+@shared
+def search(scene: Scene, p: Vec, reach: float, mode: int, side: float, skipped: int) -> tuple[float, float, int]:
+    """Find what `closest` does in a large scene, of what is closer than `reach`: else that is returned, inf, and -1.
+
+    To distances `side` times the `ROUNDOFF` of the obstacle is added. An upper bound is returned, too; one obstacle may
+    be `skipped`. Of several that are as close it is the first, as if one after the other had been asked.
+    """
+    store, tree = scene.store, tree_over(scene.store)
+    least, most, which, beside, besides = reach, math.inf, -1, 0, tree.items - t.HIERARCHY_HEADER
+    node, due = 0, 1
+    while True:
+        if beside < besides:
+            at = t.HIERARCHY_HEADER + beside
+            beside += 1
+        else:
+            node, due = next_leaf_here(store, tree, node, due, p, max(lift(least), LEAST_SQUARE))
+            if node == 0:
+                return least, most, which
+            at = item_of(tree, node)
+            if at < 0:
+                continue
+        i = int(store[at])
+        if i in (which, skipped):
+            continue
+        shift = side * scene.table[i, t.ROUNDOFF]
+        bound = least - shift
+        d, upper = evaluate(scene, i, p, bound + TIE * abs(bound) if i < which else bound, mode)
+        d, most = d + shift, min(most, upper)
+        if d < least or (d == least and i < which):
+            least, which = d, i
 
 
 def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
@@ -156,6 +206,9 @@ def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
 
     `mode` to ask, and `reach`, from which on it may be anything that is not less: see `evaluate`.
     """
+    if is_large(scene):
+        d, _, found = search(scene, p, reach, mode, 0.0, -1)
+        return d, found
     least, which = math.inf, -1
     for i in range(scene.table.shape[0]):
         d, _ = evaluate(scene, i, p, min(least, reach), mode)
@@ -174,6 +227,8 @@ def at_most(scene: Scene, p: Vec, reach: float) -> float:
 
     But for that it is exact, unless only samples are known; infinite where these bound nothing.
     """
+    if is_large(scene):
+        return float(search(scene, p, reach, UPPER_BOUND, 1.0, -1)[0])
     least = reach
     for i in range(scene.table.shape[0]):
         roundoff = scene.table[i, t.ROUNDOFF]
@@ -183,6 +238,8 @@ def at_most(scene: Scene, p: Vec, reach: float) -> float:
 
 def most_roundoff(scene: Scene) -> float:
     """What arithmetic may make any distance to the scene wrong by; see `tables.ROUNDOFF`."""
+    if is_large(scene):
+        return float(scene.store[t.HIERARCHY_ROUNDOFF])
     most = 0.0
     for i in range(scene.table.shape[0]):
         most = max(most, scene.table[i, t.ROUNDOFF])

@@ -80,7 +80,7 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
     return lift(math.sqrt(square) - radius)
 
 
-def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) -> tuple[int, int]:
+def next_leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) -> tuple[int, int]:
     """Go down from a node, or on from node 0, to the next leaf whose box is closer to `p` than `best` (lifted).
 
     Returns it, or 0 where there is none; and a bit for every level of it: whether the sibling is still to be visited.
@@ -110,14 +110,14 @@ def _leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) ->
             due = 2 * due + (1 if max(left, right) < best else 0)
 
 
-_leaf_here = inline(_leaf)
+next_leaf_here = inline(next_leaf)
 
 
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
     """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
     found, node, due = -1, 0, 1
     while True:
-        node, due = _leaf_here(store, tree, node, due, p, best)
+        node, due = next_leaf_here(store, tree, node, due, p, best)
         if node == 0:
             return found, best
         leaf = node - (1 << tree.levels)
@@ -153,7 +153,7 @@ def beside(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, 
     size, g = patch_size(patch), (0.0, 0.0, 1.0)
     node, due = 0, 1
     while True:
-        node, due = _leaf_here(store, tree, node, due, patch.center, lift(best + size))
+        node, due = next_leaf_here(store, tree, node, due, patch.center, lift(best + size))
         if node == 0:
             return best, g
         leaf = node - (1 << tree.levels)

@@ -5,7 +5,7 @@ box all of it can be passed but for what is too near to the box, and nothing lea
 two halves, each a cell of its own in the search. That holds for a half-space too, of which one half is never reached.
 """
 
-from sinuous.kernels.fields.distances import Scene, evaluate
+from sinuous.kernels.fields.distances import Scene, evaluate, is_large, search
 from sinuous.kernels.freespace.cells import NONE
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, corners
 from sinuous.kernels.maths.vectors import Vec, add, add_scaled, dot, get_mat, get_vec, scale, sub, vec_mat
@@ -51,6 +51,8 @@ def cut_by(grid: SearchGrid, scene: Scene, p: Vec, edge: float, which: int) -> i
     if axis == NONE:
         return NONE
     enough = HALF_DIAGONAL * (edge - grid.cell) + grid.ample
+    if is_large(scene):
+        return NONE if search(scene, p, enough, grid.mode, 0.0, which)[2] >= 0 else 3 * which + axis
     for i in range(scene.table.shape[0]):
         if i != which and evaluate(scene, i, p, enough, grid.mode)[0] < enough:
             return NONE

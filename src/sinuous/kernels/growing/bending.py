@@ -13,9 +13,9 @@ is bent off a wall comes out farther at each step, and meets the next one.
 import math
 from collections import namedtuple
 
-from sinuous.kernels.body.pieces import near
+from sinuous.kernels.body.pieces import MANY, few_near
 from sinuous.kernels.chain.arc import point, pose_and_columns
-from sinuous.kernels.fields.distances import Scene, evaluate, obstacle
+from sinuous.kernels.fields.distances import Scene, evaluate, obstacle, search
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.growing.arcs import Start, end_of, thickness
 from sinuous.kernels.maths.vectors import Vec, add, cross, dot, mat_vec, sub, vec_mat
@@ -103,6 +103,9 @@ def _closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach:
 
     The place is so far along an arc. An obstacle does not come nearer than by what the arc goes on.
     """
+    if count == MANY:
+        d, _, found = search(scene, p, reach, INTERPOLATED, -1.0, -1)
+        return (d if found >= 0 else math.inf), found
     least, which = math.inf, -1
     for j in range(count):
         if at >= nearby.until[j]:
@@ -227,7 +230,9 @@ def come_out(
     (rotation, position), k, _ = new
     q, radius = two[1], thickness(problem, k)
     middle = add(position, mat_vec(rotation, point(0.5 * q[0], 0.5 * q[1], 0.5 * q[2])))
-    count, _ = near(problem.scene, middle, ARC_REACH * q[2] + (EVALUATION_REACH + RADII_AHEAD) * radius, nearby.numbers)
+    count, _ = few_near(
+        problem.scene, middle, ARC_REACH * q[2] + (EVALUATION_REACH + RADII_AHEAD) * radius, nearby.numbers
+    )
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
     fits, overlap, pressure, _ = _press(problem, before, new, two, False, nearby, count)
@@ -238,7 +243,7 @@ def come_out(
         bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
         if joint and (fits < 1.0 or overlap > SHALLOW):
             reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
-            count, _ = near(problem.scene, position, reach, nearby.numbers)
+            count, _ = few_near(problem.scene, position, reach, nearby.numbers)
             both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count)
             if more > fits or (more == fits and deepest < overlap):
                 bent, fits, overlap, pressure = both, more, deepest, left

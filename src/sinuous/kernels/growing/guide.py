@@ -4,10 +4,11 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.single_arc import arc_length
-from sinuous.kernels.fields.distances import Scene, evaluate
+from sinuous.kernels.fields.distances import Scene, evaluate, is_large
+from sinuous.kernels.fields.hierarchy import crossed_leaf, item_of, tree_over
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, norm, scale, sub
-from sinuous.kernels.tables import CENTER, EXTENT, KIND, TREE
+from sinuous.kernels.tables import CENTER, EXTENT, HIERARCHY_HEADER, KIND, TREE
 
 SIGHT_CLEARANCE, SIGHT_STEP = 0.3, 0.3
 """A line of sight keeps so far from the obstacles, and is examined no more closely; in radii of the body."""
@@ -40,28 +41,48 @@ def _passes(scene: Scene, j: int, p: Vec, line: Vec, clear: float) -> bool:
     return bool(dot(off, off) >= far * far)
 
 
-def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
-    """Whether the line from `p` to point `i` of the guide is free.
+def _hides(scene: Scene, j: int, p: Vec, line: Vec, radius: float) -> bool:
+    """Whether obstacle `j` is on a line from `p`, or too near to it: what is far away is passed in one evaluation."""
+    length, clear = norm(line), SIGHT_CLEARANCE * radius
+    if _passes(scene, j, p, line, clear):
+        return False
+    gone, reach = 0.0, FIRST_REACH * radius
+    for _ in range(SIGHT_EVALUATIONS):
+        if gone >= length:
+            break
+        d, _ = evaluate(scene, j, add_scaled(p, gone / length, line), clear + reach, INTERPOLATED)
+        if d < clear:
+            return True
+        gone += max(d - clear, SIGHT_STEP * radius)
+        reach = min(2.0 * reach, FARTHEST_REACH * radius) if d - clear >= reach else reach
+    return gone < length
 
-    Each obstacle is examined by itself: what is far away from all of the line is passed in one evaluation.
-    """
+
+def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
+    """Whether the line from `p` to point `i` of the guide is free; each obstacle is examined by itself."""
     line = sub(get_vec(guide.points, i, 0), p)
-    length, clear = norm(line), SIGHT_CLEARANCE * guide.radius
-    for j in range(scene.table.shape[0]):
-        if _passes(scene, j, p, line, clear):
-            continue
-        gone, reach = 0.0, FIRST_REACH * guide.radius
-        for _ in range(SIGHT_EVALUATIONS):
-            if gone >= length:
-                break
-            d, _ = evaluate(scene, j, add_scaled(p, gone / length, line), clear + reach, INTERPOLATED)
-            if d < clear:
-                return False
-            gone += max(d - clear, SIGHT_STEP * guide.radius)
-            reach = min(2.0 * reach, FARTHEST_REACH * guide.radius) if d - clear >= reach else reach
-        if gone < length:
+    if is_large(scene):
+        return _visible_among_many(scene, p, line, guide.radius)
+    for j in range(scene.table.shape[0]):  # noqa: SIM110 (a kernel)
+        if _hides(scene, j, p, line, guide.radius):
             return False
     return True
+
+
+def _visible_among_many(scene: Scene, p: Vec, line: Vec, radius: float) -> bool:
+    """The same in a large scene."""
+    tree, node, j = tree_over(scene.store), 0, -1
+    for at in range(HIERARCHY_HEADER, tree.items):
+        if _hides(scene, int(scene.store[at]), p, line, radius):
+            return False
+    while True:
+        node = crossed_leaf(scene.store, tree, node, p, line, SIGHT_CLEARANCE * radius)
+        if node == 0:
+            return True
+        at, before = item_of(tree, node), j
+        j = int(scene.store[at]) if at >= 0 else j
+        if j != before and _hides(scene, j, p, line, radius):
+            return False
 
 
 def sighted(scene: Scene, guide: Guide, p: Vec, since: int) -> int:

@@ -2,11 +2,12 @@
 
 import math
 
-from sinuous.kernels.fields.distances import Scene, closest
+from sinuous.kernels.fields.distances import Scene, closest, is_large, work_of_all
+from sinuous.kernels.fields.hierarchy import crossed_leaf, item_of, tree_over
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.grid import SearchGrid, behind
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_mat, get_vec, norm, sub, vec_mat
-from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, KIND, SIGN
+from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, HIERARCHY_HEADER, KIND, SIGN
 
 LINE_CLEARANCE = 0.95
 """Distance from the obstacles that a straight line keeps, in radii of the body: where it is less, a band that is drawn
@@ -41,6 +42,28 @@ def _cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
     return low < high
 
 
+def _is_cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
+    """Whether obstacle `i` is a box that cuts the straight line from `a` on."""
+    return bool(scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0 and _cut_by(scene, i, a, line))
+
+
+def _box_among_many(scene: Scene, a: Vec, line: Vec) -> int:
+    """The first box that cuts the straight line from `a` on, in a large scene; -1: none does."""
+    tree, node, which = tree_over(scene.store), 0, -1
+    for at in range(HIERARCHY_HEADER, tree.items):  # those that move
+        i = int(scene.store[at])
+        if (which < 0 or i < which) and _is_cut_by(scene, i, a, line):
+            which = i
+    while True:
+        node = crossed_leaf(scene.store, tree, node, a, line, 0.0)
+        if node == 0:
+            return which
+        at = item_of(tree, node)
+        i = int(scene.store[at]) if at >= 0 else which
+        if (which < 0 or i < which) and i >= 0 and _is_cut_by(scene, i, a, line):
+            which = i
+
+
 def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
     """Whether the straight line from `a` on crosses triangle `i` (Moeller & Trumbore 1997).
 
@@ -67,9 +90,14 @@ def cuts(scene: Scene, triangles: Array, which: int, a: Vec, b: Vec) -> bool:
 def _cutting(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
     """What cuts the straight line from `a` on, of all, see `cutting`."""
     obstacles = scene.table.shape[0]
-    for i in range(obstacles):
-        if scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0 and _cut_by(scene, i, a, line):
-            return i
+    if is_large(scene):
+        which = _box_among_many(scene, a, line)
+        if which >= 0:
+            return which
+    else:
+        for i in range(obstacles):
+            if _is_cut_by(scene, i, a, line):
+                return i
     for i in range(triangles.shape[0]):
         if _crossed(triangles, i, a, line):
             return obstacles + i
@@ -93,7 +121,7 @@ def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tu
             break
     asked = at + 1
     if which < 0:
-        asked += scene.table.shape[0] + triangles.shape[0]
+        asked += triangles.shape[0] + (work_of_all(scene) if is_large(scene) else scene.table.shape[0])
         which = _cutting(scene, triangles, a, sub(b, a))
     if which >= 0:
         for k in range(at, 0, -1):

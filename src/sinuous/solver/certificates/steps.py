@@ -421,7 +421,7 @@ class Prover:
         self._tensions, self._limit_slack = robot.limit_set.tension_rows, LIMIT_SLACK * robot.mean_length
         self._drifts, self._work = Drifts(scene) if scene.moves else None, WorkUnits()
         if self._drifts is not None:
-            self._scene_group = self._scene_group.copy()  # rows of it are written
+            self._scene_group = scene.at(0.0).group_beside(scene.courses)  # rows of it are written
 
     def prove(
         self,

@@ -1,0 +1,72 @@
+"""A tree of boxes about many obstacles: which of them may be near to a point or to a line.
+
+It lies at the beginning of the store, see `tables.HIERARCHY_HEADER`; `sinuous.scene.hierarchy` makes it. An obstacle
+that is long and oblique to the axes has several boxes. No point of an obstacle, less what arithmetic may make of its
+distance, is out of its boxes: so who is farther from all of them than from another obstacle is not the closest.
+"""
+
+from sinuous.kernels import tables as t
+from sinuous.kernels.compile import inline
+from sinuous.kernels.fields.trees import Tree
+from sinuous.kernels.maths.vectors import Array, Vec
+
+LEAST_SQUARE = 1e-300
+"""Square of a distance that counts as none: who is in a box may be in the obstacle."""
+
+
+def tree_over(store: Array) -> Tree:
+    """The tree of a hierarchy; its items are numbers of obstacles."""
+    items = t.HIERARCHY_HEADER + int(store[t.HIERARCHY_BESIDE])
+    count = int(store[t.HIERARCHY_BOXES])
+    return Tree(items + count, int(store[t.HIERARCHY_LEVELS]), items, count, 0, 0.0)
+
+
+def item_of(tree: Tree, node: int) -> int:
+    """Place in the store of the number of the obstacle in a leaf; -1: the leaf is empty."""
+    leaf = node - (1 << tree.levels)
+    first = (leaf * tree.count) >> tree.levels
+    return tree.items + first if first < ((leaf + 1) * tree.count) >> tree.levels else -1
+
+
+def _meets(store: Array, at: int, p: Vec, line: Vec, room: float) -> bool:
+    """Whether the straight line from `p` on comes within some room of the box at `at`, or nearly (Ericson 2005)."""
+    if store[at] > store[at + 3]:  # the box of an empty leaf
+        return False
+    x, y, z = abs(0.5 * line[0]), abs(0.5 * line[1]), abs(0.5 * line[2])
+    a, b, c = (
+        0.5 * (store[at + 3] - store[at]),
+        0.5 * (store[at + 4] - store[at + 1]),
+        0.5 * (store[at + 5] - store[at + 2]),
+    )
+    a, b, c = a + room, b + room, c + room
+    u = p[0] + 0.5 * line[0] - 0.5 * (store[at] + store[at + 3])
+    v = p[1] + 0.5 * line[1] - 0.5 * (store[at + 1] + store[at + 4])
+    w = p[2] + 0.5 * line[2] - 0.5 * (store[at + 2] + store[at + 5])
+    if abs(u) > a + x or abs(v) > b + y or abs(w) > c + z:
+        return False
+    slack = 1e-12 * (a + b + c + abs(u) + abs(v) + abs(w)) * (x + y + z)
+    return not (
+        2.0 * abs(v * line[2] - w * line[1]) > 4.0 * (b * z + c * y + slack)
+        or 2.0 * abs(w * line[0] - u * line[2]) > 4.0 * (c * x + a * z + slack)
+        or 2.0 * abs(u * line[1] - v * line[0]) > 4.0 * (a * y + b * x + slack)
+    )
+
+
+_meets_here = inline(_meets)
+
+
+def crossed_leaf(store: Array, tree: Tree, node: int, p: Vec, line: Vec, room: float) -> int:
+    """The first leaf after a leaf (0: of all) whose box comes within some room of the line from `p` on; 0: none is."""
+    descend = node == 0 and tree.count > 0
+    while True:
+        if descend:
+            node = 1 if node == 0 else 2 * node
+        else:
+            while node & 1 == 1:
+                node >>= 1
+            if node == 0:
+                return 0
+            node += 1
+        descend = _meets_here(store, tree.nodes + t.NODE_SIZE * node, p, line, room)
+        if descend and node >= 1 << tree.levels:
+            return node

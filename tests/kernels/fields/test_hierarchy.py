@@ -1,0 +1,228 @@
+"""Among many obstacles a hierarchy finds what asking one after the other finds, to the last bit."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.kernels import packing
+from sinuous.kernels import tables as t
+from sinuous.kernels.body import pieces
+from sinuous.kernels.fields import distances, hierarchy
+from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, LOWER_BOUND, UPPER_BOUND
+from sinuous.kernels.growing import guide
+from sinuous.kernels.roadmap import sight
+from sinuous.scene.hierarchy import is_worn
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.snapshot import Mover
+from tests.helpers import Floats, kernel_scene, vec
+from tests.scene import shapes
+
+SIDE = 6.0
+
+
+def some(count: int, rng: np.random.Generator) -> list[Obstacle]:
+    """Obstacles of all kinds, long and oblique ones among them, some of them alike."""
+    made: list[Obstacle] = []
+    for i in range(count):
+        place, way, kind = SIDE * rng.random(3), rng.normal(size=3), i % 7
+        if kind == 0:
+            made.append(sn.Sphere(place, rng.uniform(0.1, 0.4)))
+        elif kind == 1:
+            made.append(sn.Sphere(np.round(place), 0.5))
+        elif kind == 2:
+            made.append(sn.Box(place, rng.uniform(0.1, 1.0, 3), rng.normal(size=4)))
+        elif kind == 3:
+            made.append(sn.Box(place, (3.0, 2.0, 0.05), rng.normal(size=4)))
+        elif kind == 4:
+            made.append(sn.Cylinder(place - way, place + way, 0.1))
+        else:
+            made.append(sn.Capsule(place - 2.0 * way, place + 2.0 * way, 0.05))
+    return made
+
+
+def many(rng: np.random.Generator) -> list[Obstacle]:
+    """The same with meshes, clouds and grids, moved and not, and with some that have no end."""
+    vertices, faces = shapes.cube(0.6)
+    bar = sn.Mesh(vertices * (6.0, 0.3, 0.3) + SIDE * rng.random(3), faces)
+    pose = sn.pose(SIDE * rng.random(3), rotation=rng.normal(size=4))
+    cells = rng.random((3, 4, 3)) < 0.3
+    scene = sn.Scene([bar.named("bar"), sn.PointCloud(SIDE * rng.random((30, 3)), 0.1, name="cloud")])
+    scene.move("bar", pose[:3, 3], pose[:3, :3])
+    scene.move("cloud", (0.5, 0.0, 0.2), rng.normal(size=4))
+    return [
+        *some(40, rng),
+        sn.HalfSpace((0.0, 0.0, -0.3), (0.1, 0.0, 1.0)),
+        *scene.obstacles,
+        sn.Mesh(vertices + SIDE * rng.random(3), faces),
+        sn.PointCloud(SIDE * rng.random((20, 3)), 0.2),
+        sn.Grid(cells, (1.0, 2.0, 0.5), 0.4),
+        sn.Box((3.0, 3.0, 3.0), (9.0, 9.0, 9.0), inside=True),
+        *some(20, rng),
+    ]
+
+
+def both(scene: sn.Scene) -> tuple[distances.Scene, distances.Scene]:
+    """A scene as kernels take it, and the same without its hierarchy."""
+    own, plain = kernel_scene(scene), kernel_scene(scene)
+    plain.store[t.HIERARCHY_OBSTACLES] = -1.0
+    assert distances.is_large(own)
+    assert not distances.is_large(plain)
+    return own, plain
+
+
+def places(count: int, rng: np.random.Generator) -> Floats:
+    return rng.uniform(-1.0, SIDE + 1.0, (count, 3))
+
+
+def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close() -> None:
+    rng = np.random.default_rng(0)
+    for obstacles in (some(80, rng), many(rng)):
+        own, plain = both(sn.Scene(obstacles))
+        for p in map(vec, places(15, rng)):
+            for mode in (INTERPOLATED, LOWER_BOUND, EXACT, UPPER_BOUND):
+                for reach in (0.3, 1.0, math.inf):
+                    found, expected = distances.closest(own, p, reach, mode), distances.closest(plain, p, reach, mode)
+                    if expected[0] < reach:
+                        assert found == expected
+                    else:
+                        assert found[0] >= reach
+
+
+def test_upper_bounds_and_what_holds_for_all_are_the_same() -> None:
+    rng = np.random.default_rng(1)
+    own, plain = both(sn.Scene(many(rng)))
+    assert distances.coarseness(own) == distances.coarseness(plain) > 0.0
+    assert distances.most_roundoff(own) == distances.most_roundoff(plain)
+    for p in map(vec, places(40, rng)):
+        for reach in (0.3, math.inf):
+            assert distances.at_most(own, p, reach) == distances.at_most(plain, p, reach)
+
+
+def test_one_obstacle_may_be_skipped() -> None:
+    rng = np.random.default_rng(2)
+    obstacles = some(80, rng)
+    scene = kernel_scene(sn.Scene(obstacles))
+    for p in map(vec, places(20, rng)):
+        _, nearest = distances.closest(scene, p, math.inf, EXACT)
+        others = sn.Scene([own for i, own in enumerate(obstacles) if i != nearest])
+        d, _, which = distances.search(scene, p, math.inf, EXACT, 0.0, nearest)
+        assert d == distances.nearest(kernel_scene(others), p)[0]
+        assert which != nearest
+
+
+def test_those_near_are_listed_in_their_order_and_once() -> None:
+    rng = np.random.default_rng(3)
+    own, plain = both(sn.Scene(many(rng)))
+    listed, expected = np.full((2, own.table.shape[0]), -1, np.int64)
+    for p in map(vec, places(40, rng)):
+        for reach in (0.2, 1.0, 4.0):
+            count, rest = pieces.near(own, p, reach, listed)
+            wanted, _ = pieces.near(plain, p, reach, expected)
+            # One after the other, meshes are listed, too, that rounding puts before the reach.
+            sure = [i for i in expected[:wanted] if distances.evaluate(plain, i, p, math.inf, LOWER_BOUND)[0] < reach]
+            assert listed[:count].tolist() == sure
+            assert rest >= reach
+            few, _ = pieces.few_near(own, p, reach, listed)
+            assert few == (count if count <= pieces.FEW else pieces.MANY)
+
+
+def test_a_place_is_as_far_from_those_listed_as_from_all() -> None:
+    rng = np.random.default_rng(4)
+    own, plain = both(sn.Scene(some(80, rng)))
+    everyone = np.arange(own.table.shape[0])
+    for p in map(vec, places(20, rng)):
+        for mode in (INTERPOLATED, LOWER_BOUND, EXACT):
+            expected = pieces.closest(plain, everyone, len(everyone), p, math.inf, mode)
+            assert pieces.closest(own, everyone, pieces.MANY, p, math.inf, mode) == expected
+
+
+def test_lines_meet_the_boxes_that_they_come_near() -> None:
+    rng = np.random.default_rng(5)
+    own, plain = both(sn.Scene([*some(80, rng), sn.HalfSpace((0.0, 0.0, -0.5), (0.0, 0.0, 1.0))]))
+    none, recent = np.zeros((0, 12)), np.full(1, -1, np.int64)
+    free = cut = 0
+    for a, b in zip(places(40, rng), places(40, rng), strict=True):
+        p, line, end = vec(a), vec(0.5 * (b - a)), vec(0.5 * (a + b))
+        assert sight.cutting(own, none, p, end, recent)[0] == sight.cutting(plain, none, p, end, recent * 0 - 1)[0]
+        recent[:] = -1
+        own_guide = guide.Guide(np.array([end]), 1.0, (0.0, 0.0, 0.0), 0.1, 1.0)
+        seen = guide.visible(own, own_guide, p, 0)
+        assert seen == guide.visible(plain, own_guide, p, 0)
+        free, cut = free + seen, cut + (not seen)
+        tree = hierarchy.tree_over(own.store)
+        met, node = set(), hierarchy.crossed_leaf(own.store, tree, 0, p, line, 0.05)
+        while node:
+            at = hierarchy.item_of(tree, node)
+            met |= {int(own.store[at])} if at >= 0 else set()
+            node = hierarchy.crossed_leaf(own.store, tree, node, p, line, 0.05)
+        along = np.linspace(a, 0.5 * (a + b), 50)
+        for i in range(own.table.shape[0] - 1):
+            if min(distances.evaluate(plain, i, vec(x), math.inf, EXACT)[0] for x in along[::7]) < 0.05:
+                assert i in met
+    assert free > 3
+    assert cut > 3
+
+
+def test_a_part_of_the_rows_is_asked_one_by_one() -> None:
+    rng = np.random.default_rng(6)
+    scene = sn.Scene(some(80, rng))
+    own = kernel_scene(scene)
+    some_rows = distances.Scene(own.table[:70].copy(), own.store)
+    assert not distances.is_large(some_rows)
+    for p in map(vec, places(5, rng)):
+        each = [distances.evaluate(own, i, p, math.inf, EXACT)[0] for i in range(70)]
+        assert distances.nearest(some_rows, p) == (min(each), int(np.argmin(each)))
+
+
+@pytest.mark.parametrize("count", [t.MANY_OBSTACLES - 1, t.MANY_OBSTACLES])
+def test_few_obstacles_have_no_hierarchy(count: int) -> None:
+    boxes = [sn.Box((3.0 * i, 0.0, 0.0), (2.0, 2.0, 2.0)) for i in range(count)]
+    balls = [sn.Sphere((3.0 * i, 0.0, 0.0), 1.0) for i in range(count)]
+    for obstacles, large in ((boxes, count >= t.MANY_OBSTACLES), (balls, False)):
+        scene = sn.Scene(obstacles)
+        assert distances.is_large(kernel_scene(scene)) == large
+        assert scene.distance((3.0 * count, 0.0, 0.0)) == 2.0
+        moved = scene.snapshot().replaced(1, sn.Box((0.0, 9.0, 0.0), (2.0, 2.0, 2.0)))
+        assert moved.distance((0.0, 8.0, 1.0)) == 0.0
+
+
+def test_a_scene_of_which_a_part_changed_is_the_scene_made_anew() -> None:
+    rng = np.random.default_rng(7)
+    obstacles = many(rng)
+    names = [f"part {i}" for i in range(len(obstacles))]
+    scene = sn.Scene([own.named(name) for own, name in zip(obstacles, names, strict=True)])
+    scene.prepare()
+    points = places(200, rng)
+    for i in (2, 41, 42, 43, 3, 60, 2):
+        scene.move(names[i], rng.normal(size=3), rng.normal(size=4))
+        again = sn.Scene(scene.obstacles).distance(points)  # rows made together differ by what arithmetic does
+        np.testing.assert_allclose(scene.distance(points), again, rtol=0.0, atol=1e-14)
+    for count in (20, 70):
+        cloud = next(own for own in scene.obstacles if isinstance(own, sn.PointCloud) and own.place is None)
+        scene.update(SIDE * rng.random((count, 3)), 0.1, name=cloud.name)
+        again = sn.Scene(scene.obstacles).distance(points)
+        np.testing.assert_allclose(scene.distance(points), again, rtol=0.0, atol=1e-14)
+
+
+def test_a_dragged_obstacle_is_found_where_it_is() -> None:
+    rng = np.random.default_rng(8)
+    obstacles, points = some(80, rng), places(100, rng)
+    mover = Mover(sn.Scene(obstacles).snapshot(), 3)
+    for made in (some(10, rng)[3], sn.Box((0, 0, 0), (20, 20, 20), inside=True), some(10, rng)[3]):
+        obstacles[3] = made
+        moved = mover.moved(made)
+        np.testing.assert_array_equal(moved.distance(points), sn.Scene(obstacles).distance(points))
+
+
+def test_a_hierarchy_is_made_anew_after_many_changes() -> None:
+    snapshot = sn.Scene([sn.Box((3.0 * i, 0.0, 0.0), (2.0, 2.0, 2.0)) for i in range(60)]).snapshot()
+    snapshot.prepare()
+    worn = 0
+    for i in range(60):
+        snapshot = snapshot.replaced(i, sn.Box((3.0 * i, 50.0, 0.0), (2.0, 2.0, 2.0)))
+        worn += is_worn(packing.scene_parts(snapshot._kernel_group)[1], len(snapshot))
+    assert worn == 1
+    assert packing.scene_parts(snapshot._kernel_group)[1][t.HIERARCHY_CHANGES] < 20
+    assert snapshot.distance((0.0, 50.0, 0.0)) == -1.0

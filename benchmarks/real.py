@@ -106,6 +106,10 @@ def fitted(name: str, plan: Plan) -> Iterator[Line]:
         reached = 100.0 * float(errors_of.mean()) / length
         worst = f"worst {100.0 * errors_of.max() / length:.1f} %; {PUBLISHED}"
         yield Line(where, f"mean error, {len(errors_of)} rows of other motions", reached, "%", Goal(3.2), note=worst)
+        later = sn.studies.calibrate(robot, rows.actuators, rows.measured, groups=groups, fit=[*own.groups, "play"])
+        tips = later.predict(val.actuators, in_order=True)[:, :3, 3]
+        mean = 100.0 * float(np.linalg.norm(tips - val.measured, axis=1).mean()) / length
+        yield Line(where, "the same with play, rows in order", mean, "%", Goal(2.5), note=f"{later.play:.2g} mm")
         inside = 100.0 * float((errors_of <= own.bound()).mean())
         yield Line(where, "rows of these motions within the bound at 95 %", inside, "%", Goal(93.0, at_most=False))
         like = 100.0 * float((errors_of <= own.bound(of="rows")).mean())

@@ -46,6 +46,9 @@ Batch = HasArray | Sequence[Entry]
 Stack = HasArray | Sequence[Number | Entry]
 """An array with at least one axis."""
 
+JointsAndBatch = Batch | tuple[Stack, Batch | None]
+"""Configurations of all rows of a robot, or a pair of values of its joints and q of its segments."""
+
 ActuatorValues = Stack | Mapping[str, Number | Stack]
 """Values (..., m) of all actuators in the order of `Robot.actuators`, or (...) under their names."""
 

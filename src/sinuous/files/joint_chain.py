@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.arguments import Batch, Whole
+from sinuous.base.arguments import JointsAndBatch, Whole
 from sinuous.base.checks import Floats, closed
 from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.packing import BendLine
@@ -129,7 +129,7 @@ class JointChain(Frozen):
         result.flags.writeable = False
         return result
 
-    def values(self, q: Batch) -> Floats:
+    def values(self, q: JointsAndBatch) -> Floats:
         """Joint values (..., j) of configurations (..., n, 3): rad, and lengths."""
         checked = self.robot.configuration("q", q)
         return checked.reshape(*checked.shape[:-2], -1) @ self.matrix.T + self.offsets

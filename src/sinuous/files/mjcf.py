@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.base.arguments import Batch
+from sinuous.base.arguments import JointsAndBatch
 from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
@@ -146,7 +146,7 @@ class DrivenChain(Frozen):
         """Names of all drives, in the order of their controls."""
         return tuple(drive.name for drive in self.drives)
 
-    def controls(self, q: Batch) -> Floats:
+    def controls(self, q: JointsAndBatch) -> Floats:
         """What drives are told (..., d) so that the robot takes configurations (..., n, 3)."""
         checked = self.chain.robot.configuration("q", q)
         return checked.reshape(*checked.shape[:-2], -1) @ self._rows.T + self._offsets

@@ -13,6 +13,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import (
     ActuatorValues,
     Batch,
+    JointsAndBatch,
     Limits,
     Number,
     OneEach,
@@ -90,9 +91,6 @@ class Uncertainty(Frozen):
 if TYPE_CHECKING:
     import sinuous as sn
 
-
-JointsAndBatch = Batch | tuple[Stack, Batch | None]
-"""Configurations of all rows, or a pair of joints and q of the segments."""
 
 LIMIT_ROUNDING = 1e-11
 """By how much rounding may exceed a limit: rad, or mean lengths of the robot."""

@@ -37,7 +37,7 @@ def read_motion(file: str | Path, robot: Robot | None, scene: SceneLike | Snapsh
         if ending == ".npz":
             return Motion.from_npz(file, own, scene)
         with checks.in_file(file):
-            return _proved(own, *_read_table(read_text(file), own), scene)
+            return _proved(own, *_read_table(read_text(Path(file)), own), scene)
     values = _values(file)
     if isinstance(values, dict) and "motion" in values:
         if robot is not None:

@@ -249,9 +249,25 @@ class Solver:
         under load.
         """
         problem = Problem.prepared(self.robot, (target,), self.scene.snapshot(), self.tolerance)
-        given = np.array(q[None], order="C")
-        outcome = self._prepared.run(problem, given, (0, 0, self.options.seed, seconds), given[0])
+        outcome = self._descend(problem, q, seconds)
         return outcome.q if outcome.code == SOLVED else None
+
+    def follow(self, targets: Targets, q: Floats | None) -> Solution | None:
+        """Return what one configuration (n, 3), or the arc to the targets, is followed to; `None` where it fails.
+
+        The same with a solution around it.
+        """
+        began, problem = work_time(), self._prepared_problem(targets)
+        outcome = self._descend(problem, q, self.options.time)
+        if outcome.code != SOLVED:
+            return None
+        given = self._no_initial if q is None else q[None]
+        return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _descend(self, problem: Problem, q: Floats | None, seconds: float) -> Outcome:
+        given = self._no_initial if q is None else np.array(q[None], order="C")
+        budget = 0, int(q is None), self.options.seed, seconds
+        return self._prepared.run(problem, given, budget, None if q is None else given[0])
 
     def _solve_under_load(
         self,

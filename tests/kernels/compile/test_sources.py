@@ -88,7 +88,8 @@ for module in sys.argv[1:]:
         print(module, *(name for name in sys.modules if name.startswith(("sinuous.kernels", "sinuous.methods"))))
         sys.stdout.flush()
         os._exit(0)
-    os.waitpid(child, 0)
+    if os.waitpid(child, 0)[1]:
+        sys.exit(f"{module} cannot be loaded")
 """
 MODULES = ("kernels.velocity.query", "kernels.growing.grow", "methods.slinki")
 

@@ -1,5 +1,6 @@
 """Calibration: what was changed is found, exact derivatives, bounds that hold, and what rows cannot say."""
 
+import itertools
 import math
 import warnings
 from pathlib import Path
@@ -256,6 +257,32 @@ def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
         notes = sn.studies.calibrate(DRAWN, wrong, tips, fit=["offsets"]).notes
         explained = [note for note in notes if "would explain these rows" in note]
         assert [note.split(" would")[0] for note in explained] == ([] if told is None else [told])
+
+
+def test_play_is_told_and_fitted() -> None:
+    """Tips follow motors late where these turn round: simulated by holding each motor's last direction."""
+    random = np.random.default_rng(4)
+    ends = settings(DRAWN, 16)
+    pulls = np.concatenate([np.linspace(a, b, 8, endpoint=False) for a, b in itertools.pairwise(ends)])
+    play, followed, now = 0.4, np.empty_like(pulls), pulls[0].copy()
+    for i, row in enumerate(pulls):
+        back, forth = row - now > 0.5 * play, now - row > 0.5 * play
+        now = np.where(back, row - 0.5 * play, np.where(forth, row + 0.5 * play, now))
+        followed[i] = now
+    real = DRAWN.changed(base=POSE)
+    tips = real.tip(real.from_actuators(followed, tolerance=1.0))[:, :3, 3]
+    tips += random.normal(scale=0.01, size=tips.shape)
+    told = sn.studies.calibrate(DRAWN, pulls, tips)
+    assert any("play of 0." in note for note in told.notes)
+    assert told.play == 0.0
+    found = sn.studies.calibrate(DRAWN, pulls, tips, fit=["play"])
+    assert found.play == pytest.approx(play, rel=0.2)
+    off = np.linalg.norm(found.predict(pulls, in_order=True)[:, :3, 3] - tips, axis=1)
+    late = np.linalg.norm(found.predict(pulls)[:, :3, 3] - tips, axis=1)
+    assert off.mean() < 0.3 * late.mean()
+    assert late.mean() == pytest.approx(found.expected.mean, rel=0.1)  # the bound knows nothing of the motion before
+    plain = sn.studies.calibrate(DRAWN, followed, tips)
+    assert not any("play" in note for note in plain.notes)
 
 
 def test_few_rows_say_the_level_that_they_allow() -> None:

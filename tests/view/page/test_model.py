@@ -233,6 +233,20 @@ def test_segments_are_added_and_taken_away_with_all_that_counts_them() -> None:
     assert len(page.robot) == 1
 
 
+def test_joints_stay_where_segments_are_changed() -> None:
+    joints = [sn.Revolute(limits=(0.5, 1.0)), sn.Prismatic(limits=(-1, 1)), sn.Revolute(origin=(0, 0, 0.1))]
+    page = model(robot=ROBOT.changed(joints=joints))
+    assert page.robot.excess(page.shown) == 0.0  # the first joint cannot be at 0
+    page.limit(0, max_bend=1.0)
+    page.limit(None, radius=0.08)
+    page.add_segment(None)
+    page.remove_segment(0)
+    assert [segment.max_bend for segment in page.robot.segments] == [2, 2, 2]
+    assert page.robot.body_radii == (0.08, 0.08, 0.08)
+    assert page.robot.joints == tuple(joints)
+    assert len(page.q) == len(page.robot)
+
+
 def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
     page = model(target=sn.Target((-0.9, 0.2, 2)), start=[[-0.3, 0.0, 1.0]] * 3)
     motion = page.job.plan()

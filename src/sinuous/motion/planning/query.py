@@ -94,7 +94,7 @@ class TargetGoals:
         self._whole, self.targets, self.solutions = solver, targets, solutions
 
     @cached_property
-    def _solver(self) -> Solver:
+    def _under_load(self) -> Solver:
         """What goes from one configuration to one goal, or nowhere; made when it is needed first."""
         whole = self._whole
         once = replace(whole.options, max_starts=1, routes=False, memory=None)
@@ -102,8 +102,8 @@ class TargetGoals:
 
     def near(self, q: Floats) -> Floats | None:
         """Follow a configuration (n, 3) to one that meets the targets, which becomes a goal; `None` where it fails."""
-        solution = self._solver.solve(self.targets, q)
-        if not solution.solved:
+        solution = self._follow(q)
+        if solution is None:
             return None
         self.solutions.append(solution)
         return solution.q
@@ -112,9 +112,7 @@ class TargetGoals:
         """Return all goals (g, n, 3), after looking for more from some of what is reached (m, n, 3)."""
         if len(reached) > 1 and len(self.solutions) < MOST_GOALS:
             for i in np.unique(np.linspace(0, len(reached) - 1, GOALS_AT_ONCE).round().astype(np.intp)):
-                solution = self._solver.solve(self.targets, reached[i])
-                if solution.solved and self._is_new(solution.q):
-                    self.solutions.append(solution)
+                self._add(self._follow(reached[i]))
         return np.stack([solution.q for solution in self.solutions])
 
     def with_simplest(self) -> Floats:
@@ -122,10 +120,19 @@ class TargetGoals:
 
         What is solved from the start keeps its turns and folds; a body without them is often reached straight.
         """
-        solution = self._solver.solve(self.targets)
-        if solution.solved and self._is_new(solution.q):
+        self._add(self._follow(None))
+        return self(self.solutions[0].q[None])
+
+    def _follow(self, q: Floats | None) -> Solution | None:
+        """Follow one configuration (n, 3), or the arc to the targets, to the targets; `None` where that fails."""
+        if not self._whole.robot.has_external_load:
+            return self._whole.follow(self.targets, q)
+        solution = self._under_load.solve(self.targets, q)
+        return solution if solution.solved else None
+
+    def _add(self, solution: Solution | None) -> None:
+        if solution is not None and self._is_new(solution.q):
             self.solutions.append(solution)
-        return self(solution.q[None])
 
     def solution_at(self, q: Floats) -> Solution:
         """Return the solution whose configuration (n, 3) this is."""

@@ -226,9 +226,12 @@ class _Join:
     def begin(self) -> ProvedPath | None:
         """Draw back the first goals a little, from where they are, and let straight trees grow from the start to there.
 
-        The last one first: what was solved without the start has fewer folds.
+        The last one first: what was solved without the start has fewer folds. Arms of links alone do not slide along
+        themselves, and trees are there sooner.
         """
         query, path = self._query, None
+        if not query.robot.segments:
+            return None
         for goal in query.goals(query.start[None])[FIRST_GOALS - 1 :: -1]:
             if path is None and query.deadline.left() > 0.0:
                 made = Retraction(self._ends.local, goal, 0, query.start)

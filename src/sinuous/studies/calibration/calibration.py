@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
+from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack, Truth
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of, result_value
 from sinuous.base.errors import InputError
@@ -20,6 +20,7 @@ from sinuous.studies.calibration.bodies import at_rest
 from sinuous.studies.calibration.measurements import Measurements, read
 from sinuous.studies.calibration.model import model, predicted
 from sinuous.studies.calibration.parameters import Values
+from sinuous.studies.calibration.play import after_play, lines_with_play
 
 LEVEL = 0.95
 """Share of rows for which the bound of the robot held, by default."""
@@ -109,6 +110,9 @@ class Calibration(ShortRepr):
         The pattern of each row.
     notes : tuple of str
         What may surprise.
+    play : float
+        Of tendons and chambers, in the length unit, where it was fitted (`fit=["play", ...]`), else 0. `held_back`
+        and bounds are those of rows of which the motion before is not known.
     """
 
     robot: Robot
@@ -122,6 +126,7 @@ class Calibration(ShortRepr):
     dropped: tuple[int, ...]
     notes: tuple[str, ...]
     measurements: Measurements
+    play: float = 0.0
 
     @property
     def rows(self) -> Any:
@@ -247,8 +252,10 @@ class Calibration(ShortRepr):
         bounds = bounds_of(len(self.robot), off, rows, share, scales_of_points(known))
         return self.robot.changed(uncertainty=Uncertainty(bounds, share))
 
-    def predict(self, actuators: ActuatorValues) -> Floats:
+    def predict(self, actuators: ActuatorValues, *, in_order: Truth = False) -> Floats:
         """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators; at rest under its weight.
+
+        Values (N, m) that are `in_order` of time are those of one motion: what `play` leaves of them counts.
 
         Raises
         ------
@@ -256,7 +263,10 @@ class Calibration(ShortRepr):
             When the robot cannot hold its load at some of these values.
         """
         values, _ = fitting(actuators, None, [each.name for each in self.robot.actuators], len(self.robot))
-        return at_rest(self.robot, values.reshape(-1, values.shape[-1])).tips().reshape(*values.shape[:-1], 4, 4)
+        rows = values.reshape(-1, values.shape[-1])
+        if checks.truth("in_order", in_order):
+            rows = after_play(self.robot.drive.motors, lines_with_play(self.robot), rows, self.play)
+        return at_rest(self.robot, rows).tips().reshape(*values.shape[:-1], 4, 4)
 
     def save(self, file: str | Path) -> None:
         """Write the robot into a file; `sinuous.load` reads it where it stands in a problem file."""

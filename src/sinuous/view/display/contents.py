@@ -303,7 +303,7 @@ def gather(things: Iterable[Any]) -> Contents:
             targets.append(thing)
         elif isinstance(thing, Robot):
             if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
-                contents.add_robot(thing, _middle(thing))
+                contents.add_robot(thing, middle_of(thing))
         elif _is_array(thing):
             before = flat[i - 1][1] if i else None
             if not isinstance(before, Robot):
@@ -320,7 +320,7 @@ def gather(things: Iterable[Any]) -> Contents:
     return contents
 
 
-def _middle(robot: Robot) -> Floats:
+def middle_of(robot: Robot) -> Floats:
     """Return the straight robot (n, 3), with its joints as near to 0 as they can be."""
     q = straight(robot.rows)
     return robot.drive.coordinates.project(q) if robot.joints else q
@@ -369,7 +369,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
 
 
 def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
-    _add_arm(contents, robot, _middle(robot), True, targets)
+    _add_arm(contents, robot, middle_of(robot), True, targets)
     contents.add_obstacles(scene.obstacles)
 
 
@@ -401,7 +401,7 @@ def _add_motion(contents: Contents, motion: Motion, way: tuple[Floats, Floats] |
         q, times = (motion.q, motion.times) if way is None else way
         contents.add_way(motion.robot, q, times, motion.solved)
     else:
-        q = motion.solutions[-1].q if motion.solutions else _middle(motion.robot)
+        q = motion.solutions[-1].q if motion.solutions else middle_of(motion.robot)
         contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):

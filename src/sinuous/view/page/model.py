@@ -23,7 +23,7 @@ from sinuous.methods.method import name_of
 from sinuous.model.poses import least_rotation
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment, straight
+from sinuous.model.segment import Segment
 from sinuous.motion.job import Job, job_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.pace import pace_motion
@@ -34,6 +34,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Mover, Snapshot
 from sinuous.solver.options import TIME
 from sinuous.statics.equilibrium import under_load
+from sinuous.view.display.contents import middle_of
 from sinuous.view.page import edits
 
 ASKED = ("position", "direction", "rotation")
@@ -214,8 +215,8 @@ class PageModel:
     def load(self, job: Job) -> None:
         """Begin anew with another problem."""
         self.job = job
-        self.q: Floats = straight(job.robot.rows) if job.start is None else job.start
-        self._q_beside = straight(job.robot.rows)
+        self.q: Floats = middle_of(job.robot) if job.start is None else job.start
+        self._q_beside = middle_of(job.robot)
         self.answer: Solution | None = None
         self.beside: Solution | None = None
         self.waypoint = 0

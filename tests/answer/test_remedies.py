@@ -2,7 +2,7 @@
 
 import math
 import pickle
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 
 import numpy as np
@@ -307,3 +307,34 @@ def test_the_nearest_is_no_farther_than_the_best_that_was_found() -> None:
     assert solution.angle_error is not None
     off = solution.position_error + BELLOWS.mean_length * solution.angle_error  # it may miss the direction, too
     assert math.dist(remedies["target position"].after, place) <= min(1.1 * off, 1.71)
+
+
+def scanned() -> sn.PointCloud:
+    """A wall of points."""
+    x, z = np.meshgrid(np.linspace(-4.0, 4.0, 81), np.linspace(-2.0, 5.0, 71))
+    return sn.PointCloud(np.stack([x.ravel(), np.full(x.size, 0.8), z.ravel()], axis=-1), 0.08, name="scan")
+
+
+def meshed() -> sn.Mesh:
+    """A wall of triangles."""
+    x, z = (axis.ravel() for axis in np.meshgrid(np.linspace(-4.0, 4.0, 41), np.linspace(-2.0, 5.0, 36)))
+    faces = [[k, k + 1, k + 42] for i in range(35) for k in range(41 * i, 41 * i + 40)]
+    faces += [[k, k + 42, k + 41] for i in range(35) for k in range(41 * i, 41 * i + 40)]
+    return sn.Mesh(np.stack([x, np.full(x.size, 0.8), z], axis=-1), faces, name="scan")
+
+
+@pytest.mark.parametrize("wall", [scanned, meshed])
+def test_a_mesh_or_a_cloud_gives_way_at_a_place_and_not_as_a_whole(wall: Callable[[], sn.Mesh | sn.PointCloud]) -> None:
+    obstacle = wall()
+    solution = sn.solve(BENDY, sn.Target((0, 1.6, 1.6)), [obstacle], max_starts=20, routes=False)
+    assert not solution.solved
+    remedies = {remedy.change: remedy for remedy in solution.explain(60.0).remedies}
+    remedy = remedies["obstacle scan gives way"]
+    assert "obstacle scan" not in remedies
+    where = np.array(remedy.after["position"])
+    assert abs(where[1] - 0.8) < 0.3
+    assert remedy.after["radius"] < 1.5
+    assert remedy.problem is not None
+    again = sn.solve(BENDY, remedy.problem.targets, remedy.problem.scene.obstacles, max_starts=200)
+    assert again.solved
+    assert again.verify().ok

@@ -1,5 +1,6 @@
 """Commands about a robot in a place: batch, explore, reach. What ends a batch: tests/studies/batch/test_deaths.py."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -93,7 +94,11 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
     with monkeypatch.context() as patch:
         interrupt(patch, sn.studies.Reach, "save")
         told = run(f"{REACH} --out map.npz", 130).err
-    assert told == "sinuous: interrupted; what was found is kept, the same command goes on\n"
+    said = re.fullmatch(
+        r"sinuous: interrupted; what was found is kept \((.*) solves\), the same command goes on\n", told
+    )
+    assert said is not None
+    assert int(said[1].replace(",", "")) >= 5**3
     assert run(f"{REACH} --directions 3 --out map.npz", 2).err.startswith("--directions: ")
     assert run(f"{REACH} --toward 0,0,1", 2).err.startswith("--toward: cannot be combined with --directions")
     for wrong in ("--toward 0,0", "--toward 0,0,0", "--within 20 --toward 0,0,1", "--within 0.1"):

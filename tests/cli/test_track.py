@@ -60,7 +60,8 @@ def test_an_interrupt_keeps_the_waypoints_so_far(run: Run, monkeypatch: pytest.M
     said = run("track path.yaml easy.yaml --json", 130)
     (track,) = said.results
     assert (len(track["waypoints"]), track["remaining"], track["status"]) == (2, 1, "time_limit")
-    assert said.err.splitlines()[-1] == "sinuous: interrupted after 0 of 2 files; the results so far are written"
+    kept = "sinuous: interrupted after 0 of 2 files, with 2 of 3 waypoints of path.yaml"
+    assert said.err.splitlines()[-1] == f"{kept}; the results so far are written"
 
 
 def table(file: str) -> list[list[str]]:

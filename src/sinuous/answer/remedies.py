@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.answer.binding import OF_THICKNESS, Binding
+from sinuous.answer.giving_way import give_way
 from sinuous.answer.residual import residual_of, rotation_between
 from sinuous.answer.solve_again import FoundSolution
 from sinuous.answer.status import Status, begun_in, mouth_of
@@ -526,11 +527,31 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     names = [name for name in dict.fromkeys([*held, *met]) if name is not None][:MOST_OBSTACLES]
     alone = {name: found for name in names if (found := helped([name])) is not None}
     for name, found in alone.items():
+        part = _hole(trials, case.problem, every.index(name), found.configuration)
+        if part is not None:
+            yield part
+            continue
         note = _giving_way(case.problem, name, found.configuration)
         yield Remedy(f"obstacle {name}", "in the scene", None, note, problem=cleared([name]))
     together = [name for name in every if name in met]
     if not alone and 1 < len(together) <= MOST_OBSTACLES and helped(together) is not None:
         yield Remedy(f"obstacles {listed(together)}", "in the scene", None, problem=cleared(together))
+
+
+def _hole(trials: Trials, problem: Problem, index: int, q: Floats) -> Remedy | None:
+    """Say where alone a mesh or a cloud would have to give way to a solution without it (n, 3)."""
+    scene, name = problem.scene, problem.scene.name(index)
+    if problem.robot.has_external_load or problem.scene.moves:
+        return None
+    demanded = float(np.max(problem.robot.clearance))
+    given = give_way(problem.robot, q, scene.obstacles[index], demanded)
+    if given is None:
+        return None
+    opened = problem.changed(scene=scene.replaced(index, given.rest))
+    if (trials.quick(opened, q) or trials.whole(opened)) is None:
+        return None
+    where = {"position": [*map(rounded, given.center.tolist())], "radius": rounded_up(given.radius)}
+    return Remedy(f"obstacle {name} gives way", None, where, _giving_way(problem, name, q), problem=opened)
 
 
 def _giving_way(problem: Problem, name: str, q: Floats) -> str:

@@ -1,5 +1,6 @@
 """The commands about a robot among its obstacles, whatever the targets of its file: batch, explore, reach, train."""
 
+from pathlib import Path
 from time import perf_counter
 
 import typer
@@ -13,6 +14,7 @@ from sinuous.methods.learned.training import train
 from sinuous.solver.memory import Memory
 from sinuous.studies.batch.solve import solve_batch
 from sinuous.studies.exploring.explore import explore
+from sinuous.studies.runs.checkpoint import Checkpoint
 from sinuous.studies.workspace.find import reach
 
 WORKSPACE = ("spacing", "directions", "within")
@@ -25,7 +27,7 @@ def batch_file(asked: Batch) -> int:
     solving.arguments()
     run = {"chunk": asked.chunk, "warm": asked.warm, "shard": read_shard(asked.shard), **asked.crew.arguments()}
     with (
-        interruptible("the chunks that were done are kept, the same command goes on"),
+        interruptible(lambda: _kept_rows(asked.out, asked.chunk)),
         setting_of(asked.file) as setting,
         as_typed("targets", "out", *vars(solving), *run, *solving.demands),
     ):
@@ -77,8 +79,11 @@ def reach_file(asked: Reach) -> int:
     typed = {key: value for key in WORKSPACE if (value := getattr(asked, key)) is not None}
     if asked.toward is not None:
         typed["directions"] = read_direction(asked)
-    kept = "nothing is written" if out is None else "what was found is kept, the same command goes on"
-    with interruptible(kept), setting_of(asked.file) as setting, as_typed("out", "workers", *typed, *solving.demands):
+    with (
+        interruptible(lambda: _kept(out)),
+        setting_of(asked.file) as setting,
+        as_typed("out", "workers", *typed, *solving.demands),
+    ):
         grid = described(setting.workspace) | typed
         given = solving.arguments(setting.tolerance, setting.prefer)
         found = reach(setting.robot, setting.scene, **grid, workers=asked.workers, out=out, **given)
@@ -88,6 +93,21 @@ def reach_file(asked: Reach) -> int:
         plot_reach(found, asked.plot, robot=setting.robot, scene=setting.scene)
     say(asked.file, found, json=asked.json)
     return SOLVED
+
+
+def _kept_rows(out: Path, chunk: int) -> str:
+    """What is kept of a batch that is interrupted."""
+    count = len(Checkpoint(out, {}, "this batch").done())
+    return f"{count} chunks of up to {chunk:,} rows are kept, the same command goes on"
+
+
+def _kept(out: Path | None) -> str:
+    """What is kept of a map that is interrupted."""
+    if out is None:
+        return "nothing is written"
+    done = Checkpoint(out, {}, "this map")
+    count = sum(len(done.read(number, "codes")["codes"]) for number in done.done())
+    return f"what was found is kept ({count:,} solves), the same command goes on"
 
 
 def read_direction(asked: Reach) -> list[float]:

@@ -3,7 +3,7 @@
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,12 +100,13 @@ def remembered(file: Path | None, robots: Mapping[str, Robot]) -> Iterator[Memor
 
 
 @contextmanager
-def interruptible(kept: str) -> Iterator[None]:
+def interruptible(kept: str | Callable[[], str]) -> Iterator[None]:
     """End the command where it is interrupted within, with one line that says what is kept."""
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo(f"sinuous: interrupted; {kept}", err=True)
+        told = kept if isinstance(kept, str) else kept()
+        typer.echo(f"sinuous: interrupted; {told}", err=True)
         raise typer.Exit(INTERRUPTED) from None
 
 

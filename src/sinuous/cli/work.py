@@ -387,7 +387,7 @@ def _answer_all(
 
     `typed` are options of one command alone on which its answers depend; `why` are seconds for explaining each.
     """
-    solving, output, done, solved = asked.solving, asked.output, 0, 0
+    solving, output, done, solved, within = asked.solving, asked.output, 0, 0, ""
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     robots = {problem.file: problem.robot for problem in problems}
@@ -407,14 +407,15 @@ def _answer_all(
                         answers.write(one.problem.file, found, one.seconds + seconds + ahead, why)
                     ahead = 0.0
                     if isinstance(found, Motion) and found.remaining and found.status is not Status.START_BLOCKED:
+                        tried = len(found.solutions)
+                        within = f", with {tried} of {tried + found.remaining} waypoints of {one.problem.file}"
                         raise KeyboardInterrupt
                     done += 1
                     solved += found.solved
         except KeyboardInterrupt:
             on = ", the same command goes on" if journal else ""
-            typer.echo(
-                f"sinuous: interrupted after {done} of {len(read)} files; the results so far are written{on}", err=True
-            )
+            said = f"sinuous: interrupted after {done} of {len(read)} files{within}"
+            typer.echo(f"{said}; the results so far are written{on}", err=True)
             return INTERRUPTED
         if journal is not None:
             journal.remove()

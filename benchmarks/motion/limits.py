@@ -32,6 +32,9 @@ EXACT = 1e-3
 """By how much, of the limit, the judge may be off."""
 
 KINDS = ("elastic", "elastic, lengths vary", "loaded")
+NUDGE = 1e-6
+"""By how much bends are changed for slopes of the energy, rad."""
+
 NODES, SHARES = np.polynomial.legendre.leggauss(4)
 
 
@@ -59,41 +62,49 @@ def most_pulled(robot: sn.Robot, displacements: Floats, lengths: Floats, near: F
     through = np.repeat(np.tril(np.ones((SEGMENTS, SEGMENTS))), each, axis=0)
 
     def stretches(bends: Floats) -> Floats:
-        return np.asarray(displacements - np.einsum("lk,kac,lc->l", through, bends, arms))
+        return np.asarray(displacements - np.einsum("lk,...kac,lc->...l", through, bends, arms))
 
-    def energy(x: Floats) -> float:
-        bends = x.reshape(SEGMENTS, count, 2)
-        rods = 0.5 * STIFFNESS * float(((bends**2).sum(axis=2) * (count / lengths)[:, None]).sum())
-        pulled = 0.5 * LINE * float((np.maximum(0.0, stretches(bends)) ** 2).sum())
+    def energy(x: Floats) -> Floats:
+        bends = x.reshape(-1, SEGMENTS, count, 2)
+        rods = 0.5 * STIFFNESS * ((bends**2).sum(axis=3) * (count / lengths)[:, None]).sum(axis=(1, 2))
+        pulled = 0.5 * LINE * (np.maximum(0.0, stretches(bends)) ** 2).sum(axis=1)
         weight = _height(robot, bends, lengths / count) if robot.has_external_load else 0.0
-        return rods + pulled + weight
+        return np.asarray(rods + pulled + weight)
+
+    def slope(x: Floats) -> Floats:
+        nudges = NUDGE * np.concatenate([np.eye(x.size), -np.eye(x.size)])
+        ahead, behind = energy(x + nudges).reshape(2, -1)
+        return np.asarray((ahead - behind) / (2.0 * NUDGE))
 
     begin = np.repeat(near[:, None, :2] / count, count, axis=1).ravel()
-    found = minimize(energy, begin, method="BFGS", options={"gtol": 1e-8})
+    found = minimize(lambda x: float(energy(x)[0]), begin, jac=slope, method="BFGS", options={"gtol": 1e-8})
     return float(LINE * stretches(found.x.reshape(SEGMENTS, count, 2)).max(initial=0.0))
 
 
-def _height(robot: sn.Robot, bends: Floats, lengths: Floats) -> float:
-    """Potential energy of the weight of arcs (n, a, 2) of these lengths (n,)."""
-    rotation, place, total = robot.base[:3, :3].copy(), robot.base[:3, 3].copy(), 0.0
-    for own, length in zip(bends, lengths.tolist(), strict=True):
-        for bend in own:
-            for node, weight in zip(0.5 * (1.0 + NODES), 0.5 * SHARES, strict=True):
-                total -= MASS * length * weight * float(GRAVITY @ (place + rotation @ _end(node * bend, node * length)))
-            place = place + rotation @ _end(bend, length)
+def _height(robot: sn.Robot, bends: Floats, lengths: Floats) -> Floats:
+    """Potential energy (r,) of the weight of arcs (r, n, a, 2) of these lengths (n,)."""
+    count, total = len(bends), np.zeros(len(bends))
+    rotation, place = np.tile(robot.base[:3, :3], (count, 1, 1)), np.tile(robot.base[:3, 3], (count, 1))
+    nodes, shares = 0.5 * (1.0 + NODES), 0.5 * SHARES
+    for k, length in enumerate(lengths.tolist()):
+        for bend in bends[:, k].swapaxes(0, 1):
+            within = _end(nodes[:, None, None] * bend, nodes[:, None] * length)
+            places = place + np.einsum("rij,erj->eri", rotation, within)
+            total -= MASS * length * (shares @ (places @ GRAVITY))
+            place = place + np.einsum("rij,rj->ri", rotation, _end(bend, np.full(count, length)))
             rotation = rotation @ _turn(bend)
     return total
 
 
-def _end(bend: Floats, length: float) -> Floats:
-    angle = float(np.hypot(*bend))
+def _end(bend: Floats, length: Floats) -> Floats:
+    angle = np.hypot(bend[..., 0], bend[..., 1])
     aside = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * length
-    return np.array([aside * bend[0], aside * bend[1], length * np.sinc(angle / np.pi)])
+    return np.stack([aside * bend[..., 0], aside * bend[..., 1], length * np.sinc(angle / np.pi)], axis=-1)
 
 
 def _turn(bend: Floats) -> Floats:
-    angle = float(np.hypot(*bend))
-    across = np.array([[0.0, 0.0, bend[0]], [0.0, 0.0, bend[1]], [-bend[0], -bend[1], 0.0]])
+    angle, across = np.hypot(bend[..., 0], bend[..., 1])[:, None, None], np.zeros((len(bend), 3, 3))
+    across[:, :2, 2], across[:, 2, :2] = bend, -bend
     return np.asarray(
         np.eye(3) + np.sinc(angle / np.pi) * across + 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * across @ across
     )

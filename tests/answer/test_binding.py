@@ -9,7 +9,6 @@ from scipy.optimize import minimize
 
 import sinuous as sn
 from sinuous.answer.binding import find_binding
-from sinuous.answer.constraints import limits_of
 from sinuous.answer.remedies import Widening
 from sinuous.answer.remedies import limits_of as limits_to_widen
 from sinuous.answer.residual import residual_of
@@ -88,7 +87,7 @@ def best_of(problem: sn.Problem, start: Any) -> tuple[Any, float]:
     unit = np.array([problem.robot.mean_length / MIXED.mean_length] * 3 + [1.0] * 3)
 
     def slacks(x: Any) -> Any:
-        return np.array([limit.slack for limit in limits_of(problem.robot, x.reshape(start.shape))])
+        return np.array([limit.slack for limit in problem.robot.limit_set.sides(x.reshape(start.shape))])
 
     def merit(x: Any) -> float:
         return 0.5 * float(((unit * residual_of(problem, x.reshape(start.shape)).value) ** 2).sum())
@@ -125,7 +124,7 @@ def test_widening_what_is_named_helps_and_nothing_else_does(seed: int) -> None:
     q, before = best_of(solution.problem, solution.q)
     binding = find_binding(solution.problem, q)
     held = {(each.segment, each.key) for each in binding}
-    sides = {(limit.segment, limit.key) for limit in limits_of(MIXED, q)}
+    sides = {(limit.segment, limit.key) for limit in MIXED.limit_set.sides(q)}
     strongest = binding[0]
     assert best_of(wider(solution.problem, strongest.segment, strongest.key), q)[1] < before * (1.0 - 1e-5)
     for segment, key in sorted(sides - held):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Actuators, Chambers, Robot, Segment, Tendons
-from sinuous.answer.constraints import limits_of, normal
+from sinuous.model.limits import normal
 from tests.cases import with_each
 from tests.helpers import Floats
 
@@ -29,15 +29,17 @@ def random_q(seed: int) -> Floats:
 @with_each("seed", range(30))
 def test_the_least_slack_is_the_excess(seed: int) -> None:
     q = random_q(seed)
-    assert -min(limit.slack for limit in limits_of(ROBOT, q)) == pytest.approx(ROBOT.excess(q), abs=1e-12)
+    assert -min(limit.slack for limit in ROBOT.limit_set.sides(q)) == pytest.approx(ROBOT.excess(q), abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
     q, unit, h = random_q(seed), 0.7, 1e-6
     steps = h * np.eye(12).reshape(12, 4, 3) * [1.0, 1.0, unit]
-    less, more = (np.array([[each.slack for each in limits_of(ROBOT, one)] for one in q + s * steps]) for s in (-1, 1))
-    for limit, numbers in zip(limits_of(ROBOT, q), ((less - more) / (2.0 * h)).T, strict=True):
+    less, more = (
+        np.array([[each.slack for each in ROBOT.limit_set.sides(one)] for one in q + s * steps]) for s in (-1, 1)
+    )
+    for limit, numbers in zip(ROBOT.limit_set.sides(q), ((less - more) / (2.0 * h)).T, strict=True):
         if limit.key == "max_bend" and limit.segment == 3:
             continue  # a bend that is none has no direction
         np.testing.assert_allclose(normal(limit, unit), numbers, atol=1e-8)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from sinuous import Problem, Robot, Target, pose
-from sinuous.answer.constraints import limits_of
 from sinuous.answer.descent_within_limits import descend_within_limits
-from sinuous.answer.least_distance import nonnegative_least_squares
 from sinuous.answer.residual import residual_of
+from sinuous.model.least_distance import nonnegative_least_squares
 from tests.cases import with_each
 from tests.helpers import Floats, random_pose
 
@@ -25,7 +24,7 @@ def test_it_is_no_farther_and_within_the_limits(seed: int, unit: float) -> None:
     problem = Problem(robot, Target(5.0 * unit * place[:3, 3], direction=place[:3, 2]))
     before = shape(rng, 4) * [0.5, 0.5, unit]
     after = descend_within_limits(problem, before)
-    assert all(limit.slack >= -1e-9 * unit for limit in limits_of(robot, after))
+    assert all(limit.slack >= -1e-9 * unit for limit in robot.limit_set.sides(after))
     assert np.linalg.norm(residual_of(problem, after).value) <= np.linalg.norm(residual_of(problem, before).value)
 
 

@@ -63,6 +63,31 @@ def test_what_is_over_stays_over_until_more_is_allowed() -> None:
     assert clocks.over(clock)
 
 
+def count(clock: Array, units: float, each: int) -> int:
+    clocks.begin(clock)
+    clocks.allow_work(clock, units)
+    done = 0
+    while not clocks.spend(clock, each):
+        done += 1
+    return done
+
+
+def test_work_that_is_allowed_ends_after_so_many_units_whatever_the_time() -> None:
+    for units, each in ((10 * STRIDE, 1), (10 * STRIDE, STRIDE), (12_345, 7)):
+        clock = make_clock(0)
+        assert abs(count(clock, units, each) * each - units) <= STRIDE + each
+        assert clocks.late(clock)
+        assert clocks.work_left(clock) == 0.0
+        assert count(make_clock(NEVER), units, each) == count(clock, units, each)
+    clocks.allow_work(clock, 1e300)
+    assert not clocks.spend(clock, STRIDE)
+    clocks.allow_work(clock, 100.0)
+    clocks.spend(clock, 30)
+    assert clocks.work_left(clock) == 70.0
+    clocks.allow(clock, 1e3)
+    assert clocks.work_left(clock) == 0.0
+
+
 def test_any_number_of_seconds_can_be_allowed() -> None:
     for seconds in (1e9, 1e300, math.inf):
         clock = make_clock(0)

@@ -50,7 +50,7 @@ def test_rows_say_what_the_least_tensions_say(kind: str) -> None:
 @pytest.mark.parametrize("kind", ROBOTS)
 def test_slopes_are_those_of_values_and_ways_are_bounded(kind: str) -> None:
     robot = robot_of(kind)
-    rows = robot.tension_rows
+    rows = robot.limit_set.tension_rows
     assert rows is not None
     assert rows.linear == (kind != "lengths")
     q = drawn(robot, 40, 0.5)
@@ -70,7 +70,7 @@ def test_lines_that_end_where_nothing_bends_have_no_rows() -> None:
     lines = sn.Tendons(angles=[0.0, 2.0], radius=4.0, stiffness=50.0, tension=(0.0, 6.0))
     stiff = sn.Segment(20.0, max_bend=0.0, tendons=lines)
     robot = sn.Robot([sn.Segment(60.0, stiffness=2000.0), stiff])
-    rows = robot.tension_rows
+    rows = robot.limit_set.tension_rows
     assert rows is not None
     assert not rows.decoupled
     held = robot.from_actuators([0.1, 0.0])

@@ -198,7 +198,7 @@ def excesses(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
             yield from ((name, amount / size) for name, amount, size in _of_shape(robot, q, unit))
             if robot.drive.elastic is not None:
                 yield "tension", lacking_stretch(robot, q) / unit
-        if robot.has_external_load and robot.tension_rows is not None:
+        if robot.has_external_load and robot.limit_set.tension_rows is not None:
             yield "tension under load", _pulled(robot, one, other) / 30.0 - 1.0
 
 

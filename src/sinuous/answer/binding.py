@@ -13,9 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.constraints import Limit, limits_of, normal, rates_of
 from sinuous.answer.descent_within_limits import descend_within_limits
-from sinuous.answer.least_distance import nonnegative_least_squares
 from sinuous.answer.residual import residual_of
 from sinuous.answer.worst import Contact, all_contacts
 from sinuous.base.arguments import Constraint
@@ -25,6 +23,8 @@ from sinuous.base.frozen import ShortRepr
 from sinuous.base.words import listed, number, segments
 from sinuous.measures.body_place import BodyPlace
 from sinuous.model.actuation import Actuator
+from sinuous.model.least_distance import nonnegative_least_squares
+from sinuous.model.limits import Limit, normal
 from sinuous.model.rates import Changes
 from sinuous.problem.problem import Problem
 
@@ -133,7 +133,7 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     contacts = all_contacts(problem, q)
     if not contacts:
         q = descend_within_limits(problem, q)
-    found = _balanced(problem, q, contacts, list(limits_of(problem.robot, q)))
+    found = _balanced(problem, q, contacts, list(problem.robot.limit_set.sides(q)))
     if any_limit and all(each.key is None for each in found):
         return (*found, *nearest_limits(problem, q, 1))
     return found
@@ -141,15 +141,15 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
 
 def rate_binding(problem: Problem, q: Floats, initial: Floats, within: Changes) -> tuple[Binding, ...]:
     """List what holds `q` (n, 3) back, the best within some changes of `initial` (n, 3): rates are limits then."""
-    rates = list(rates_of(problem.robot, q, initial, within))
-    return _balanced(problem, q, all_contacts(problem, q), [*rates, *limits_of(problem.robot, q)])
+    rates = list(problem.robot.limit_set.used_up(q, initial, *within.spread(problem.robot)))
+    return _balanced(problem, q, all_contacts(problem, q), [*rates, *problem.robot.limit_set.sides(q)])
 
 
 def nearest_limits(problem: Problem, q: Floats, count: int = 3) -> tuple[Binding, ...]:
     """List the limits of which the configuration `q` (n, 3) has least left; what cannot move at all is left out."""
     unit = problem.robot.mean_length / len(problem.robot)
     left: dict[tuple[Any, ...], tuple[float, Limit]] = {}
-    for limit in limits_of(problem.robot, q):
+    for limit in problem.robot.limit_set.sides(q):
         if not limit.fixed:
             share = limit.slack / _size(limit, unit)
             name = limit.constraint, limit.segment, limit.actuator, limit.key
@@ -251,6 +251,8 @@ def _what(binding: Binding) -> str:
         return f"segment {binding.segment} touches {whom}"
     if binding.constraint in RATES:
         return RATES[binding.constraint]
+    if binding.key == "plane":
+        return "bend across the plane"
     if binding.actuator is not None and binding.key is not None:
         name = binding.key.partition("[")[0]
         return "value" if name.endswith(".limits") or binding.motor else name.rpartition(".")[2]

@@ -10,10 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sinuous.answer.constraints import Limit, limits_of
-from sinuous.answer.least_distance import least_distance
 from sinuous.answer.residual import residual_of
 from sinuous.base.checks import Floats
+from sinuous.model.least_distance import least_distance
+from sinuous.model.limits import Limit
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 
@@ -50,7 +50,7 @@ def descend_within_limits(problem: Problem, q: Floats, left: Callable[[], float]
         return q
     unit = robot.mean_length / count
     scale = np.array([1.0, 1.0, unit])
-    residual, limits, damping = residual_of(problem, q), list(limits_of(robot, q)), FIRST_DAMPING
+    residual, limits, damping = residual_of(problem, q), list(robot.limit_set.sides(q)), FIRST_DAMPING
     for _ in range(MOST_STEPS):
         before = left()
         if before < long:
@@ -70,7 +70,7 @@ def descend_within_limits(problem: Problem, q: Floats, left: Callable[[], float]
         gained = merit - float(found.value @ found.value)
         long = max(long, before - left()) if before < math.inf else long
         if gained > 0.0:
-            q, residual, limits, damping = tried, found, list(limits_of(robot, tried)), 0.1 * damping
+            q, residual, limits, damping = tried, found, list(robot.limit_set.sides(tried)), 0.1 * damping
             if gained < GAIN * merit:
                 break
         else:
@@ -100,7 +100,7 @@ def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) ->
     q = robot.drive.coordinates.project(after)
     share = 1.0
     lines = [limit for limit in limits if limit.constraint == "actuator"]
-    now = limits_of(robot, q) if lines else ()
+    now = robot.limit_set.sides(q) if lines else ()
     for limit, was in zip((each for each in now if each.constraint == "actuator"), lines, strict=True):
         if limit.slack < 0.0 < was.slack - limit.slack:
             share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))

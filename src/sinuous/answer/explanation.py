@@ -5,7 +5,7 @@ from typing import Any
 
 from sinuous.answer.binding import Binding, in_words, nearest_limits
 from sinuous.answer.remedies import Remedy, find_remedies
-from sinuous.answer.residual import residual_of
+from sinuous.answer.residual import residual_under_load
 from sinuous.answer.solve_again import UnknownOptions
 from sinuous.answer.status import Reason, Status
 from sinuous.answer.trials import Case, Trials
@@ -13,7 +13,6 @@ from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import NotebookMixin, call
 from sinuous.base.words import degrees, number
-from sinuous.problem.problem import Problem, ask_body
 
 LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
 
@@ -125,12 +124,11 @@ def _too_short(seconds: float) -> str:
 
 def _misses(case: Case) -> str:
     """By how much the best configuration misses its targets."""
-    problem, tolerance = case.problem, case.problem.tolerance
+    tolerance = case.problem.tolerance
     try:
-        body = ask_body(problem.robot, case.q, problem.targets)
+        residual = residual_under_load(case.problem, case.q)
     except InputError:  # no equilibrium
         return ""
-    residual = residual_of(Problem(body.body, body.targets, problem.scene, tolerance), body.arcs)
     off, turn = residual.position_error, residual.angle_error
     parts = [f"{number(off)} from the position"] if off > (tolerance.position or 0.0) else []
     aim = "rotation" if any(each.rotation is not None for each in case.problem.targets) else "direction"

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, ask_body
 from sinuous.problem.target import Target
 
 PARALLEL = 1e-9
@@ -60,6 +60,12 @@ def residual_of(problem: Problem, q: Floats) -> Residual:
     most = 1.0 + ROUNDING
     met = position_error <= most * (tolerance.position or 0.0) and angle_error <= most * tolerance.angle
     return Residual(np.concatenate(missing), np.concatenate(rows), met, position_error, angle_error)
+
+
+def residual_under_load(problem: Problem, q: Floats) -> Residual:
+    """The same of the body of arcs that a drive (n, 3) becomes under load; where nothing pulls, of the robot itself."""
+    own = ask_body(problem.robot, q, problem.targets)
+    return residual_of(Problem(own.body, own.targets, problem.scene, problem.tolerance), own.arcs)
 
 
 def _rotation_error(target: Target, rotation: Floats) -> tuple[Floats, Floats | None]:

@@ -19,7 +19,6 @@ from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import target_errors
 from sinuous.measures.statics import imbalance, pulls
 from sinuous.measures.tensions import lacking_stretch
-from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem, ask_body, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
@@ -27,7 +26,7 @@ from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, Way, tensions_kept
+from sinuous.statics.rest import Rest, Way
 
 LIMIT_SLACK = 1e-9
 """By how much a limit may be exceeded: rad, or mean lengths of the robot."""
@@ -147,7 +146,7 @@ def verify(problem: Problem, q: Floats) -> Verification:
 
 def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target], tolerance: Tolerance) -> Verification:
     """Recompute errors, limits and clearances of a configuration `q` (n, 3); there may be no targets."""
-    asked = ask_body(robot, q, targets)
+    asked, limits = ask_body(robot, q, targets), robot.limit_set
     body, arcs = asked.body, asked.arcs
     ends = segment_ends(body, arcs)
     errors = [target_errors(body, target, ends) for target in asked.targets]
@@ -161,7 +160,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length
     ok = (
         at_rest
-        and (asked.shape is None or tensions_kept(robot, pulls(robot, q, asked.shape.states)))
+        and (asked.shape is None or not limits.tension_violations(pulls(robot, q, asked.shape.states)))
         and off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
         and _within_limits(robot, q)
@@ -204,7 +203,8 @@ def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> 
     off = max(imbalance(robot, each.q, each.found[0], each.displacements) for each in shapes)
     when = times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0])
     found = _seen(robot, ends, body, np.stack([each.arcs for each in shapes]), owners, scene, when)
-    held = all(tensions_kept(robot, pulls(robot, each.q, each.found[0], each.displacements)) for each in shapes)
+    tensions = [pulls(robot, each.q, each.found[0], each.displacements) for each in shapes]
+    held = not any(map(robot.limit_set.tension_violations, tensions))
     at_rest = len(shapes) == len(rests) and off <= AT_REST * robot.mean_length
     return replace(found, ok=found.ok and at_rest and held)
 
@@ -235,12 +235,12 @@ def _seen(
 
 
 def _within_limits(robot: Robot, q: Floats) -> bool:
-    return all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
+    return not robot.limit_set.violations(q, LIMIT_SLACK)
 
 
 def _held(robot: Robot, q: Floats) -> bool:
     """Whether tensions within their limits hold a shape (n, 3) without load."""
-    return robot.tension_rows is None or lacking_stretch(robot, q) <= LIMIT_SLACK * robot.mean_length
+    return robot.limit_set.tension_rows is None or lacking_stretch(robot, q) <= LIMIT_SLACK * robot.mean_length
 
 
 OBJECTS = ("segment", "obstacle", "self_segments", "place", "self_place")

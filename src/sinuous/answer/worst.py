@@ -20,7 +20,6 @@ from sinuous.base.words import number
 from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
 from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import target_errors
-from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import BodyQuestion, Problem
 from sinuous.scene.snapshot import Snapshot, least_gap
@@ -301,7 +300,7 @@ def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:
     if overlap:
         return max(found, key=lambda pair: pair[0])[1]
     for name, segment, amount in robot.violations(q):
-        found.append((amount / unit_of(name, unit), Worst(name, segment, None, amount)))
+        found.append((amount / robot.limit_set.unit_of(name), Worst(name, segment, None, amount)))
     for target in problem.targets:
         off, turn = target_errors(robot, target, ends)
         segment = len(robot) if target.segment is None else target.segment

@@ -3,7 +3,8 @@
 A clock is an array (`CLOCK_SIZE`,) int64 in the workspace. Who computes `begin`s it, `allow`s some seconds, and then
 `spend`s evaluations: one for the distance to a sphere, some 5 ns, and for dearer work in proportion. Every `STRIDE`
 evaluations the time is read, which costs some 30 ns. Once it is over, every `spend` says so, until more is allowed: a
-loop may end, and the loop around it ends with its next `spend`.
+loop may end, and the loop around it ends with its next `spend`. What must not depend on how busy the machine is is
+allowed work units instead (`allow_work`).
 
 Compiled code does not see signals. So whoever reads the time also listens for them, every `LISTENING` nanoseconds, as
 the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_CheckSignals`. Handlers run only in the
@@ -20,13 +21,14 @@ from typing import Any
 
 from numba import types
 
-from sinuous.base.work_time import looked, work_time
+from sinuous.base.work_time import LOOK, looked, work_time
 from sinuous.kernels.compile import interpreted_as, shared
 from sinuous.kernels.maths.vectors import Array
 
 _READ, _REST, DEADLINE, WORK, _LISTENED, STOPPED, _RAISED = range(7)
-"""Places in a clock: two that the operating system fills; when all has to end (ns); evaluations since the time was
-read; when somebody listened last (ns); whether an exception was raised then; and scratch for that (3)."""
+"""Places in a clock: two that the operating system fills; when all has to end (ns), or, negative, the work units that
+are left; evaluations since the time was read; when somebody listened last (ns); whether an exception was raised then;
+and scratch for that (3)."""
 
 CLOCK_SIZE = _RAISED + 3
 
@@ -134,9 +136,20 @@ def begin(clock: Array) -> None:
 def allow(clock: Array, seconds: float) -> float:
     """Allow so many seconds from now on; returns the time, in seconds."""
     read = _nanoseconds(clock)
-    clock[DEADLINE] = read + int(1e9 * min(seconds, LONGEST))
+    clock[DEADLINE] = max(0, read + int(1e9 * min(seconds, LONGEST)))
     clock[WORK] = 0
     return 1e-9 * read
+
+
+def allow_work(clock: Array, units: float) -> None:
+    """Allow so many work units from now on, however long they take."""
+    clock[DEADLINE] = -int(max(0.0, min(units, LONGEST / LOOK)))
+    clock[WORK] = 0
+
+
+def work_left(clock: Array) -> float:
+    """Work units that are left of those that were allowed; 0 where time is."""
+    return float(max(0, -clock[DEADLINE] - clock[WORK]))
 
 
 def resume(clock: Array, deadline: int) -> None:
@@ -152,7 +165,9 @@ def over(clock: Array) -> bool:
     if read - clock[_LISTENED] > LISTENING:
         clock[_LISTENED] = read
         _listen(clock)
-    if clock[STOPPED] != 0 or read > clock[DEADLINE]:
+    if clock[DEADLINE] < 0:
+        clock[DEADLINE] = min(0, clock[DEADLINE] + clock[WORK])
+    if clock[STOPPED] != 0 or 0 <= clock[DEADLINE] < read:
         clock[WORK] = STRIDE
         return True
     clock[WORK] = 0

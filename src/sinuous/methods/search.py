@@ -34,20 +34,16 @@ from sinuous.kernels.maths.vectors import (
     add,
     copy,
     dot,
-    get_mat,
     get_vec,
-    mat_mat,
     norm,
     put_vec,
-    sub,
-    transpose,
 )
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.actuation import runs_through, sums_from
 from sinuous.kernels.step.limits import bend_cap
-from sinuous.kernels.step.targets import direction_vector, end_pose, end_segment, rotation_vector
+from sinuous.kernels.step.targets import end_pose, end_segment, miss_of
 from sinuous.kernels.tables import Budget
 
 SLACK = 0.1
@@ -104,15 +100,8 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
     off = turn = 0.0
     for i in range(problem.targets.shape[0]):
         rotation, position = end_pose(frames, problem.tool, end_segment(problem.targets, i, frames.shape[0] - 1))
-        if problem.targets[i, t.HAS_POSITION] != 0.0:
-            off = max(off, norm(sub(get_vec(problem.targets, i, t.TARGET_POSITION), position)))
-        miss = ZERO
-        if problem.targets[i, t.ORIENTATION] == t.ROTATION:
-            miss = rotation_vector(mat_mat(get_mat(problem.targets, i, t.GOAL), transpose(rotation)))
-        elif problem.targets[i, t.ORIENTATION] == t.DIRECTION:
-            tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
-            miss = direction_vector(tangent, get_vec(problem.targets, i, t.GOAL))
-        turn = max(turn, norm(miss))
+        miss, twist = miss_of(problem.targets, i, rotation, position)
+        off, turn = max(off, norm(miss)), max(turn, norm(twist))
     return off, turn
 
 

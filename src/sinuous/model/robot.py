@@ -46,13 +46,12 @@ from sinuous.model.joints import (
     rigid_rows,
     with_links,
 )
-from sinuous.model.limits import ShapeLimits, Violation, curvature_limits, held_back
+from sinuous.model.limits import LimitSet, Violation, curvature_limits, held_back
 from sinuous.model.link_overlaps import overlap_notes
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.model.poses import as_pose
 from sinuous.model.segment import Locked, Segment, Stiffness, segment_names, straight
-from sinuous.model.tension_rows import TensionRows
 
 
 class Uncertainty(Frozen):
@@ -90,10 +89,6 @@ class Uncertainty(Frozen):
 
 if TYPE_CHECKING:
     import sinuous as sn
-
-
-LIMIT_ROUNDING = 1e-11
-"""By how much rounding may exceed a limit: rad, or mean lengths of the robot."""
 
 
 class WholeArguments(TypedDict, total=False):
@@ -730,20 +725,11 @@ class Robot(NotebookMixin, Frozen):
         Bends and lengths count in their own units (rad, length unit), actuators in the length unit: by their
         displacements, of `Actuators` divided by their largest weight, those of bends relative to the mean length.
         """
-        return self._shape_limits.excess(self.configuration("q", q))
+        return self.limit_set.excess(self.configuration("q", q))
 
     def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
         """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
-        elastic = self.drive.elastic
-        if elastic is None or not elastic.bounded:
-            return np.ones(q.shape[:-2], np.bool_)
-        return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
-
-    @property
-    def tension_rows(self) -> TensionRows | None:
-        """What limits of tension ask of shapes without load; `None` where tensions within them hold any shape."""
-        elastic = self.drive.elastic
-        return elastic.rows if elastic is not None and elastic.bounded else None
+        return self.limit_set.held(q)
 
     def clamp(self, q: Batch) -> Floats:
         """Return the configurations (..., n, 3) within all limits that are nearest to these.
@@ -757,8 +743,7 @@ class Robot(NotebookMixin, Frozen):
             When none is found.
         """
         given = self.configuration("q", q)
-        nearest = door("answer.clamp").clamp
-        shapes = [nearest(self, one) for one in given.reshape(-1, len(self), 3)]
+        shapes = [self.limit_set.clamp(one) for one in given.reshape(-1, len(self), 3)]
         return np.array(shapes).reshape(given.shape)
 
     def violations(self, q: Rows) -> list[Violation]:
@@ -767,12 +752,12 @@ class Robot(NotebookMixin, Frozen):
         `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
         what the curvature allows at this length.
         """
-        checked = checks.array("q", q, (len(self), 3))
-        return self._shape_limits.violations(checked, LIMIT_ROUNDING, self.mean_length)
+        return self.limit_set.violations(checks.array("q", q, (len(self), 3)))
 
     @cached_property
-    def _shape_limits(self) -> ShapeLimits:
-        return ShapeLimits(self.rows, self.curvatures, self.drive)
+    def limit_set(self) -> LimitSet:
+        """All limits of the robot, as verbs ask them."""
+        return LimitSet(self.rows, self.self_radii, self.curvatures, self.drive, self.mean_length)
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:

@@ -1,25 +1,22 @@
 """Configurations on the way: how far they are apart, and whether a robot can be there."""
 
 from functools import lru_cache
-from typing import cast
 
 import numpy as np
 
 from sinuous.answer.worst import Worst, find_overlap
 from sinuous.base import checks
-from sinuous.base.arguments import LimitKind
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
 from sinuous.kernels.packing import BendLine
-from sinuous.model.limits import unit_of
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.problem import ask_body
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Prover
-from sinuous.statics.rest import tensions_violated
+from sinuous.statics.rest import pulls_at
 
 KEPT = 64
 """Robots whose levers are kept in memory."""
@@ -79,13 +76,12 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
 
 def violated_by(robot: Robot, q: Floats) -> Worst | None:
     """Return the limit that a configuration (n, 3) violates most; `None` when it is within all of them."""
-    unit = robot.mean_length
-    violations = robot.violations(q) or tensions_violated(robot, q)
-    found = [(amount / unit_of(limit, unit), limit, segment, amount) for limit, segment, amount in violations]
+    limits, violations = robot.limit_set, robot.violations(q)
+    if not violations and (pulls := pulls_at(robot, q)) is not None:
+        violations = limits.tension_violations(pulls)
+    found = [(amount / limits.unit_of(limit), limit, segment, amount) for limit, segment, amount in violations]
     relative, limit, segment, amount = max(found, default=(0.0, "length", 0, 0.0), key=lambda each: each[0])
-    if relative <= SLACK:
-        return None
-    return Worst(limit, segment, None, amount)
+    return None if relative <= SLACK else Worst(limit, segment, None, amount)
 
 
 def settle(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, ...]]:
@@ -96,7 +92,7 @@ def settle(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, ...]]:
     violated = violated_by(robot, q)
     if violated is None:
         return q, ()
-    if violated.amount <= NEAR * unit_of(cast(LimitKind, violated.constraint), robot.mean_length):
+    if violated.amount <= NEAR * robot.limit_set.unit_of(violated.constraint):
         nearest = robot.clamp(q)
         if violated_by(robot, nearest) is None:
             return nearest, (f"{key}: {violated}; the nearest configuration within all limits stands for it",)

@@ -21,8 +21,9 @@ from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARG
 from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import MEET_TARGETS, MOVE_POSE, MOVE_POSITION
+from sinuous.model.limits import LIMIT_ROUNDING
 from sinuous.model.rates import Changes, Rates
-from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
+from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Targets, Tolerance, meets, target_list, target_table
 from sinuous.scene.scene import Scene
@@ -31,7 +32,7 @@ from sinuous.solver.loaded_control_step import LoadedControlStep
 from sinuous.solver.loaded_solve import unsolved_start
 from sinuous.solver.options import SolveOptions
 from sinuous.solver.step_query import RateLimits, StepQuery
-from sinuous.statics.rest import Rest, tensions_kept
+from sinuous.statics.rest import pulls_at
 
 ROUNDS = 30
 """Most Newton steps of a solve within changes."""
@@ -184,8 +185,7 @@ class ControlLoop:
 
     def _holds(self, q: Floats) -> bool:
         """Whether all limits are kept, under load also those of tensions."""
-        robot = self._robot
-        return not robot.violations(q) and (not robot.has_external_load or tensions_kept(robot, Rest(robot, q).pulls))
+        return self._robot.limit_set.keep(q, pulls_at(self._robot, q))
 
     def _answer(
         self,

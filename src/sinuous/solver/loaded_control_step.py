@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.work_time import LOOK
 from sinuous.kernels import packing
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF
@@ -82,7 +82,7 @@ class LoadedControlStep:
         self._follow = lines_that_follow(robot, np.zeros((len(robot), 3))) if robot.drive.elastic is None else None
         self._bounded, self._last = bounded(robot), KnownShape(*[np.empty(0)] * 4)
         self._space, self._sizes = np.empty(0), (0,) * 5
-        self._end = 0.0
+        self._work = 0.0
         self._asked: tuple[RateLimits | None, float, Floats] = None, 0.0, np.empty(0)
         self.lines = tuple(robot.actuators[i] for i in own.lines.actuators)
 
@@ -91,7 +91,7 @@ class LoadedControlStep:
     ) -> Floats:
         """Return the answer of a step (see `kernels.velocity.query`), with room for so many constraints."""
         answer = np.zeros(t.CONFIGURATION + start.size + t.ACTIVE_WIDTH * room)
-        self._end = work_time() + asked.seconds
+        self._work = asked.seconds / LOOK
         begin = self._known(start)
         if begin is None:
             return self._stay(answer, start)
@@ -151,7 +151,7 @@ class LoadedControlStep:
         follow = lines_that_follow(self._robot, begin.q) if self._follow is None else self._follow
         tip, at = np.zeros((6, begin.q.size)), (begin.q, begin.states, begin.tensions)
         groups, space = (robot, arcs, scene, settings, asked.targets, group), self._workspace(asked, count)
-        kernel.loaded_step(*groups, *self._tables, follow, *at, space, tip, answer)
+        self._work = kernel.loaded_step(*groups, *self._tables, follow, *at, space, tip, answer)
         return answer[t.CONFIGURATION : t.CONFIGURATION + begin.q.size].reshape(begin.q.shape).copy(), tip
 
     def _certify(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats) -> None:
@@ -164,8 +164,7 @@ class LoadedControlStep:
         both, held, states, tensions = (np.array([known, np.zeros_like(known)]) for known in begin)
         both[1] = q
         groups, way = (robot, arcs, scene, settings, asked.targets), (both, held, states, tensions)
-        left = max(0.0, self._end - work_time())
-        kernel.certify_step(*groups, *self._tables, lines, *way, left, self._space, answer)
+        self._work = kernel.certify_step(*groups, *self._tables, lines, *way, self._work, self._space, answer)
         if answer[t.START] != kernel.NO_BODY:
             self._last = KnownShape(both[1], held[1], states[1], tensions[1])
 

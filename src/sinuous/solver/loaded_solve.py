@@ -9,18 +9,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sinuous.answer.residual import residual_under_load
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
-from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
+from sinuous.model.limits import LIMIT_ROUNDING
+from sinuous.model.robot import Robot, robot_group
 from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem, settings_group
-from sinuous.problem.target import Target
 from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, lines_that_follow, stretches_allowed, tensions_kept
+from sinuous.statics.rest import Rest, lines_that_follow, stretches_allowed
 
 PIECES = 8
 """Most times that stretches are made linear anew."""
@@ -81,31 +82,6 @@ class LoadedBody:
         return outcome
 
 
-def errors_of(shape: Rest, targets: tuple[Target, ...], unit: float) -> tuple[Floats, float, float]:
-    """What is left of the targets (6 t,) in rad and mean lengths of the robot; largest distance, largest angle."""
-    parts, off, turn = [], 0.0, 0.0
-    for target in targets:
-        pose = shape.pose(target.segment)
-        left = np.zeros(6)
-        if target.direction is not None:
-            left[:3] = np.cross(pose[:3, 2], target.direction)
-            angle = math.atan2(float(np.linalg.norm(left[:3])), float(pose[:3, 2] @ target.direction))
-            left[:3] *= angle / max(1e-300, float(np.linalg.norm(left[:3])))
-            turn = max(turn, angle)
-        elif target.rotation is not None:
-            relative = target.rotation @ pose[:3, :3].T
-            axis = 0.5 * np.array([relative[2, 1] - relative[1, 2], relative[0, 2] - relative[2, 0], 0.0])
-            axis[2] = 0.5 * (relative[1, 0] - relative[0, 1])
-            angle = math.atan2(float(np.linalg.norm(axis)), 0.5 * (float(np.trace(relative)) - 1.0))
-            left[:3] = axis * (angle / max(1e-300, float(np.linalg.norm(axis))))
-            turn = max(turn, angle)
-        if target.position is not None:
-            left[3:] = (target.position - pose[:3, 3]) / unit
-            off = max(off, unit * float(np.linalg.norm(left[3:])))
-        parts.append(left)
-    return np.concatenate(parts), off, turn
-
-
 class LoadCorrection:
     """Corrects drives of a robot under load.
 
@@ -152,7 +128,8 @@ class LoadCorrection:
         if shape.states is None:
             return None, record
         if np.abs(shape.states - states).max() > ALIKE:  # corrections have led to another equilibrium of this drive
-            _, record[OFF], record[ANGLE] = errors_of(shape, problem.targets, robot.mean_length)
+            left = residual_under_load(problem, q)
+            record[OFF], record[ANGLE] = left.position_error, left.angle_error
         return shape, record
 
     def judge(self, shape: Rest, problem: Problem, seconds: float) -> Outcome:
@@ -160,8 +137,7 @@ class LoadCorrection:
         if self._body is None:
             self._body = LoadedBody(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
-        robot = self._robot
-        held = len(robot.drive) == 0 or (not robot.violations(shape.q) and tensions_kept(robot, shape.pulls))
+        held = len(self._robot.drive) == 0 or self._robot.limit_set.keep(shape.q, shape.pulls)
         wrong = outcome.code == OUT_OF_REACH or (outcome.code == SOLVED and not held)  # of this shape alone
         code = FAILED if wrong else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)

@@ -53,7 +53,7 @@ class RateLimits:
         self.actuators[:, 3 * n + a.LARGEST_CHANGE] = changes[listed]
         self.actuators[:, 3 * n + a.SECOND_DIFFERENCE] = seconds[listed]
         self.accelerates = further is not None
-        self.tensions = robot.tension_rows
+        self.tensions = robot.limit_set.tension_rows
         if self.tensions is not None:
             if not self.tensions.decoupled:
                 problem = "elastic lines end at a segment that they cannot bend, and have limits"

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.kernels import packing
 from sinuous.kernels.statics import layout as t
-from sinuous.model.limits import Violation
-from sinuous.model.robot import LIMIT_ROUNDING, Robot
+from sinuous.model.robot import Robot
 from sinuous.statics.body import Tables, body_of, lengths_of_lines, rolled, tables_of, unrolled
 from sinuous.statics.equilibrium import longest_body, run
 
@@ -103,7 +102,7 @@ class Rest:
     @cached_property
     def tensions_kept(self) -> bool:
         """Whether there is an equilibrium, and the tensions of lines that stretch are within their limits."""
-        return self.states is not None and tensions_kept(self.robot, self.pulls)
+        return self.states is not None and not self.robot.limit_set.tension_violations(self.pulls)
 
     @cached_property
     def rolls(self) -> Floats:
@@ -192,35 +191,14 @@ def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
 
 def stretches_allowed(robot: Robot) -> Floats:
     """Least and most that lines under load (t, 2) may stretch, as their limits of tension say; those may be slack."""
-    own, limits = body_of(robot).lines, np.tile([-np.inf, np.inf], (len(robot.drive), 1))
-    if robot.drive.elastic is not None:
-        limits[robot.drive.elastic.places] = robot.drive.elastic.limits
+    own, limits = body_of(robot).lines, robot.limit_set.tensions.copy()
     limits[limits[:, 0] <= 0.0, 0] = -np.inf
     return limits[own.actuators] * own.compliance[:, None]
 
 
-def tensions_violated(robot: Robot, q: Floats) -> list[Violation]:
-    """List the limits of tension that the loaded body violates at a drive (n, 3), each by a stretch in the length unit.
-
-    There is none without a load, nor where no equilibrium is found.
-    """
-    elastic = robot.drive.elastic
-    if elastic is None or not robot.has_external_load or np.isinf(stretches_allowed(robot)).all():
-        return []
+def pulls_at(robot: Robot, q: Floats) -> Floats | None:
+    """Tensions (m,) of all actuators that a load needs at a drive (n, 3); `None` without one, or any equilibrium."""
+    if not robot.has_external_load or np.isinf(robot.limit_set.tensions).all():
+        return None
     rest = Rest(robot, np.array(q, order="C"))
-    return [] if rest.states is None else _violated(robot, rest.pulls)
-
-
-def tensions_kept(robot: Robot, tensions: Floats) -> bool:
-    """Whether tensions (m,) of all actuators under load are within the limits of those that stretch."""
-    return not _violated(robot, tensions)
-
-
-def _violated(robot: Robot, tensions: Floats) -> list[Violation]:
-    elastic = robot.drive.elastic
-    if elastic is None:
-        return []
-    own = tensions[elastic.places]
-    beyond = elastic.beyond(np.where(np.isnan(own), 0.0, own))
-    found = np.flatnonzero(~np.isnan(own) & (beyond > LIMIT_ROUNDING * robot.mean_length))
-    return [("actuator", robot.actuators[elastic.places[i]].segment, float(beyond[i])) for i in found]
+    return None if rest.states is None else rest.pulls

@@ -10,7 +10,6 @@ import pytest
 import sinuous as sn
 from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, least_gaps, question, random_tangent
 from benchmarks.derivatives.families import FAMILIES, OBSTACLES, draw, touching
-from sinuous.answer.constraints import limits_of
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.residual import residual_of
 from sinuous.answer.solution import Solution
@@ -122,7 +121,7 @@ class Touch(NamedTuple):
 
 def slacks(robot: sn.Robot, q: Floats) -> tuple[Floats, Floats]:
     """What is left of each limit, and its gradients (l, 3 n)."""
-    listed = list(limits_of(robot, q))
+    listed = list(robot.limit_set.sides(q))
     return np.array([each.slack for each in listed]), -np.array([each.gradient.ravel() for each in listed])
 
 

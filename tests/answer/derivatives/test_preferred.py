@@ -7,7 +7,6 @@ from scipy.optimize import least_squares
 import sinuous as sn
 from benchmarks.derivatives.differences import ALL, Tangent, question, random_tangent
 from benchmarks.derivatives.families import SHAPES, preferred
-from sinuous.answer.constraints import limits_of
 from sinuous.answer.residual import residual_of
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
@@ -22,13 +21,15 @@ def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Fl
     """The nearest zero of the conditions of a minimum (Lagrange), with the limits that are active at `near` kept."""
     scale = scales_of(problem.robot.limits).ravel()
     moves = np.flatnonzero(scale)
-    active = [i for i, each in enumerate(limits_of(problem.robot, near)) if abs(each.slack) < 1e-6 and not each.fixed]
+    active = [
+        i for i, each in enumerate(problem.robot.limit_set.sides(near)) if abs(each.slack) < 1e-6 and not each.fixed
+    ]
 
     def conditions(x: Floats) -> Floats:
         q = near.copy()
         q.ravel()[moves] += scale[moves] * x[: len(moves)]
         ends = residual_of(problem, q)
-        listed = list(limits_of(problem.robot, q))
+        listed = list(problem.robot.limit_set.sides(q))
         limits = [listed[i] for i in active]
         rows = np.vstack([ends.jacobian, *(each.gradient.ravel() for each in limits)])
         slope = prefer.start * ((q - start).ravel()[moves] / scale[moves])

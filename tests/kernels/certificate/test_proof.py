@@ -39,7 +39,7 @@ def prove(
     """Answers (T - 1, 14) about the motion of a case, or about one with other knots (T, n, 3)."""
     path = np.stack([case.q0, case.q1]) if knots is None else knots
     answers = np.full((len(path) - 1, ANSWER_WIDTH), np.nan)
-    terms = float(case.robot.mount), slack, finest * case.robot.mean_length, seconds
+    terms = float(case.robot.mount), slack, finest * case.robot.mean_length, seconds, 0.0
     snapshot = case.scene.snapshot()
     workspace = np.full(sweep_size(len(case.robot), len(snapshot)), np.nan)
     known = np.full((len(path), 2), clear)

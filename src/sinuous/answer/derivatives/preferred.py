@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.answer.constraints import limits_of
 from sinuous.answer.derivatives.parameters import DerivativePlan
 from sinuous.answer.derivatives.rows import RANK, Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.base.checks import Floats
@@ -146,7 +145,7 @@ class _System:
         It is the minimum of a quadratic program: of the cost with the curvature of the Lagrangian.
         """
         moves, targets = self.scale > 0.0, self._rows.targets
-        limits = list(limits_of(self._problem.robot, self._q))
+        limits = list(self._problem.robot.limit_set.sides(self._q))
         least = -np.array([each.gradient.ravel() for each in limits]).reshape(-1, len(moves))
         least = (least @ self.turns) * self.scale
         sizes = np.linalg.norm(least, axis=1)

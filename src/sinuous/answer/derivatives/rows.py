@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.answer.derivatives.parameters import DerivativePlan
-from sinuous.answer.least_distance import least_distance
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive, find_contacts
 from sinuous.kernels.packing import scales_of
+from sinuous.model.least_distance import least_distance
 from sinuous.problem.problem import Problem
 
 

@@ -19,14 +19,11 @@ from sinuous.kernels.maths.vectors import (
     across,
     cross,
     dot,
-    get_mat,
     get_vec,
-    mat_mat,
     norm,
     put_vec,
     scale,
     sub,
-    transpose,
     vec_mat,
 )
 from sinuous.kernels.problem import Problem
@@ -44,10 +41,9 @@ from sinuous.kernels.step.targets import (
     X,
     Y,
     Z,
-    direction_vector,
     end_pose,
     end_segment,
-    rotation_vector,
+    miss_of,
 )
 from sinuous.kernels.velocity.contacts import closest_place
 from sinuous.kernels.velocity.layout import (
@@ -115,23 +111,19 @@ def add_targets(problem: Problem, work: Workspace) -> tuple[int, float]:
     for i in range(targets.shape[0]):
         k = end_segment(targets, i, n)
         rotation, position = end_pose(work.frames, problem.tool, k)
+        miss, turn = miss_of(targets, i, rotation, position)
+        worst = max(worst, inverse * norm(miss), norm(turn))
         if targets[i, t.HAS_POSITION] != 0.0:
-            miss = scale(inverse, sub(get_vec(targets, i, t.TARGET_POSITION), position))
             arm = scale(inverse, sub(position, origin))
-            at = _target_row(work, at, i, k, cross(arm, X), scale(inverse, X), miss[0])
-            at = _target_row(work, at, i, k, cross(arm, Y), scale(inverse, Y), miss[1])
-            at = _target_row(work, at, i, k, cross(arm, Z), scale(inverse, Z), miss[2])
-            worst = max(worst, norm(miss))
+            at = _target_row(work, at, i, k, cross(arm, X), scale(inverse, X), inverse * miss[0])
+            at = _target_row(work, at, i, k, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
+            at = _target_row(work, at, i, k, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
         if targets[i, t.ORIENTATION] == t.ROTATION:
-            turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
             at = _target_row(work, at, i, k, X, ZERO, turn[0])
             at = _target_row(work, at, i, k, Y, ZERO, turn[1])
             at = _target_row(work, at, i, k, Z, ZERO, turn[2])
-            worst = max(worst, norm(turn))
         elif targets[i, t.ORIENTATION] == t.DIRECTION:
-            tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
-            turn = direction_vector(tangent, get_vec(targets, i, t.GOAL))
-            a, b = across(tangent)
+            a, b = across((rotation[0][2], rotation[1][2], rotation[2][2]))
             at = _target_row(work, at, i, k, a, ZERO, dot(turn, a))
             at = _target_row(work, at, i, k, b, ZERO, dot(turn, b))
             worst = max(worst, norm(turn))

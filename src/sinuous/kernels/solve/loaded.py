@@ -30,8 +30,8 @@ from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.statics import equilibrium as e
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.drive import answer_drive, fill
+from sinuous.kernels.statics.ends import foretell, put_ends, see_ends
 from sinuous.kernels.statics.newton import Body, Workspace, carve, workspace_size
-from sinuous.kernels.statics.sweeps import move
 from sinuous.kernels.step import limits
 from sinuous.kernels.step.coupling import LEAST_PIVOT
 from sinuous.kernels.step.dense import solve_symmetric
@@ -210,12 +210,9 @@ def _evaluate(
     record[STABLE] = 1.0 if shape.record[e.LOAD_FACTOR] >= 1.0 and shape.record[e.UNSTABLE] == 0.0 else 0.0
     if record[STABLE] == 0.0:
         return
-    n, k, at, origin = shape.q.shape[0], 0, 0, frame(space.frames, 0)[1]
+    n, at, origin = shape.q.shape[0], 0, frame(space.frames, 0)[1]
     off = turn = excess = merit = 0.0
-    for s in range(n + 1):
-        rotation, position = frame(space.frames, k)
-        put_frame(step.ends, s, rotation, position)
-        k += int(drive.sections[min(s, n - 1), t.ARC_COUNT])
+    put_ends(drive.sections, space.frames, step.ends)
     for s in range(n):
         step.rows.start[s] = at
         for i in range(problem.targets.shape[0]):
@@ -250,13 +247,7 @@ def _derive(problem: Problem, drive: Drive, shape: Equilibrium, body: Body, spac
     n, rows, J = shape.q.shape[0], step.rows, step.jacobian
     at = rows.start[n]
     for j in range(3 * n):
-        omega, v, k = ZERO, ZERO, 0
-        for s in range(n):
-            for _ in range(int(drive.sections[s, t.ARC_COUNT])):
-                omega, v = move(k, step.columns[j], omega, v, space.stages)
-                k += 1
-            for i in range(rows.start[s], rows.start[s + 1]):
-                J[i, j] = dot(get_vec(rows.twist, i, 0), omega) + dot(get_vec(rows.twist, i, 3), v)
+        see_ends(drive.sections, step.columns[j], space.stages, rows, j, J)
     for i in range(at):
         step.values[i, 0] = step.values[i, 1] = rows.value[i]
         step.side[i] = 1
@@ -382,7 +373,7 @@ def _line_search(
             put_vec(step.change, s, 0, scale(step_length, get_vec(step.change, s, 0)))
         limits.move(problem.limits, own.q, step.change, trial.q)
         fill(drive.sections, drive.of_lines, trial.q, body.arcs, body.lines, space.step)
-        _predict(own, trial, step)
+        foretell((own.q, own.x, own.tensions), (step.columns, step.pulls), trial.q, trial.x, trial.tensions)
         e.follow(trial.x, trial.tensions, body, MOST_STEPS, space, trial.record)
         _evaluate(problem, drive, trial, body, space, step, record)
         if record[STABLE] != 0.0 and record[MERIT] < before[3]:
@@ -395,19 +386,3 @@ def _line_search(
     record[OFF], record[ANGLE], record[EXCESS], record[MERIT] = before
     record[STABLE] = 1.0
     return False
-
-
-def _predict(own: Equilibrium, trial: Equilibrium, step: Step) -> None:
-    """Fill states and tensions of the body where the drive of `trial` leads, to first order."""
-    copy(own.x, trial.x)
-    for i in range(own.tensions.shape[0]):
-        trial.tensions[i] = own.tensions[i]
-    for s in range(own.q.shape[0]):
-        for c in range(3):
-            moved = trial.q[s, c] - own.q[s, c]
-            if moved != 0.0:
-                for k in range(own.x.shape[0]):
-                    for j in range(4):
-                        trial.x[k, j] += moved * step.columns[3 * s + c, k, j]
-                for i in range(own.tensions.shape[0]):
-                    trial.tensions[i] += moved * step.pulls[3 * s + c, i]

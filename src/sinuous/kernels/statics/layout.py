@@ -68,3 +68,6 @@ moves with bends and length (3 vectors in the world), and where that is from the
 its state adds to the moment of the loads about the base (4 vectors), and the pivot (4 x 4)."""
 
 STAGE_WIDTH = 128
+
+ARC_WORK = 1000
+"""Work units that an equilibrium, or a bound on how far it may leave a way, costs for every arc."""

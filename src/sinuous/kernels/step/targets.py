@@ -151,3 +151,18 @@ def add_rows(
         at = put_row(rows, at, a, ZERO, dot(turn, a))
         at = put_row(rows, at, b, ZERO, dot(turn, b))
     return at, norm(miss), norm(turn)
+
+
+def miss_of(targets: Array, i: int, rotation: Mat, position: Vec) -> tuple[Vec, Vec]:
+    """How far the end of a segment at this pose is from target `i`, and the rotation (rad) that is missing.
+
+    Zero where nothing is asked. `add_rows`, which every step passes, has it written out: answers keep their last digit.
+    """
+    miss, turn = ZERO, ZERO
+    if targets[i, t.HAS_POSITION] != 0.0:
+        miss = sub(get_vec(targets, i, t.TARGET_POSITION), position)
+    if targets[i, t.ORIENTATION] == t.ROTATION:
+        turn = rotation_vector(mat_mat(get_mat(targets, i, t.GOAL), transpose(rotation)))
+    elif targets[i, t.ORIENTATION] == t.DIRECTION:
+        turn = direction_vector((rotation[0][2], rotation[1][2], rotation[2][2]), get_vec(targets, i, t.GOAL))
+    return miss, turn

@@ -9,8 +9,9 @@ carried over to the drive. Rows of targets are dense then: the end of a segment 
 import math
 from collections import namedtuple
 
-from sinuous.kernels.chain.kinematics import forward_with_columns, frame, put_frame
+from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.chain.rates import measure_rates
+from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -30,8 +31,9 @@ from sinuous.kernels.maths.vectors import (
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.drive import answer_drive, fill
+from sinuous.kernels.statics.ends import foretell, put_ends, see_ends
 from sinuous.kernels.statics.equilibrium import LOAD_FACTOR, UNSTABLE, follow
-from sinuous.kernels.statics.sweeps import move, stiffness_of
+from sinuous.kernels.statics.sweeps import stiffness_of
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.actuation import NO_SUMS
 from sinuous.kernels.step.coupling import reply
@@ -90,34 +92,15 @@ def _rest_at(control: Control, own: RestingBody) -> bool:
     put_ends(own.sections, own.space.frames, control.frames)
     unroll(own.x, own.arcs.q)
     _derive_arcs(own)
+    spend(control.sweep.clock, t.ARC_WORK * own.x.shape[0])
     forward_with_columns(own.problem.limits, own.arcs.q, own.arcs.frames, own.arcs.columns)
     return True
-
-
-def put_ends(sections: Array, frames: Array, ends: Array) -> None:
-    """Fill `ends` (n + 1, 12), frames of the base and of the ends of segments, from those of arcs (N + 1, 12)."""
-    k, n = 0, sections.shape[0]
-    for s in range(n + 1):
-        rotation, position = frame(frames, k)
-        put_frame(ends, s, rotation, position)
-        k += int(sections[min(s, n - 1), t.ARC_COUNT])
 
 
 def find_near(own: RestingBody, q: Array) -> bool:
     """Fill the state that is tried with the equilibrium at a drive `q` (n, 3), from the one that is foretold."""
     fill(own.sections, own.of_lines, q, own.body.arcs, own.body.lines, own.unloaded)
-    copy(own.x, own.trial_x)
-    for i in range(own.tensions.shape[0]):
-        own.trial_tensions[i] = own.tensions[i]
-    for s in range(q.shape[0]):
-        for c in range(3):
-            moved = q[s, c] - own.at[s, c]
-            if moved != 0.0:
-                for k in range(own.x.shape[0]):
-                    for j in range(4):
-                        own.trial_x[k, j] += moved * own.columns[3 * s + c, k, j]
-                for i in range(own.tensions.shape[0]):
-                    own.trial_tensions[i] += moved * own.pulls[3 * s + c, i]
+    foretell((own.at, own.x, own.tensions), (own.columns, own.pulls), q, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, own.unloaded, own.trial_x)
     follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
     return bool(own.record[LOAD_FACTOR] >= 1.0 and own.record[UNSTABLE] == 0.0)
@@ -161,16 +144,10 @@ def see_rows(problem: Problem, control: Control, resting: RestingBody | None) ->
 
 
 def _see(problem: Problem, control: Control, own: RestingBody) -> None:
-    n, rows = control.q.shape[0], control.rows
+    n, stages = control.q.shape[0], own.space.stages
     arm = sub(end_pose(control.frames, problem.tool, n - 1)[1], frame(control.frames, 0)[1])
     for j in range(3 * n):
-        omega, velocity, k = ZERO, ZERO, 0
-        for s in range(n):
-            for _ in range(int(own.sections[s, t.ARC_COUNT])):
-                omega, velocity = move(k, own.columns[j], omega, velocity, own.space.stages)
-                k += 1
-            for i in range(rows.start[s], rows.start[s + 1]):
-                own.seen[i, j] = dot(get_vec(rows.twist, i, 0), omega) + dot(get_vec(rows.twist, i, 3), velocity)
+        omega, velocity = see_ends(own.sections, own.columns[j], stages, control.rows, j, own.seen)
         velocity = add(velocity, cross(omega, arm))
         for i in range(3):
             own.tip[i, j], own.tip[3 + i, j] = omega[i], velocity[i]

@@ -8,6 +8,7 @@ straight line between both ends, but for how far stretches leave it. What is und
 import math
 from collections import namedtuple
 
+from sinuous.base.work_time import LOOK
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify, forget
@@ -19,7 +20,7 @@ from sinuous.kernels.certificate.sweep import (
     WHEN,
     Motion,
 )
-from sinuous.kernels.clock import allow, begin, late
+from sinuous.kernels.clock import allow_work, begin, late, spend, work_left
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.buffers import cut
@@ -42,13 +43,14 @@ from sinuous.kernels.statics.departure import (
     stretch_of,
 )
 from sinuous.kernels.statics.drive import fill
+from sinuous.kernels.statics.ends import put_ends
 from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, UNSTABLE, follow, settle
 from sinuous.kernels.statics.newton import Body, carve, workspace_size
 from sinuous.kernels.step.newton import FINEST_PROOF, add_targets
 from sinuous.kernels.step.states import State
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
 from sinuous.kernels.velocity import query as k
-from sinuous.kernels.velocity.body import MOST_STEPS, RestingBody, hold_rigid, owner_of, put_ends, unroll
+from sinuous.kernels.velocity.body import MOST_STEPS, RestingBody, hold_rigid, owner_of, unroll
 from sinuous.kernels.velocity.layout import (
     BEND_CHANGE,
     BOUND_WIDTH,
@@ -211,13 +213,14 @@ def loaded_step(
     workspace: Array,
     tip: Array,
     answer: Array,
-) -> None:
+) -> float:
     """Go on from the drive `start` (n, 3), as `asked` says, within all bounds; nothing is proved of the way.
 
     As `query.control_step`; beside the group of the robot there is that of its body of `arcs`. `sections` to `slopes`
     see `Tables`, `of_lines` (t, 3 n + 1) `statics.drive.lay_out`; states `x` (N, 4) and `tensions` (t,) are those of
     the start. `workspace`: see `loaded_size`. Fills `tip` (6, 3 n), how the tool turns and moves with the drive, and of
-    `answer` how many steps there were, where it goes, and active constraints.
+    `answer` how many steps there were, where it goes, and active constraints. It ends after work that is worth the
+    seconds that are asked for, and returns the work units that are left: an answer does not depend on the machine.
     """
     problem = read_problem(robot, scene, settings, targets)
     wanted = read_asked(asked, start.shape[0])
@@ -226,7 +229,7 @@ def loaded_step(
     body = read_problem(arcs, scene, settings, targets)
     work, _ = _carve(workspace, problem, body, tables, of_lines, actuators)
     begin(work.sweep.clock)
-    allow(work.sweep.clock, wanted.seconds)
+    allow_work(work.sweep.clock, wanted.seconds / LOOK)
     _begin_with(work.body, start, x, tensions)
     copy(start, work.q)
     copy(start, work.trial)
@@ -236,6 +239,7 @@ def loaded_step(
     k.report(work, count, answer)
     copy(work.body.tip, tip)
     k.write_end(work, answer)
+    return work_left(work.sweep.clock)
 
 
 def _shrink(problem: Problem, asked: StepRequest, work: Control, start: Array) -> None:
@@ -293,16 +297,16 @@ def certify_step(
     held: Array,
     x: Array,
     tensions: Array,
-    seconds: float,
+    units: float,
     workspace: Array,
     answer: Array,
-) -> None:
+) -> float:
     """Find the equilibrium at the end of a way, and prove the way there as far as it is within all limits and clear.
 
     Of the `Way` its first shape is known. `of_lines` (t, 3 n + 1) are those of the end, the rest as for `loaded_step`.
     Fills the end of the way, and of `answer` the verdict (`query.START`: CLEAR, NO_BODY, TENSE, or what the proof came
     to), until when that is proved (`query.STEP_FRACTION`), the proved clearances of the end, what the proof saw, and
-    errors of targets.
+    errors of targets. It ends after so many work `units`, and returns those that are left.
     """
     problem = read_problem(robot, scene, settings, targets)
     tables = sections, stretches, carried, lines, slopes
@@ -310,7 +314,7 @@ def certify_step(
     work, rest = _carve(workspace, problem, body, tables, of_lines, 0)
     own, way = work.body, Way(q, held, x, tensions)
     begin(work.sweep.clock)
-    allow(work.sweep.clock, seconds)
+    allow_work(work.sweep.clock, units)
     _begin_with(own, q[0], x[0], tensions[0])
     seen = shaped(answer[k.CLEARANCES : k.CONFIGURATION], (2, CLEARANCES_WIDTH))
     forget(seen)
@@ -319,9 +323,10 @@ def certify_step(
     answer[k.MERIT] = answer[k.POSITION_ERROR] = answer[k.ANGLE_ERROR] = math.inf
     if not _settle(own, way):
         answer[k.START] = NO_BODY
-        return
+        return work_left(work.sweep.clock)
     _judge(problem, work, own, way, answer)
     answer[k.START], answer[k.STEP_FRACTION] = _certify_way(problem, own, way, seen, rest)
+    return work_left(work.sweep.clock)
 
 
 def _settle(own: RestingBody, way: Way) -> bool:
@@ -435,6 +440,7 @@ def _certify_piece(
     verdict, until = float(UNDECIDED), 0.0
     for accuracy in (COARSE, CLOSE):
         depart(scratch.departure, piece, own.space, accuracy, own.record[:DEPARTURE_WIDTH])
+        spend(own.arcs.sweep.clock, t.ARC_WORK * own.x.shape[0])
         aside, off = own.record[ASIDE], own.record[OFF]
         if aside < math.inf:
             verdict, until = TENSE, 0.0

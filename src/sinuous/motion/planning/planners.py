@@ -47,7 +47,7 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
     """
     if query.robot.has_external_load:
         return _by_proofs(query)
-    if query.robot.tension_rows is not None and turns is None:
+    if query.robot.limit_set.tension_rows is not None and turns is None:
         first = replace(query, deadline=Deadline(SHARE_OF_TREES * query.deadline.left()))
         path = find_path(first, trees, TURNS)
         return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else _by_proofs(query)

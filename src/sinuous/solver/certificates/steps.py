@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import call
-from sinuous.base.work_time import work_time
+from sinuous.base.work_time import LOOK
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -41,7 +41,9 @@ from sinuous.kernels.certificate.sweep import (
     sweep_size,
 )
 from sinuous.kernels.packing import robot_parts
-from sinuous.model.robot import LIMIT_ROUNDING, Robot, robot_group
+from sinuous.kernels.statics.layout import ARC_WORK
+from sinuous.model.limits import LIMIT_ROUNDING
+from sinuous.model.robot import Robot, robot_group
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Primitive
 from sinuous.scene.snapshot import Snapshot
@@ -220,8 +222,15 @@ class LoadedShapes:
         return bool((least >= self._allowed[:, 0]).all() and (most <= self._allowed[:, 1]).all())
 
 
+@dataclass
+class WorkUnits:
+    """What is left of the work that proofs of a loaded body may take, so that none depends on how busy a machine is."""
+
+    left: float = 0.0
+
+
 def prove_loaded_step(
-    shapes: LoadedShapes, q0: Floats, q1: Floats, prove: Callable[[StepPiece], Floats], end: float
+    shapes: LoadedShapes, q0: Floats, q1: Floats, prove: Callable[[StepPiece], Floats], work: WorkUnits
 ) -> Floats:
     """Answer (14,) about a step: proved where every piece is, else `SAMPLED` where shapes are clear, else undecided.
 
@@ -230,8 +239,8 @@ def prove_loaded_step(
     q0, q1 : ndarray (n, 3)
     prove : callable
         Proves a piece for a body that is thicker by its `aside`.
-    end : float
-        When the time is over, see `work_time`.
+    work : WorkUnits
+        How long it is tried.
     """
     one, other = shapes.at(q0), shapes.at(q1)
     nothing: Floats = unproved(1)[0]
@@ -250,13 +259,14 @@ def prove_loaded_step(
                 done.append((begin, last, answer))
                 continue
         middle = 0.5 * (begin + last)
-        near = way.rest(middle) if last - begin > 0.5**HALVINGS and work_time() < end else a
+        work.left -= ARC_WORK * len(shapes.owners)
+        near = way.rest(middle) if last - begin > 0.5**HALVINGS and work.left > 0.0 else a
         if near is a or not near.tensions_kept or one is other:
             done.append((begin, last, nothing if answer is None else answer))
             bounded = answer is not None
             break
         left += [(middle, last, near, b), (begin, middle, a, near)]
-    if bounded or (done and work_time() >= end):
+    if bounded or (done and work.left <= 0.0):
         begins, ends = np.array([each[0] for each in done]), np.array([each[1] for each in done])
         return joined(np.array([each[2] for each in done]), begins, ends - begins)
     return _sampled(one, other, prove)
@@ -408,8 +418,8 @@ class Prover:
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(body), len(scene)))
         self.owners = np.arange(len(robot)) if self._ways is None else self._ways.owners
-        self._tensions, self._limit_slack = robot.tension_rows, LIMIT_SLACK * robot.mean_length
-        self._drifts = Drifts(scene) if scene.moves else None
+        self._tensions, self._limit_slack = robot.limit_set.tension_rows, LIMIT_SLACK * robot.mean_length
+        self._drifts, self._work = Drifts(scene) if scene.moves else None, WorkUnits()
         if self._drifts is not None:
             self._scene_group = scene.at(0.0).group_beside(scene.courses)  # rows of it are written
 
@@ -427,7 +437,8 @@ class Prover:
         Bounds are no more than `slack` below these, then.
         """
         if self._ways is not None:
-            return self._prove_under_load(self._ways, knots, slack, seconds, times)
+            self._work.left = seconds * (len(knots) - 1) / LOOK
+            return self._prove_under_load(self._ways, knots, slack, times)
         answers = self._prove_in_time(knots, slack, seconds, times, known)
         self.keep_tensions(knots, answers)
         return answers
@@ -466,16 +477,14 @@ class Prover:
 
     def _prove(self, knots: Floats, known: Floats, drifts: Floats, slack: float, seconds: float) -> Floats:
         answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
-        terms = self._mount, slack, self._finest, seconds * len(answers)
-        certify_motions(self._group, self._scene_group, knots, known, drifts, terms, self._workspace, answers)
+        terms = self._mount, slack, self._finest, seconds * len(answers), self._work.left
+        groups = self._group, self._scene_group, knots, known, drifts
+        self._work.left = certify_motions(*groups, terms, self._workspace, answers)
         return answers
 
-    def _prove_under_load(
-        self, ways: LoadedShapes, knots: Floats, slack: float, seconds: float, times: Floats | None
-    ) -> Floats:
-        """Prove the steps of a loaded body, each in as many pieces as it takes."""
+    def _prove_under_load(self, ways: LoadedShapes, knots: Floats, slack: float, times: Floats | None) -> Floats:
+        """Prove the steps of a loaded body, each in as many pieces as it takes, while there is work left."""
         answers = unproved(len(knots) - 1)
-        end = work_time() + seconds * len(answers)
         if self._drifts is not None and times is None:
             raise InputError("times", "missing: obstacles move", None, "when the robot is at each knot")
         for i in range(len(answers)):
@@ -483,20 +492,20 @@ class Prover:
 
             def clear(piece: StepPiece, begin: float = begin, more: float = more) -> Floats:
                 when = None if times is None else begin + more * np.array([piece.begin, piece.end])
-                left = max(0.0, end - work_time())
-                return self._prove_piece(piece, slack, left, when)
+                self._work.left = max(1.0, self._work.left)  # with none left, time would count
+                return self._prove_piece(piece, slack, when)
 
-            answers[i] = prove_loaded_step(ways, knots[i], knots[i + 1], clear, end)
+            answers[i] = prove_loaded_step(ways, knots[i], knots[i + 1], clear, self._work)
         return answers
 
-    def _prove_piece(self, piece: StepPiece, slack: float, seconds: float, times: Floats | None) -> Floats:
+    def _prove_piece(self, piece: StepPiece, slack: float, times: Floats | None) -> Floats:
         """Prove the way linear in the coordinates of arcs (2, N, 3) for a body that is thicker by `piece.aside`."""
         rows = robot_parts(self._group).segments
         rows[:, k.MAX_LENGTH] = np.maximum(rows[:, k.MAX_LENGTH], piece.arcs[..., 2].max(axis=0))
         for column in (k.RADIUS, k.SELF_RADIUS):
             rows[:, column] += piece.aside
         try:
-            answer: Floats = self._prove_in_time(piece.arcs, slack, seconds, times, None)[0]
+            answer: Floats = self._prove_in_time(piece.arcs, slack, 0.0, times, None)[0]
         finally:
             for column in (k.RADIUS, k.SELF_RADIUS):
                 rows[:, column] -= piece.aside

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.constraints import limits_of
 from sinuous.answer.derivatives.parameters import plan_for
 from sinuous.answer.derivatives.rows import KeptRows
 from sinuous.answer.residual import residual_of
@@ -264,9 +263,9 @@ class _Steps:
         return self._rows(-change, missed.jacobian, missed.value)
 
     def _of_limits(self, q: Floats) -> _Rows:
-        listed = [each for each in limits_of(self._robot, q) if not each.fixed]
+        listed = [each for each in self._robot.limit_set.sides(q) if not each.fixed]
         slopes = np.array([each.gradient.ravel() for each in listed]).reshape(-1, q.size)
-        change = self._by_fields(lambda robot, _: np.array([e.slack for e in limits_of(robot, q) if not e.fixed]))
+        change = self._by_fields(lambda robot, _: np.array([e.slack for e in robot.limit_set.sides(q) if not e.fixed]))
         return self._rows(-change, slopes, np.array([each.slack for each in listed]))
 
     def _of_contacts(self, problem: Problem, q: Floats) -> list[_Rows]:

@@ -14,7 +14,7 @@ from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, LOWER_BOUND, UPPE
 from sinuous.kernels.growing import guide
 from sinuous.kernels.roadmap import sight
 from sinuous.scene.hierarchy import is_worn
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.snapshot import Mover
 from tests.helpers import Floats, kernel_scene, vec
 from tests.scene import shapes
@@ -22,9 +22,9 @@ from tests.scene import shapes
 SIDE = 6.0
 
 
-def some(count: int, rng: np.random.Generator) -> list[Obstacle]:
+def some(count: int, rng: np.random.Generator) -> list[Primitive]:
     """Obstacles of all kinds, long and oblique ones among them, some of them alike."""
-    made: list[Obstacle] = []
+    made: list[Primitive] = []
     for i in range(count):
         place, way, kind = SIDE * rng.random(3), rng.normal(size=3), i % 7
         if kind == 0:

@@ -105,9 +105,9 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
         assert run(f"reach mapped.yaml {wrong}", 2).err.startswith(wrong.split()[0] + ": ")
     with monkeypatch.context() as patch:
         interrupt(patch, sn.Solver, "solve_many")
-        said = run(f"{REACH} --out map.npz --plot map.html").out  # all is there
+        kept = run(f"{REACH} --out map.npz --plot map.html").out  # all is there
         assert run(REACH, 130).err == "sinuous: interrupted; nothing is written\n"
-    assert said.startswith("mapped.yaml: 5 x 5 x 5 voxels of 60, 6 directions each")
+    assert kept.startswith("mapped.yaml: 5 x 5 x 5 voxels of 60, 6 directions each")
     found = sn.studies.Reach.load("map.npz")
     assert found.voxels.shape == (5, 5, 5)
     assert Path("map.html").exists()

@@ -46,7 +46,10 @@ def give_way(robot: Robot, q: Floats, obstacle: Obstacle, demanded: float) -> Gi
     places = robot.backbone(q, PLACES)
     radii = np.append(np.repeat(robot.radii, PLACES), robot.radii[-1]) + demanded
     radii = radii + 0.5 * float(np.linalg.norm(np.diff(places, axis=0), axis=1).max())
-    gaps, ends = (_of_cloud if isinstance(obstacle, PointCloud) else _of_mesh)(obstacle, places, radii)
+    if isinstance(obstacle, PointCloud):
+        gaps, ends = _of_cloud(obstacle, places, radii)
+    else:
+        gaps, ends = _of_mesh(obstacle, places, radii)
     hit = gaps.min(axis=1) <= 0.0
     if not hit.any() or hit.all():
         return None

@@ -77,8 +77,8 @@ def most_pulled(robot: sn.Robot, displacements: Floats, lengths: Floats, near: F
         return np.asarray((ahead - behind) / (2.0 * NUDGE))
 
     begin = np.repeat(near[:, None, :2] / count, count, axis=1).ravel()
-    options: Any = {"gtol": 1e-8}
-    found = minimize(lambda x: float(energy(x)[0]), begin, jac=slope, method="BFGS", options=options)
+    least: Any = minimize  # its stubs know no function that returns the slope of an array of one axis
+    found = least(lambda x: float(energy(x)[0]), begin, jac=slope, method="BFGS", options={"gtol": 1e-8})
     return float(LINE * stretches(found.x.reshape(SEGMENTS, count, 2)).max(initial=0.0))
 
 

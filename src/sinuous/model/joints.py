@@ -341,7 +341,8 @@ def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -
         n, the number of segments.
     key : str
         What `q` is called where it is refused.
-    q : array_like (..., rows, 3) or (..., n, 3), or a pair of joints (..., j) and q (..., n, 3)
+    q : array_like (..., r, 3), (..., n, 3), or a pair
+        Of all r rows, or of the n segments. The pair has values (..., j) of the joints, then q (..., n, 3).
         `None` is q where there are no segments.
     joints : array_like (..., j), optional
         Where `q` is that of the segments alone.

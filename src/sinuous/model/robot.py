@@ -554,7 +554,8 @@ class Robot(NotebookMixin, Frozen):
         ----------
         key : str
             What it is called where it is refused.
-        q : array_like (..., rows, 3) or (..., n, 3), or a pair of joints (..., j) and q (..., n, 3)
+        q : array_like (..., r, 3), (..., n, 3), or a pair
+            Of all r rows, or of the n segments. The pair has values (..., j) of the joints, then q (..., n, 3).
         joints : array_like (..., j), optional
             Where `q` is that of the segments alone.
         """

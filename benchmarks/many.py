@@ -168,7 +168,7 @@ def map_workspace(plan: Plan) -> Iterator[Line]:
     """Time, volumes, and claims that random shapes refute."""
     spacing = plan.count(10, 100)
     scene = spheres(plan)
-    found = reach(ROBOT, scene, float(spacing), workers=2)
+    found = reach(ROBOT, scene, float(spacing), directions=26, workers=2)
     volume = found.volume()
     yield Line(MAP, f"a map at {spacing} mm", found.seconds, "s", Goal(120.0))
     yield Line(MAP, "reachable volume", volume.found / 1e9, "m^3", note=f"grid within {volume.error / 1e9:.3g}")

@@ -102,5 +102,9 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["checked"].ok.shape == (20,)
         case "Calibrate an arm from motion capture":
             assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length
+        case "A weld seam":
+            assert names["motion"].solved
+        case "The workspace of positions":
+            assert names["found"].volume().found > 0.0
         case _:
             assert solution is not None

@@ -89,6 +89,9 @@ def test_continuous_integration_installs_the_wheel_with_every_extra() -> None:
     assert f"for extra in {' '.join(extras)}; do" in text(".github/workflows/ci.yml")
 
 
+CHECKED = "mypy src tests benchmarks examples/quickstart.py build/shown"
+
+
 def test_continuous_integration_runs_what_contributors_run() -> None:
     commands = [
         step["run"]
@@ -96,12 +99,12 @@ def test_continuous_integration_runs_what_contributors_run() -> None:
         for step in job["steps"]
         if "run" in step
     ]
-    for command in ("ruff check .", "ruff format --check .", "mypy", "python -m pytest", "python -m build"):
+    for command in ("ruff check .", "ruff format --check .", CHECKED, "python -m pytest", "python -m build"):
         assert command in commands
     for command in (
         "ruff check .",
         "ruff format --check .",
-        "mypy",
+        CHECKED,
         "python -m sphinx -q -W --keep-going docs build/docs",
     ):
         assert command in commands

@@ -43,6 +43,7 @@ def objects() -> list[Any]:
     problem = solution.problem
     return [
         *ROBOT.actuators[:1],
+        *(sn.Revolute((0, 0, 1), (-1 / 3, 1), name=LONG), sn.Prismatic((1, 2, 3), (0, 1 / 3))),
         *(ROBOT, ROBOT.segments[0], sn.Segment(1, chambers=sn.Chambers(4, 0.1, length=(0.5, 2.0)))),
         sn.Chambers(angles=np.arange(9.0), radius=0.123456789, names=[f"{LONG} {i}" for i in range(9)]),
         sn.Tendons(3, 0.1, displacement=(-0.1, 0.2)),

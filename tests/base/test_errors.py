@@ -54,8 +54,8 @@ def test_the_name_that_was_meant_is_said(call: Callable[[], Any], key: str, word
 
 
 def test_a_type_error_within_stays_what_it_is() -> None:
-    with pytest.raises(TypeError, match="missing 1 required positional argument: 'segments'"):
-        CALLED.Robot()
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'length'"):
+        CALLED.Segment()
 
 
 def test_verbs_can_be_pickled() -> None:

@@ -25,7 +25,7 @@ def test_options_reach_the_measurement(monkeypatch: pytest.MonkeyPatch, tmp_path
 
     monkeypatch.setattr(harness, "conduct", conduct)
     out, before, after = tmp_path / "speed", tmp_path / "before.json", tmp_path / "after.json"
-    line = ["speed", "--quick", "--seed", "3", "--rounds", "2", "--out", str(out), "--piece", "p*"]
+    line = ["speed", "--quick", "--seed", "3", "--rounds", "2", "--out", str(out), "--piece", "po*"]
     assert main([*line, "--against", str(before), "--save-baseline", str(after), "--record", str(tmp_path)]) == 130
     made, output = given
     assert (made.name, made.plan, list(made.parts)) == ("speed", Plan(3, True, 2), ["poses"])

@@ -128,7 +128,7 @@ CALLS = {
         "reach easy.yaml",
         {
             "--spacing 0": "--spacing: ",
-            "--directions 0": "--directions: ",
+            "--directions -1": "--directions: ",
             "--workers 0": "--workers: ",
             "--time -1": "--time: ",
             "--out map.csv": "--out: expected a name that ends in .npz",

@@ -3,7 +3,7 @@
 import inspect
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, is_dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -195,6 +195,8 @@ def same(a: Any, b: Any) -> bool:
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     if isinstance(a, tuple | list) and isinstance(b, tuple | list):
         return len(a) == len(b) and all(map(same, a, b))
+    if is_dataclass(a) and not isinstance(a, type):
+        return type(a) is type(b) and same(vars(a), vars(b))
     return bool(a == b)
 
 

@@ -31,6 +31,7 @@ from sinuous.methods.method import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.memory_search import load_memory_search
+from sinuous.motion.planning.retraction import slid_back
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
@@ -84,10 +85,8 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
         WarmStep("single solves among obstacles", partial(Solver._for_one_query, ROBOT, FAR)),
         WarmStep("batches of solves", lambda: Solver._for_one_query(ROBOT).solve_many([TARGET])),
         WarmStep("batches of solves among obstacles", lambda: Solver._for_one_query(ROBOT, FAR).solve_many([TARGET])),
-        WarmStep("preferences", lambda: Solver._for_one_query(ROBOT, prefer=Preferences(bends=1.0))),
-        WarmStep(
-            "preferences among obstacles", lambda: Solver._for_one_query(ROBOT, FAR, prefer=Preferences(bends=1.0))
-        ),
+        WarmStep("preferences", partial(_preferences, None)),
+        WarmStep("preferences among obstacles", partial(_preferences, FAR)),
     ]
     others = [WarmStep(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
@@ -106,6 +105,10 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
 
+def _preferences(scene: Scene | None) -> None:
+    Solver._for_one_query(ROBOT, scene, prefer=Preferences(bends=1.0)).solve(TARGET)
+
+
 def _method(name: MethodName) -> None:
     """Use a method; `learned` with a network that learns as little as can be: training takes seconds."""
     learned = name == "learned"
@@ -121,6 +124,8 @@ def _motions() -> None:
 def _plans() -> None:
     load_trees(ROBOT, FAR.snapshot())
     load_memory_search(ROBOT, FAR.snapshot())
+    straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
+    slid_back(ROBOT, straight, 0.1, np.ones(len(ROBOT)), np.zeros_like(straight))
 
 
 def _loops(robot: Robot) -> None:
@@ -289,6 +294,7 @@ class _Shown:
         self._bar = ProgressBar(total, what="loading")
 
     def __enter__(self) -> "_Shown":
+        self._bar.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -547,7 +547,7 @@ class Robot(NotebookMixin, Frozen):
         door("files.mjcf").write_mjcf(file, driven)
         return driven
 
-    def configuration(self, key: str, q: Any, joints: Stack | None = None) -> Floats:
+    def configuration(self, key: str, q: Batch | tuple[Stack, Batch | None], joints: Stack | None = None) -> Floats:
         """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
         Parameters
@@ -563,7 +563,7 @@ class Robot(NotebookMixin, Frozen):
             return checks.stack(key, q, (len(self), 3))
         return joined(self._rigid, len(self.segments), key, q, joints)
 
-    def one_configuration(self, key: str, given: Any) -> Floats:
+    def _one_configuration(self, key: str, given: Any) -> Floats:
         """Check one configuration (rows, 3), or a pair of joints (j,) and q (n, 3); limits are not looked at."""
         return checks.array(
             key, joined(self._rigid, len(self.segments), key, given) if self.joints else given, (len(self), 3)
@@ -571,7 +571,7 @@ class Robot(NotebookMixin, Frozen):
 
     def arm_at(self, configuration: Batch) -> tuple["Robot", Floats]:
         """Return the segments alone, on the joints as they stand in a configuration (rows, 3), and their q (n, 3)."""
-        whole = self.one_configuration("configuration", configuration)
+        whole = self._one_configuration("configuration", configuration)
         if not self.joints:
             return self, whole
         base = self.forward(whole)[len(self._rigid.rows) - 1]
@@ -595,7 +595,7 @@ class Robot(NotebookMixin, Frozen):
 
     def joints_of(self, configuration: Floats) -> Floats:
         """Return the values (..., j) of the joints, of configurations (..., rows, 3)."""
-        return self._rigid.split(configuration)[0]
+        return checks.closed(self._rigid.split(configuration)[0])
 
     def split(self, configuration: Batch) -> tuple[Floats, Floats]:
         """Values (..., j) of the joints and q (..., n, 3) of the segments, of configurations (..., rows, 3)."""

@@ -251,18 +251,20 @@ class PathSolver:
     def _more_seeds(self) -> Iterator[tuple[int, Knot | None]]:
         """Shapes at stations beyond those that are reached, from either end, and anywhere: near, drawn, and solved."""
         robot, whole = self._solver.robot, len(self._stations)
-        asked = set[int]()
+        asked, crossed = set[int](), set[int]()
         while True:
             first, last = self._reached()
-            for station, crossed in ((first + 1, first + 1), (last - 1, last)):
+            for station in (first + 1, last - 1):
                 if not 0 <= station < whole or station in asked:
                     continue
                 asked.add(station)
                 found = self._whole.solve_all(list(self._stations[station].targets), count=OTHERS)
                 yield from ((station, self._knot(each)) for each in found)
-                if crossed < whole and self._cannot_be_crossed(crossed):
-                    self._hopeless = True
-                    return
+            between = set(range(first + 1, min(last + 1, whole))) - crossed
+            crossed |= between
+            if any(map(self._cannot_be_crossed, sorted(between))):
+                self._hopeless = True
+                return
             for station, strand in ((first, True), (last, False)):
                 near = [each for each in self._strands if each.begin <= station <= each.end]
                 if near:

@@ -314,7 +314,7 @@ class Planner:
 
     def _configuration(self, key: str, given: Initial) -> Floats:
         own = given.configuration if isinstance(given, Solution) else given
-        return self._robot.one_configuration(key, own)
+        return self._robot._one_configuration(key, own)
 
     def _made(
         self, scene: Snapshot, deadline: Deadline, start: Floats, report: Report, path: ProvedPath | None = None

@@ -110,7 +110,7 @@ class ControlLoop:
         """Make one tick; see `Solver.step`."""
         shape = len(self._robot), 3
         given = q.configuration if isinstance(q, Solution | Step) else q
-        own = _numbers("q", self._robot.one_configuration("q", given) if self._robot.joints else given, shape)
+        own = _numbers("q", self._robot._one_configuration("q", given) if self._robot.joints else given, shape)
         if dt is None:
             raise InputError("dt", "missing", None, "a number greater than 0")
         seconds = checks.number("dt", dt, above=0.0)

@@ -655,7 +655,7 @@ class Solver:
     def configuration(self, key: str, initial: Initial) -> Floats:
         """Check what is called `key`: a solution, or a configuration (n, 3) of this robot; return the configuration."""
         given = initial.configuration if isinstance(initial, Solution) else initial
-        return self.robot.one_configuration(key, given)
+        return self.robot._one_configuration(key, given)
 
     def _given(self, initial: Initial | None) -> Floats:
         if initial is None:

@@ -96,7 +96,7 @@ def test_convergence_ends_within_the_tolerance() -> None:
 @pytest.mark.parametrize(
     ("answer", "kind", "message"),
     [
-        (ROBOT, "clearance", "answer: expected a Solution or a Motion"),
+        (ROBOT, "clearance", "answer: expected a Solution, a Motion or a Trajectory"),
         (sn.Motion, "clearance", "answer: expected"),
     ],
 )

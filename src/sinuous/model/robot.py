@@ -547,7 +547,9 @@ class Robot(NotebookMixin, Frozen):
         door("files.mjcf").write_mjcf(file, driven)
         return driven
 
-    def configuration(self, key: str, q: Batch | tuple[Stack, Batch | None], joints: Stack | None = None) -> Floats:
+    def configuration(
+        self, key: str, q: Batch | tuple[Stack, Batch | None] | None, joints: Stack | None = None
+    ) -> Floats:
         """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
         Parameters

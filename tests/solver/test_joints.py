@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import zlib
 from collections.abc import Callable
 from itertools import combinations
@@ -345,3 +346,9 @@ def test_answers_have_joints_beside_segments(tmp_path: Path) -> None:
     many = sn.Solver(robot).solve_many([goal[:3, 3], goal[:3, 3]], initial=pair)
     assert many.joints.shape == (2, 2)
     assert many.q.shape == (2, 3, 3)
+
+
+def test_print_shows_joints_by_name() -> None:
+    robot = bronchoscope()
+    shown = str(sn.solve(robot, sn.Target(links_of(robot, full(robot, (0.4, 20.0)))[1][:3, 3])))
+    assert re.search(r"\n  joints +roll=\S+  feed=\S+\n  q ", shown)

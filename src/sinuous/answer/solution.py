@@ -541,9 +541,13 @@ class Solution(NotebookMixin):
             parts.append(f"  route          {self.route_class}")
         effort = f"{counted(self.iterations, 'iteration')} from {counted(self.starts, 'start')}"
         parts.append(f"  effort         {effort}, {duration(self.seconds)}")
-        parts.append(
-            "  q              " + np.array2string(self.configuration, precision=4, suppress_small=True, prefix=" " * 17)
-        )
+        if self.problem.robot.joints:
+            pairs = zip(self.problem.robot.joint_names, self.joints.tolist(), strict=True)
+            parts.append("  joints         " + "  ".join(f"{name}={value:.4g}" for name, value in pairs))
+        if len(self.q):
+            parts.append(
+                "  q              " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 17)
+            )
         values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
         parts += [f"  {'' if i else 'actuators':<14} {line}" for i, line in enumerate(lines)]

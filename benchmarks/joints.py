@@ -18,7 +18,7 @@ import typer
 import sinuous as sn
 from benchmarks.harness.command import command
 from benchmarks.harness.lines import Times
-from benchmarks.harness.machine import describe
+from benchmarks.harness.machine import headed
 from benchmarks.harness.markdown import table
 from benchmarks.judges.links import tip_of, wrong_among
 from benchmarks.mbm import CAPSULES, FLANGE, PANDA, panda_joints
@@ -181,15 +181,13 @@ def run(
     checks.integer("--seed", seed, 0, 2**31 - 1)
     if record is not None:
         check_writable("--record", record)
-    facts = describe()
-    shown = {key: facts[key] for key in ("date", "processor", "python", "sinuous", "numba")} | {"seed": str(seed)}
-    shown["protocol"] = (
-        f"time of the solve alone, the least of {RUNS}, from no start, to {TOLERANCE.position:g} m and "
-        f"{TOLERANCE.angle:g} rad of a full pose; {SPHERES} spheres of {SPHERE:g} m, whole body proved clear"
-    )
+    facts = {
+        "seed": str(seed),
+        "protocol": f"time of the solve alone, the least of {RUNS}, from no start, to {TOLERANCE.position:g} m and "
+        f"{TOLERANCE.angle:g} rad of a full pose; {SPHERES} spheres of {SPHERE:g} m, whole body proved clear",
+    }
     results = [examine(family, count, seed) for family in FAMILIES]
-    head = "\n".join(f"- {key}: {value}" for key, value in shown.items())
-    text = f"{head}\n\n{report(results, rigid_reference(min(count, 500), seed))}\n"
+    text = headed(facts, report(results, rigid_reference(min(count, 500), seed)))
     typer.echo(text, nl=False)
     if record is not None:
         record.write_text(f"# joints\n\n{text}", encoding="utf-8")

@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from benchmarks.harness.command import command
 from benchmarks.harness.lines import Times
-from benchmarks.harness.machine import describe
+from benchmarks.harness.machine import headed
 from benchmarks.harness.markdown import table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
@@ -267,18 +267,15 @@ def tables(trials: Sequence[Trial]) -> str:
     return "\n\n".join(parts)
 
 
-def _head(robot: str, seed: int) -> str:
-    """Say what was measured, and where."""
-    facts = describe()
-    shown = {key: facts[key] for key in ("date", "processor", "python", "sinuous", "numba")}
-    shown |= {
+def _facts(robot: str, seed: int) -> dict[str, str]:
+    """Say what was measured."""
+    return {
         "robot": robot,
         "seed": str(seed),
         "protocol": f"CPU time of one call of `sn.plan`, the middle one of {RUNS}, each in a scene of its own; solved "
         f"within {LIMIT:g} s; valid as the judges find it",
         "cost": "length of the path, in m: a change of a bend counts by the length of what it moves",
     }
-    return "\n".join(f"- {key}: {value}" for key, value in shown.items())
 
 
 def run(
@@ -297,7 +294,7 @@ def run(
         check_writable("--record", record)
     given = [(name, each) for name, problems in read_scenarios(folder).items() for each in problems[:count]]
     trials = list(in_processes(partial(examine, robot, seed), given, alone=alone))
-    text = f"{_head(robot, seed)}\n\n{tables(trials)}\n"
+    text = headed(_facts(robot, seed), tables(trials))
     typer.echo(text, nl=False)
     if record is not None:
         record.write_text(f"# mbm\n\n{text}", encoding="utf-8")

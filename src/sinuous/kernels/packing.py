@@ -122,7 +122,7 @@ def make_rigid(row: list[float], tail: Floats, link: int, touches: int) -> None:
 
 
 def scales_of(limits: Floats) -> Floats:
-    """Scales (n, 3) in which coordinates of segments (n, 18) count: 1 rad, and mean lengths; 0 for what cannot move.
+    """Scales (n, 3) in which coordinates of segments (n, 34) count: 1 rad, and mean lengths; 0 for what cannot move.
 
     Where a segment bends in one plane, the first coordinate is the bend in it: see `turns_of`.
     """
@@ -132,7 +132,7 @@ def scales_of(limits: Floats) -> Floats:
 
 
 def turns_of(limits: Floats) -> Floats:
-    """What turns the coordinates of `scales_of`, of segments (n, 18), into configurations: orthogonal (3 n, 3 n)."""
+    """What turns the coordinates of `scales_of`, of segments (n, 34), into configurations: orthogonal (3 n, 3 n)."""
     turns = np.eye(3 * len(limits))
     for k in np.flatnonzero(limits[:, t.IN_PLANE]):
         x, y = limits[k, t.PLANE : t.PLANE + 2]
@@ -159,7 +159,7 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
 
 
 def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
-    """Return the table (n, 18) of segments, base to tip; read-only."""
+    """Return the table (n, 34) of segments, base to tip; read-only."""
     return closed(np.array(rows, np.float64))
 
 
@@ -179,7 +179,7 @@ class RobotParts(NamedTuple):
 
     Attributes
     ----------
-    segments : ndarray (n, 18)
+    segments : ndarray (n, 34)
     actuators : ndarray (p, 7)
     base, tool : ndarray (12,)
         Poses.
@@ -200,7 +200,7 @@ class RobotParts(NamedTuple):
 
 
 def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
-    """Return the group of a robot, of its tables (n, 18) and (p, 7), and the poses (4, 4) of base and tool."""
+    """Return the group of a robot, of its tables (n, 34) and (p, 7), and the poses (4, 4) of base and tool."""
     return RobotParts(limits, actuation, pose_row(base)[0], pose_row(tool)[0], float(avoids_itself)).group()
 
 

@@ -55,7 +55,7 @@ class Joint(Noun):
     ----------
     axis : array_like (3,)
         In the frame of the joint, of any length but 0.
-    limits : (float, float)
+    limits : (float, float), optional
         Least and largest value: rad, or the length unit.
     origin : array_like (4, 4) or (3,), optional
         Pose, or place, of the joint in the frame of the link before; for the first in that of the robot's base.
@@ -66,13 +66,16 @@ class Joint(Noun):
     touches : list of str, optional
         Other joints whose links this one may touch. Neighbours always may, and links between which none has a body.
     rate, acceleration : float, optional
-        Largest ones, per second and per second squared.
+        Largest ones, per second and per second squared, which files keep. Timing and control steps ask `rates`.
 
     Raises
     ------
     InputError
         When an argument is not what it should be.
     """
+
+    own_limits: ClassVar[tuple[float, float]] = (0.0, 0.0)
+    """Limits where none are given."""
 
     axis: Floats
     limits: tuple[float, float]
@@ -86,8 +89,8 @@ class Joint(Noun):
 
     def __init__(
         self,
-        axis: Vector,
-        limits: Limits,
+        axis: Vector = (0.0, 0.0, 1.0),
+        limits: Limits | None = None,
         origin: Rows | Vector | None = None,
         name: str | None = None,
         body: Body = (),
@@ -97,7 +100,7 @@ class Joint(Noun):
     ) -> None:
         self._set(
             axis=checks.direction("axis", axis),
-            limits=checks.interval("limits", limits),
+            limits=checks.interval("limits", self.own_limits if limits is None else limits),
             origin=_place("origin", origin),
             name=optional_name(name),
             body=_capsules(body),
@@ -133,44 +136,20 @@ class Joint(Noun):
 
 
 class Revolute(Joint):
-    """A joint that turns about its axis. Values are in rad."""
+    """A joint that turns about its axis. Values are in rad, by default from -pi to pi."""
 
-    def __init__(
-        self,
-        axis: Vector = (0.0, 0.0, 1.0),
-        limits: Limits = (-math.pi, math.pi),
-        origin: Rows | Vector | None = None,
-        name: str | None = None,
-        body: Body = (),
-        touches: Iterable[str] = (),
-        rate: Number | None = None,
-        acceleration: Number | None = None,
-    ) -> None:
-        super().__init__(axis, limits, origin, name, body, touches, rate, acceleration)
+    own_limits: ClassVar[tuple[float, float]] = (-math.pi, math.pi)
 
 
 class Prismatic(Joint):
     """A joint that moves along its axis. Values are in the length unit."""
-
-    def __init__(
-        self,
-        axis: Vector = (0.0, 0.0, 1.0),
-        limits: Limits = (0.0, 0.0),
-        origin: Rows | Vector | None = None,
-        name: str | None = None,
-        body: Body = (),
-        touches: Iterable[str] = (),
-        rate: Number | None = None,
-        acceleration: Number | None = None,
-    ) -> None:
-        super().__init__(axis, limits, origin, name, body, touches, rate, acceleration)
 
 
 class Fixed(Joint):
     """A link that does not move against the one before: it has a place and a body, and no value."""
 
     def __init__(self, origin: Rows | Vector | None = None, name: str | None = None, body: Body = ()) -> None:
-        super().__init__((0.0, 0.0, 1.0), (0.0, 0.0), origin, name, body)
+        super().__init__(origin=origin, name=name, body=body)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as a problem file says it."""

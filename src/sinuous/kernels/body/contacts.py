@@ -19,7 +19,7 @@ SOFTNESS = 1e-4
 """Scale of rows that are only wished for; with their variance, 1e-10, they weigh 100 times a radian."""
 
 PosedBody = namedtuple("PosedBody", ["limits", "q", "frames", "unit"])
-"""Rows of segments (n, 18), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
+"""Rows of segments (n, 34), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
 
 ContactSearch = namedtuple("ContactSearch", ["margin", "wish", "depth", "mode"])
 """How closely contacts are searched for: clearance that is needed, clearance that is wished for (lengths), how often a

@@ -36,7 +36,7 @@ before itself, that it may have to be examined with."""
 SPAN_WIDTH = 5
 
 Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
-"""Rows of segments (n, 18), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
+"""Rows of segments (n, 34), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
 
 HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
 """Turn (rad) from which on places are examined: of one run, and of two."""

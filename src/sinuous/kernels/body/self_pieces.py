@@ -21,7 +21,7 @@ from sinuous.kernels.maths.vectors import TINY, Array, Vec, add, add_scaled, dot
 from sinuous.kernels.tables import RIGID, SELF_RADIUS, TAIL_LENGTH
 
 Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
-"""The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 5) of the whole
+"""The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 6) of the whole
 motion, and when it begins and how long it is, in times of the whole motion. At rest both shapes are one, the duration
 is 0, and nobody reads the rates."""
 

@@ -75,7 +75,7 @@ GRACE = 1.0 + 1e-9
 
 
 def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None:
-    """Leave out of the lists of obstacles what a segment (rows (n, 18)) cannot reach from the `base`.
+    """Leave out of the lists of obstacles what a segment (rows (n, 34)) cannot reach from the `base`.
 
     Lower bounds of clearances hold for what can be reached, then. Of a large scene nothing is listed: its hierarchy is
     asked what is near.

@@ -30,7 +30,7 @@ KNOTS, HALFWAY = 3, 2
 """Configurations at hand: where an interval begins, where it ends, and the one half-way."""
 
 Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself", "drifts"])
-"""Rows of the segments (n, 18), the first and the last configuration (n, 3; rad and length unit), the scene, whether
+"""Rows of the segments (n, 34), the first and the last configuration (n, 3; rad and length unit), the scene, whether
 the body must not run through itself, and how obstacles move meanwhile (c, 31), see `drift`: the rows of these in the
 scene are written as time goes on. `Sweep.still` (0, 31) says that none does."""
 
@@ -38,7 +38,7 @@ Sweep = namedtuple("Sweep", "q frames reach reached near counts rates spans look
 """Scratch of a proof of n segments among m obstacles: configurations (3, n, 3) and their frames (3, n + 1, 12), whose
 first rows are the base; of every segment the obstacles that it can reach at all (n, m) int64, and how many they are
 (n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
-(46, n) int64; `rates` (n, 5); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
+(46, n) int64; `rates` (n, 6); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
 segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch first, and how many of them that are after
 so many halvings (46,) int64; how fast every obstacle moves, `paces` (m, 5) of `drift`; a ball that holds each, `balls`
 (m, 4), see `measure_balls`; no drifts (0, 31); and the clock, see `kernels.clock`."""

@@ -42,7 +42,7 @@ the proof, and what it saw (2, 6)."""
 
 
 def measure_levers(limits: Array, levers: Array) -> None:
-    """Fill the squares of the levers (n,) of segments (n, 18) of mean length."""
+    """Fill the squares of the levers (n,) of segments (n, 34) of mean length."""
     beyond = 0.0
     for k in range(limits.shape[0] - 1, -1, -1):
         length = 0.5 * (limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])

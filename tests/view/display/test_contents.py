@@ -143,3 +143,16 @@ def test_a_trajectory_is_drawn_as_it_is_passed() -> None:
     np.testing.assert_allclose(moving.q, timed.at(moving.times))
     assert moving.times[-1] == timed.duration
     assert not np.allclose(moving.q, motion.at(np.linspace(0.0, motion.times[-1], len(moving.q))))
+
+
+def test_the_place_that_says_why_is_marked() -> None:
+    """Of a solution and of a motion from elsewhere, in a picture; nothing is marked of what is solved."""
+    ball = sn.Sphere((0, 0, 1.5), 0.2)
+    blocked = sn.solve(ROBOT, sn.Target((0, 0, 1.5)), [ball], time=0.05)
+    through = sn.Motion(ROBOT, KNOTS, [ball])
+    for answer in (blocked, through):
+        (mark,) = gather([answer]).marks
+        assert np.linalg.norm(mark - (0, 0, 1.5)) < 0.25
+        crosses = [drawn for drawn in sn.plot(answer).collections if drawn.get_zorder() == 8]
+        np.testing.assert_allclose(np.transpose(crosses[0]._offsets3d), [mark])
+    assert gather([sn.solve(ROBOT, sn.Target((1, 0, 1.5)))]).marks == []

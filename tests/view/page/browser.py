@@ -94,7 +94,7 @@ def choose(tab: Any, label: str, entry: str) -> None:
 
 def inputs(tab: Any, label: str) -> Any:
     """The fields for numbers beside a label."""
-    return tab.locator(f"//label[text()='{label}']/ancestor::div[contains(@class, 'Flex-root')][1]//input")
+    return tab.locator(f"//label[.='{label}']/ancestor::div[contains(@class, 'Flex-root')][1]//input")
 
 
 def until(holds: Callable[[], object], what: str) -> None:

@@ -16,6 +16,7 @@ from sinuous.answer.solutions import Solutions
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.measures.body_place import BodyPlace
 from sinuous.model.robot import Robot
 from sinuous.model.segment import straight
 from sinuous.motion.job import Job
@@ -218,6 +219,8 @@ class Contents:
         Lines: routes that led to a solution, and the positions of waypoints.
     forces : list of ndarray (2, 3)
         Lines that end where forces and payloads act on bodies that stand still, along these.
+    marks : list of ndarray (3,)
+        Places that say why an answer is not solved.
     answers : list of Solution or Motion
         What the caption is about.
     """
@@ -230,6 +233,7 @@ class Contents:
     routes: list[Floats] = field(default_factory=list)
     paths: list[Floats] = field(default_factory=list)
     forces: list[Floats] = field(default_factory=list)
+    marks: list[Floats] = field(default_factory=list)
     answers: list[Solution | Motion] = field(default_factory=list)
 
     def add_obstacles(self, obstacles: Iterable[Obstacle]) -> None:
@@ -265,6 +269,12 @@ class Contents:
                 raise InputError("things", "has no place", target, "a robot before a target without a position")
             place = own.end(target.segment)
         self.targets.append(PlacedTarget(target, place))
+
+    def add_answer(self, answer: Solution | Motion) -> None:
+        """Take what the caption is about, and the place that says why it is not solved."""
+        self.answers.append(answer)
+        place = place_of(answer)
+        self.marks += [] if place is None else [np.array(place.position)]
 
     def obstacles_at(self, share: float) -> list[Obstacle]:
         """All obstacles after this share of the time of the first motion; without one, where they begin to move."""
@@ -376,10 +386,20 @@ def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: It
 def _add_solution(contents: Contents, solution: Solution) -> None:
     problem = solution.problem
     _add_arm(contents, problem.robot, solution.configuration, solution.solved, problem.targets)
-    contents.answers.append(solution)
+    contents.add_answer(solution)
     contents.add_obstacles(problem.scene.obstacles)
     if solution.route is not None:
         contents.routes.append(solution.route)
+
+
+def place_of(answer: Solution | Motion) -> BodyPlace | None:
+    """Return the place that says why an answer is not solved: of what proves it, or else of what is worst."""
+    if answer.solved:
+        return None
+    reason = answer.reason if isinstance(answer, Solution) else None
+    if reason is not None and reason.place is not None:
+        return reason.place
+    return None if answer.worst is None else answer.worst.place
 
 
 def _add_arm(contents: Contents, robot: Robot, q: Floats, solved: bool, targets: Iterable[Target]) -> None:
@@ -395,7 +415,7 @@ def _add_motion(contents: Contents, motion: Motion, way: tuple[Floats, Floats] |
 
     `way`: how it is passed, configurations (T, n, 3) at times (T,), where that is not as it says itself.
     """
-    contents.answers.append(motion)
+    contents.add_answer(motion)
     contents.add_obstacles(motion.scene.obstacles)
     if len(motion.configuration) > 1:
         q, times = (motion.configuration, motion.times) if way is None else way

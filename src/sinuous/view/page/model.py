@@ -135,7 +135,7 @@ class Moment(NamedTuple):
 
     def decided_like(self, other: "Moment") -> bool:
         """Whether people decided the same; what was found for it may differ."""
-        same = self.job is other.job and self[1:5] == other[1:5]
+        same = self.job is other.job and self.motion is other.motion and self[1:5] == other[1:5]
         return same and (self.q is other.q or not self.by_hand)
 
 

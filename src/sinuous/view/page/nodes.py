@@ -372,6 +372,29 @@ class LinesNode:
             self._node.visible = points is not None
 
 
+class MarkNode:
+    """A ball on a page that marks a place, or words beside one. Nothing is there before `show`.
+
+    `size` is its radius in shares of `DOT_SPANS`; 0: it has words alone.
+    """
+
+    def __init__(self, scene: SceneApi, name: str, colour: Rgb = (0, 0, 0), size: float = 0.0) -> None:
+        self._ball = partial(scene.add_icosphere, f"{name}/ball", color=colour, **SHADOWLESS)  # type: ignore[arg-type]
+        self._label = partial(scene.add_label, f"{name}/words", anchor="bottom-center", font_screen_scale=0.9)
+        self._size, self.words = size, ""
+        self._node: Any = None
+
+    def show(self, place: Floats | None, span: float, words: str = "") -> None:
+        """Show it at a place (3,) of a page of this span, or not at all."""
+        self.words = "" if place is None else words
+        if place is not None:
+            look: dict[str, Any] = {"radius": self._size * DOT_SPANS * span} if self._size else {"text": words}
+            self._node = self._node or (self._ball if self._size else self._label)(**look)
+            update_node(self._node, position=place, **look)
+        if self._node is not None:
+            self._node.visible = place is not None
+
+
 def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], colour: str, span: float) -> None:
     """Draw a line through points (k, 3)."""
     places = np.asarray(points, np.float64)
@@ -395,6 +418,13 @@ def aim_camera(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side:
     away = CAMERA_MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD_OF_VIEW)).max()) or 1.0)
     camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD_OF_VIEW
     camera.near, camera.far = 0.01 * away, 100.0 * away
+
+
+def sees(camera: CameraHandle, point: Floats) -> bool:
+    """Whether a point (3,) is in the picture of a camera."""
+    right, down, depth = (point - camera.position) @ rotation_of(np.array(camera.wxyz))
+    half = depth * math.tan(0.5 * camera.fov)
+    return bool(abs(right) < half * camera.aspect and abs(down) < half)
 
 
 @contextmanager

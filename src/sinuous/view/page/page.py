@@ -14,14 +14,22 @@ from sinuous.motion.motion import Motion
 from sinuous.problem.target import Target
 from sinuous.solver.memory import Memory
 from sinuous.view.display.bounds import best_view, bounds_of, direction_of, find_hiding, seen_places
-from sinuous.view.display.contents import Arm, Contents, arms_of, forces_of
+from sinuous.view.display.contents import Arm, Contents, arms_of, forces_of, place_of
 from sinuous.view.display.results import clearances_along
-from sinuous.view.display.style import FORCE, TIP_PATH, Rgb, colour_by_bending, colour_by_clearance, rgb
+from sinuous.view.display.style import CONTACT, FORCE, TIP_PATH, Rgb, colour_by_bending, colour_by_clearance, rgb
 from sinuous.view.page import nodes
 from sinuous.view.page.model import PageModel
 from sinuous.view.page.panel import Action, Panel
 from sinuous.view.page.session import Session
-from sinuous.view.page.status import NearestPlace, find_nearest, judge_shape, notice_html, status_html
+from sinuous.view.page.status import (
+    NearestPlace,
+    block_html,
+    find_nearest,
+    judge_shape,
+    missed_distance,
+    status_html,
+    table_html,
+)
 from sinuous.view.page.tabs import PARTS
 
 BESIDE, GHOST = 0.5, 0.3
@@ -45,6 +53,19 @@ HAND_TONES = 3
 MOST_GIZMOS = 8
 """Targets with a gizmo."""
 
+FIRST_WORDS = "drag the arrows"
+"""What stands at the target until somebody does."""
+
+KEYS = {
+    "target": "drag its arrows, squares and rings",
+    "obstacle": "click it, then drag its arrows",
+    "view": "drag elsewhere to turn, with the right button to move; the wheel zooms, F fits all",
+    "undo, redo": "Ctrl+Z, Ctrl+Shift+Z",
+    "commands": "Ctrl+K",
+    "this list": "?",
+}
+"""What mouse and keys do."""
+
 Moved = Callable[[Floats, Floats, bool], None]
 """Told of a gizmo: its position (3,), its rotation (3, 3), and whether it was let go."""
 
@@ -64,6 +85,10 @@ class Scenery:
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
         self._near = nodes.LinesNode(server.scene, "/near", NEAREST_COLOUR, self.bounds.span)
         self._forces = nodes.LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
+        self._missing = nodes.LinesNode(server.scene, "/missing", rgb(CONTACT), 0.6 * self.bounds.span)
+        self._worst = nodes.MarkNode(server.scene, "/worst", rgb(CONTACT), 1.2)
+        self._said = nodes.MarkNode(server.scene, "/said")
+        self._seen: list[Floats] = []
         self._hiding: frozenset[int] = frozenset()
         self.update_hiding()
         if model.job.is_path:
@@ -72,10 +97,19 @@ class Scenery:
     def fit(self, client: ClientHandle) -> None:
         """Let a browser show all that is on the page, from the side that it looks from."""
         away = client.camera.position - client.camera.look_at
-        bounds = bounds_of(_contents(self._model))
-        self._axes = nodes.show_axes(self._server.scene, bounds)
+        self.bounds = bounds_of(_contents(self._model))
+        self._axes.remove()
+        self._axes = nodes.show_axes(self._server.scene, self.bounds)
         with client.atomic():
-            nodes.aim_camera(client.camera, bounds, away / np.linalg.norm(away))
+            nodes.aim_camera(client.camera, self.bounds, away / np.linalg.norm(away))
+
+    def keep_in_view(self) -> None:
+        """Fit the view of every browser that does not see a target which was moved since."""
+        before, self._seen = self._seen, [self._model.target_frame(i)[:3, 3] for i in range(len(self._model.targets))]
+        if before and not np.array_equal(before, self._seen):
+            for client in self._server.get_clients().values():
+                if not all(nodes.sees(client.camera, place) for place in self._seen):
+                    self.fit(client)
 
     def update_hiding(self) -> None:
         """Make see-through what hides the body from somebody."""
@@ -94,6 +128,21 @@ class Scenery:
             self._axes.visible = self._session.axes
             self._show_gizmos()
             self._near.show(None if near is None else np.stack([near.body, near.surface])[None])
+
+    def show_why(self) -> None:
+        """Mark the place of an answer that is not solved, and say at the target how far away it is, or what to do."""
+        model, span = self._model, self.bounds.span
+        answer = model.answer if model.motion is None else None
+        place = None if answer is None else place_of(answer)
+        self._worst.show(None if place is None else np.array(place.position), span)
+        missed = None if answer is None else missed_distance(answer)
+        frame = model.target_frame(0) if model.targets else None
+        line = None if missed is None or frame is None or place is None else np.stack([place.position, frame[:3, 3]])
+        self._missing.show(None if line is None else line[None])
+        words = FIRST_WORDS if missed is None else f"{missed:.3g} away"
+        told = frame is not None and (missed is not None or not self._session.dragged)
+        above = np.array([0.0, 0.0, 0.6 * GIZMO_SPANS * span])
+        self._said.show(frame[:3, 3] + above if told and frame is not None else None, span, words)
 
     def _show_bodies(self) -> None:
         wanted = list(self._wanted_bodies())
@@ -143,6 +192,11 @@ class Scenery:
             return model.step_is_proved
         return model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
 
+    @property
+    def words(self) -> str:
+        """What stands at the target."""
+        return self._said.words
+
     def gizmo(self, name: str) -> TransformControlsHandle | None:
         """The gizmo of a target, `targets/0`, or of the chosen obstacle, `grip`, where there is one."""
         return self._gizmos[name][1] if name in self._gizmos else None
@@ -156,6 +210,7 @@ class Scenery:
         for name, (kind, frame, moved) in wanted.items():
             if name not in self._gizmos:
                 self._gizmos[name] = kind, self._make_gizmo(f"/{name}", kind, moved)
+            nodes.update_node(self._gizmos[name][1], scale=GIZMO_SPANS * self.bounds.span)
             _place(self._gizmos[name][1], frame)
 
     def _wanted_gizmos(self) -> Iterator[tuple[str, str, Floats, Moved]]:
@@ -272,6 +327,7 @@ class Page(Session):
             Action("Undo", "Z", "cmd/ctrl", lambda _: self.undo()),
             Action("Redo", "Z", "cmd/ctrl+shift", lambda _: self.redo()),
             Action("Fit view", "F", None, lambda client: self.do("fit", lambda: self.scenery.fit(client))),
+            Action("Keys", "?", "shift", _show_keys),
         )
 
     def _build(self) -> None:
@@ -291,12 +347,24 @@ class Page(Session):
     def _watch(self, client: ClientHandle) -> None:
         client.camera.on_update(lambda _: self.turn_view())
 
+    def _keep_in_view(self) -> None:
+        self.scenery.keep_in_view()
+
     def _update_hiding(self) -> None:
         self.scenery.update_hiding()
         self.scenery.show(self.near)
 
-    def _refresh(self, busy: bool, refused: str) -> None:
+    def _refresh(self, busy: bool) -> None:
         model = self.model
         judged = judge_shape(model.robot, model.targets, model.q) if model.by_hand else None
         with self.server.atomic():
-            self._panel.refresh(status_html(model, self.near, judged, busy), notice_html(refused))
+            self.scenery.show_why()
+            self._panel.refresh(*status_html(model, self.near, judged, busy))
+
+
+def _show_keys(client: ClientHandle) -> None:
+    """Say in a browser what mouse and keys do."""
+    modal = client.gui.add_modal("Mouse and keys")
+    with modal:
+        client.gui.add_html(block_html(table_html(KEYS)))
+        client.gui.add_button("Close").on_click(lambda _: modal.close())

@@ -3,6 +3,8 @@
 import html as markup
 import itertools
 import math
+import threading
+import time as clock
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -10,17 +12,30 @@ from typing import Any, NamedTuple
 import numpy as np
 from viser import GuiApi, uplot
 
+from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.view.display.results import Curves
 from sinuous.view.display.style import COLOUR_SCALE, CONTACT, CURVES, MOST_IN_LEGEND
+from sinuous.view.page.nodes import update_node
 from sinuous.view.page.session import Session
-from sinuous.view.page.status import STYLE, block_html, scale_html
+from sinuous.view.page.status import STYLE, block_html, notice_html, scale_html
 
 PLOT_PIXELS = 220
 """Height of a plot, in pixels."""
 
-DIGITS = 4
-"""How many more digits than its step a field takes."""
+FIELD_DIGITS = 7
+"""Digits of a number in a box."""
+
+TYPING_SECONDS = 1.5
+"""Seconds after the last key in which a box is left to who types."""
+
+ROW_STYLE = """{0} {{ display: inline-block; width: {1:.2f}%; vertical-align: bottom; padding-right: 0; }}
+{0} > * {{ display: block; }} {0} > * > :first-child {{ width: auto !important; }}"""
+"""Places boxes side by side, each below its label."""
+
+WRONG_STYLE = ":has(> * > {0}) + * input {{ border-color: #c92a2a; }}"
+"""Marks a box with what was refused."""
 
 
 class Fields:
@@ -35,6 +50,7 @@ class Fields:
         self._bound: list[_Bound] = []
         self._conditions: list[tuple[Any, Callable[[], bool]]] = []
         self._handles: list[Any] = []
+        self._rows: list[tuple[list[BoundBox], Any]] = []
 
     def field(
         self, handle: Any, get: Callable[[], Any], put: Callable[[Any], object], *, at_once: bool = False
@@ -57,21 +73,44 @@ class Fields:
                 act = partial(change, handle.value)
                 act() if at_once else self._session.do(handle.label, act)
 
+    def numbers(self, *boxes: "NumberBox", hint: str | None = None) -> Any:
+        """Add boxes for numbers side by side, with a line below that says what was refused. Return the first one's.
+
+        What is typed and is no number, or cannot be, changes nothing: after a while its box shows the old number again.
+        """
+        row = [BoundBox(self.gui.add_text(box.label, "", hint=hint), box, self._session.turn_view) for box in boxes]
+        self._rows.append((row, self.gui.add_html("", visible=False)))
+        self._handles += [*(box.handle for box in row), self._rows[-1][1]]
+        if len(row) > 1:
+            names = ", ".join(f":has(> * > * > * > {_label(box)})" for box in row)
+            self._handles.append(
+                self.gui.add_html(f"<style>{ROW_STYLE.format(f'div:is({names})', 100 / len(row))}</style>")
+            )
+        for box in row:
+            self._bound.append(box)
+
+            @box.handle.on_update  # type: ignore[untyped-decorator]
+            async def _(event: Any, box: BoundBox = box) -> None:
+                if event.client is not None:
+                    self._session.do(box, partial(box.put, box.hear()))
+
+        return row[0].handle
+
     def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
-        """Add a field for a number. Return its handle."""
-        handle = _finer(self.gui.add_number(label, get(), **look))
-        self.field(handle, get, put)
-        return handle
+        """Add a box for a number; arguments of `NumberBox`, and `hint`. Return its handle."""
+        hint = look.pop("hint", None)
+        return self.numbers(NumberBox(label, get, put, **look), hint=hint)
 
-    def vector(self, label: str, get: Callable[[], Floats], put: Any, step: float, hint: str | None = None) -> None:
-        """Add three fields for a vector (3,)."""
+    def vector(self, labels: Sequence[str], get: Callable[[], Floats], put: Any, hint: str | None = None) -> None:
+        """Add boxes for the components of a vector."""
 
-        def shown() -> tuple[float, float, float]:
-            x, y, z = get().tolist()
-            return x, y, z
+        def change(i: int, value: float) -> None:
+            wanted = np.array(get())
+            wanted[i] = value
+            put(wanted)
 
-        handle = _finer(self.gui.add_vector3(label, shown(), step=step, hint=hint))
-        self.field(handle, shown, lambda value: put(np.array(value)))
+        own = [partial(lambda i: float(get()[i]), i) for i in range(len(labels))]
+        self.numbers(*(NumberBox(name, own[i], partial(change, i)) for i, name in enumerate(labels)), hint=hint)
 
     def slider(self, label: str, ends: Sequence[float], get: Callable[[], Any], put: Any, step: Any = None) -> None:
         """Add a slider with a number, from one end to the other; it is longer while its value is beyond an end."""
@@ -162,6 +201,13 @@ class Fields:
         for handle, holds in self._conditions:
             if handle.visible != holds():
                 handle.visible = holds()
+        for row, line in self._rows:
+            wrong = [box for box in row if box in self._session.refused]
+            said = [
+                f"<style>{WRONG_STYLE.format(_label(box))}</style>{notice_html(self._session.refused[box])}"
+                for box in wrong
+            ]
+            update_node(line, visible=bool(said), content=block_html(*said))
 
     def only_while(self, holds: Callable[[], bool], *handles: Any) -> None:
         """Show fields and buttons only while something holds."""
@@ -171,7 +217,7 @@ class Fields:
         """Take all fields and buttons from the panel."""
         for handle in self._handles:
             handle.remove()
-        self._bound, self._conditions, self._handles = [], [], []
+        self._bound, self._conditions, self._handles, self._rows = [], [], [], []
 
 
 class _Bound:
@@ -191,11 +237,85 @@ class _Bound:
             self.handle.value = self.known = value
 
 
-def _finer(handle: Any) -> Any:
-    """Let a field take more digits than its step has: what is typed beyond them would be cut off."""
-    if handle.precision:
-        handle.precision += DIGITS
-    return handle
+class NumberBox(NamedTuple):
+    """A box for a number.
+
+    Attributes
+    ----------
+    label : str
+        With the unit.
+    get, put : callable
+        Tell the number, and change it.
+    low, high : float
+        The least and the largest number that it takes.
+    whole : bool
+        Whether it takes whole numbers alone.
+    """
+
+    label: str
+    get: Callable[[], float]
+    put: Callable[[Any], object]
+    low: float = -math.inf
+    high: float = math.inf
+    whole: bool = False
+
+    def read(self, text: str) -> float:
+        """Return the number that a text says.
+
+        Raises
+        ------
+        InputError
+            When it says none that fits.
+        """
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise InputError(self.label, "", text, "a number such as 0.5")
+        if self.whole and value == int(value):
+            return checks.integer(self.label, int(value), int(self.low), int(self.high))
+        return checks.number(self.label, value, low=self.low, high=self.high)
+
+
+class BoundBox(_Bound):
+    """A box for a number on the page: it takes text, and leaves what somebody types alone until that is done."""
+
+    def __init__(self, handle: Any, box: NumberBox, look_again: Callable[[], object]) -> None:
+        super().__init__(handle, box.get)
+        self._box, self._look_again, self._rests = box, look_again, 0.0
+        self._show(box.get())
+
+    def hear(self) -> str:
+        """Return what somebody types."""
+        self._rests = clock.monotonic() + TYPING_SECONDS
+        return str(self.handle.value)
+
+    def put(self, text: str) -> None:
+        """Change the model to what was typed."""
+        self.known = math.nan
+        try:
+            self.known = self._box.read(text)
+            self._box.put(self.known)
+        finally:
+            if self.known != self._get():
+                later = threading.Timer(TYPING_SECONDS + 0.1, self._look_again)
+                later.daemon = True
+                later.start()
+
+    def refresh(self) -> None:
+        """Show the number of the model, where that has changed and nobody types."""
+        value = self._get()
+        if self.known != value and clock.monotonic() > self._rests:
+            self._show(value)
+
+    def _show(self, value: float) -> None:
+        self.handle.value, self.known = f"{value + 0.0:.{FIELD_DIGITS}g}", value
+
+
+def _label(box: BoundBox) -> str:
+    """What selects the label of a box in a style."""
+    return f'label[for="{box.handle._impl.uuid}"]'
 
 
 def step_of(size: float) -> float:
@@ -267,6 +387,9 @@ class Panel:
         self._session = session
         _add_actions(gui, actions)
         self._status = gui.add_html("")
+        self._folder = gui.add_folder("Details", expand_by_default=False)
+        with self._folder:
+            self._details = gui.add_html("")
         group = gui.add_tab_group()
         self._sections, places = [], dict[str, Any]()
         for name, build, made_for in parts:
@@ -276,11 +399,13 @@ class Panel:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(PANEL_PIXELS)
 
-    def refresh(self, status: str, notice: str) -> None:
+    def refresh(self, status: str, details: str) -> None:
         """Show what holds, one line about what was refused, and in every field what the model says."""
-        content = block_html(STYLE, status, self._legend(), notice)
-        if self._status.content != content:
-            self._status.content = content
+        refused = [text for key, text in self._session.refused.items() if not isinstance(key, BoundBox)]
+        content = block_html(STYLE, status, self._legend(), *map(notice_html, refused))
+        update_node(self._status, content=content)
+        update_node(self._details, content=block_html(details))
+        update_node(self._folder, visible=bool(details))
         for section in self._sections:
             section.refresh()
 

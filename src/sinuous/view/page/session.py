@@ -201,6 +201,8 @@ class Session(ABC):
     playing : bool
     explaining : bool
         Whether somebody waits for what would help.
+    dragged : bool
+        Whether a gizmo was dragged: nobody has to be told then that it can be.
     axes : bool
         Whether axes with numbers are drawn.
     colouring : str
@@ -213,6 +215,8 @@ class Session(ABC):
         How far corners of a motion may be rounded.
     first_segment : int
         The first segment, 0 = first, that has sliders.
+    refused : dict
+        What the last event was refused for, in one line, under its key; empty where it was not.
     answered : callable
         Called with the number of every state of the model as soon as it has a shape.
     """
@@ -223,8 +227,7 @@ class Session(ABC):
             self.model.show_motion(answer)
         elif answer is not None:
             self.model.q = answer.configuration
-        self.playing = False
-        self.explaining = False
+        self.playing = self.explaining = self.dragged = False
         self.axes = True
         self.colouring: Colouring = "segment"
         self.sliders: Sliders = "bends and lengths"
@@ -233,7 +236,8 @@ class Session(ABC):
         self.first_segment = 0
         self._history = History()
         self.answered: Callable[[int], object] = lambda number: None
-        self._refused, self._asked, self._busy, self._refreshed = "", -1, False, 0.0
+        self.refused: dict[Hashable, str] = {}
+        self._asked, self._busy, self._refreshed = -1, False, 0.0
         self._stopping = threading.Event()
         self._memory = memory
         self._quick = Solvers(routes=False, memory=memory)
@@ -242,7 +246,7 @@ class Session(ABC):
         self._solving_beside = Worker("solving-beside", self._failed)
         self._background = Worker("background", self._failed)
         self._player = Worker("player", self._failed)
-        self._owner = Worker("owner", self._failed, self._settle, self._refresh_now)
+        self._owner = Worker("owner", self._failed, self._settle, self._rest_a_while)
 
     @abstractmethod
     def _build(self) -> None:
@@ -257,21 +261,25 @@ class Session(ABC):
         """Look again at what hides the shape, which takes longer than to draw it."""
 
     @abstractmethod
-    def _refresh(self, busy: bool, refused: str) -> None:
-        """Show texts and fields as they are now.
+    def _keep_in_view(self) -> None:
+        """Let targets that went out of view be seen."""
 
-        `busy`: a solve goes on; `refused`: what the last event was refused for, in one line.
-        """
+    @abstractmethod
+    def _refresh(self, busy: bool) -> None:
+        """Show texts and fields as they are now; `busy`: a solve goes on."""
 
     def do(self, key: Hashable, change: Callable[[], object]) -> None:
         """Post an event that changes the model, in place of one under the same key; returns at once."""
 
         def event() -> None:
-            before, history = self.model.moment, self._history
-            change()
+            before, history, self.refused = self.model.moment, self._history, {}
+            try:
+                change()
+            except InputError as error:
+                self.refused = {key: str(error)}
+                return
             if not before.decided_like(self.model.moment):
                 history.note(key, before)
-            self._refused = ""
 
         self._owner.post(key, event)
 
@@ -317,7 +325,7 @@ class Session(ABC):
         if not isinstance(error, InputError):
             logging.getLogger("sinuous").error("the page failed", exc_info=error)
         text = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
-        self._owner.post("refused", lambda: setattr(self, "_refused", text))
+        self._owner.post("refused", lambda: setattr(self, "refused", {"": text}))
 
     # What the owner does after every batch of events
 
@@ -334,8 +342,12 @@ class Session(ABC):
 
     def _refresh_now(self) -> None:
         self._update_hiding()
-        self._refresh(self._busy, self._refused)
+        self._refresh(self._busy)
         self._refreshed = clock.monotonic()
+
+    def _rest_a_while(self) -> None:
+        self._refresh_now()
+        self._keep_in_view()
 
     def _answer(self) -> None:
         """Answer within milliseconds, and have others go on where that is not enough."""
@@ -380,6 +392,7 @@ class Session(ABC):
 
     def move_target(self, index: int, position: Floats, rotation: Floats) -> None:
         """Move a target to the position (3,) and rotation (3, 3) of its gizmo."""
+        self.dragged = True
         self.do(("target", index), lambda: self.model.place_target(index, position, rotation))
 
     def move_obstacle(self, position: Floats, rotation: Floats, let_go: bool) -> None:

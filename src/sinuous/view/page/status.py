@@ -41,7 +41,7 @@ STYLE = """<style>
 button:has(.tabler-icon-adjustments) { display: none; }
 .mantine-Button-root { height: auto; min-height: 2em; }
 .mantine-Button-label { white-space: normal; }
-.sinuous .notice { color: #a34700; margin-top: 4px; }
+.sinuous .notice { color: #c92a2a; margin-top: 2px; }
 </style>"""
 
 Rows = dict[str, Sequence[str]]
@@ -121,8 +121,11 @@ def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> NearestPlace | None:
     return NearestPlace(found.obstacle, found.distance, point - radius * away, point - (found.distance + radius) * away)
 
 
-def status_html(model: PageModel, near: NearestPlace | None, judged: Judgement | None, busy: bool) -> str:
-    """What holds of the shape on the page, in a table with one column a method; `busy`: a solve goes on."""
+def status_html(model: PageModel, near: NearestPlace | None, judged: Judgement | None, busy: bool) -> tuple[str, str]:
+    """What holds of the shape on the page, in a table with one column a method, and the details below it.
+
+    `busy`: a solve goes on.
+    """
     there = {**_of_time(model), **_of_near(near)}
     if model.motion is not None:
         summary = str(model.motion).split("\n", maxsplit=1)[0].partition(": ")[2]
@@ -130,28 +133,45 @@ def status_html(model: PageModel, near: NearestPlace | None, judged: Judgement |
         badge = _badge("proved clear here" if proved else "not proved clear here", proved)
         if model.step in model.motion.left_steps:
             badge += " " + _badge("off the line here", model.motion.reconfigure == "allow")
-        return _table([badge], {"motion": [summary], **there})
+        return _table([badge], {"motion": [summary], **there}), ""
     if model.by_hand and judged is not None:
-        return _table([_badge("bent by hand", not judged.violations)], {**_of_judgement(judged), **there})
+        return _table([_badge("bent by hand", not judged.violations)], {**_of_judgement(judged), **there}), ""
     if not model.targets:
-        return _table([_badge("the start" if model.job.start is not None else "no start", True)], there)
+        return _table([_badge("the start" if model.job.start is not None else "no start", True)], there), ""
     if model.answer is None:
-        return _table([_badge("not solved yet", False)], there)
+        return _table([_badge("not solved yet", False)], there), ""
     answers = [model.answer] if model.beside is None else [model.answer, model.beside]
     badges = [_badge(status_in_words(each.status), each.solved) for each in answers]
-    rows = {**_of_answers(answers), **there}
     if busy:
-        badges[0] = _badge("not solved yet", False)
-        rows[""] = ["still looking ..."]
+        badges[0] = _badge("still looking ...", False)
     if model.beside is not None:
         badges = [f"{badge}<br>{markup.escape(each.method)}" for badge, each in zip(badges, answers, strict=True)]
-    return _table(badges, rows)
+    main = _side_by_side([_most_of(each, near) for each in answers])
+    rest = _side_by_side([rows_of(each) | _of_search(each) for each in answers]) | _of_near(near)
+    rest = {"status": rest.pop("because"), **rest} if "because" in rest else rest
+    details = {label: cells for label, cells in rest.items() if cells not in main.values()}
+    return _table(badges, main | _of_time(model)), _table([], details)
 
 
-def _of_answers(answers: list[Solution]) -> Rows:
-    own = [rows_of(each) | _of_search(each) for each in answers]
+def _most_of(answer: Solution, near: NearestPlace | None) -> dict[str, str]:
+    """What holds of an answer, each fact in one figure; of one that is not solved, the one that says why."""
+    if not answer.solved:
+        far = format_number(missed_distance(answer), " from the target at best", "the tip stays ")
+        return {"because": far or str(answer.reason or answer.worst or answer.sentence)}
+    chosen = {label: value for label, value in rows_of(answer).items() if label in ("position error", "angle error")}
+    clear = format_number(answer.clearance, ", proved", "at least ")
+    return chosen | ({"clearance": f"{clear} ({near.obstacle})" if near else clear} if clear else {})
+
+
+def _side_by_side(own: list[dict[str, str]]) -> Rows:
     labels = dict.fromkeys(label for rows in own for label in rows)
     return {label: [rows.get(label, "") for rows in own] for label in labels}
+
+
+def missed_distance(answer: Solution) -> float | None:
+    """How far the best shape is from a target that is out of reach; None for other answers."""
+    missed = answer.worst is not None and answer.worst.constraint == "position"
+    return answer.position_error if answer.status == "out_of_reach" and missed else None
 
 
 def _of_search(solution: Solution) -> dict[str, str]:
@@ -203,14 +223,20 @@ def block_html(*parts: str) -> str:
     return f'<div class="sinuous">{"".join(parts)}</div>'
 
 
+def table_html(rows: dict[str, str]) -> str:
+    """A table of labels and what stands beside each."""
+    return _table([], {label: [value] for label, value in rows.items()})
+
+
 def _badge(word: str, good: bool) -> str:
     return f'<span class="badge" style="background:{GOOD if good else BAD}">{markup.escape(word)}</span>'
 
 
 def _table(badges: Sequence[str], rows: Rows) -> str:
     head = "".join(f"<td>{badge}</td>" for badge in badges)
+    top = f"<tr><td></td>{head}</tr>" if badges else ""
     lines = "".join(
         f"<tr><td>{markup.escape(label)}</td>{''.join(f'<td>{markup.escape(cell)}</td>' for cell in cells)}</tr>"
         for label, cells in rows.items()
     )
-    return f"<table><tr><td></td>{head}</tr>{lines}</table>"
+    return f"<table>{top}{lines}</table>"

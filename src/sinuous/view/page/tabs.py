@@ -23,7 +23,7 @@ from sinuous.view.display.results import Curves, actuators_of, bends_of, describ
 from sinuous.view.display.style import Colouring, largest_bends
 from sinuous.view.page.edits import KINDS, least_rates, sizes_of
 from sinuous.view.page.model import ASKED, MOST_SECONDS, motion_table, problem_text
-from sinuous.view.page.panel import Fields, Part, step_of
+from sinuous.view.page.panel import Fields, NumberBox, Part
 from sinuous.view.page.session import Session, Sliders
 
 MOST_TARGETS = 6
@@ -34,6 +34,9 @@ OTHER_SOLUTIONS = 6
 
 SEGMENTS_AT_ONCE = 8
 """Segments with sliders at one time; of more, a field says which."""
+
+LENGTH_HINT = "In the unit of the robot's lengths."
+"""What is said of numbers that are lengths."""
 
 NONE, ALL = "none", "all"
 """Entries of lists: no obstacle or method, all segments."""
@@ -94,17 +97,21 @@ def _target_fields(session: Session, fields: Fields, i: int) -> None:
         return model.target_frame(min(i, len(model.targets) - 1))
 
     if target.position is not None:
-        step = step_of(model.robot.mean_length)
-        fields.vector(f"target{whose}", lambda: frame()[:3, 3], partial(model.place_target, i), step)
+        fields.vector(_xyz(f"target{whose}"), lambda: frame()[:3, 3], partial(model.place_target, i), LENGTH_HINT)
     hint = "What must be met: the position alone, or the direction of the tangent, or a whole rotation too."
     fields.choice(f"asked{whose}", ASKED, partial(_what, session, i), partial(model.ask, i), hint)
     if target.direction is not None:
         hint = "Of the tangent, in the axes of the world; of any length but 0."
-        fields.vector(f"direction{whose}", lambda: frame()[:3, 2], partial(model.point_target, i), 0.001, hint)
+        fields.vector(_xyz(f"direction{whose}"), lambda: frame()[:3, 2], partial(model.point_target, i), hint)
     if target.rotation is not None:
-        hint = "Roll, pitch and yaw in rad: about x, then y, then z of the world, as in URDF."
+        hint = "About x, then y, then z of the world, as in URDF."
+        names = [f"{name}{whose}, rad" for name in ("roll", "pitch", "yaw")]
         turned = lambda value: model.place_target(i, None, np.array(SO3.from_rpy_radians(*value).as_matrix()))  # noqa: E731
-        fields.vector(f"rotation{whose}", lambda: _angles(frame()), turned, 0.001, hint)
+        fields.vector(names, lambda: _angles(frame()), turned, hint)
+
+
+def _xyz(label: str) -> list[str]:
+    return [f"{label} {axis}" for axis in "xyz"]
 
 
 def _angles(frame: Floats) -> Floats:
@@ -140,16 +147,23 @@ def _rate_fields(session: Session, fields: Fields) -> None:
 
     def put(index: int, value: Floats) -> None:
         own = [least_rates(model.job.rates), least_rates(model.job.rates.acceleration)]
-        own[index] = value
+        own[index][: len(value)] = value
         model.set_rates(*own)
 
-    hint = "Largest speeds of a bend (rad/s), a length and an actuator (a second), of several the least; 0: no limit."
-    fields.vector("rates", lambda: least_rates(model.job.rates), partial(put, 0), 0.001, hint)
-    hint = "How fast these speeds may change; 0: no limit."
-    fields.vector("accelerations", lambda: least_rates(model.job.rates.acceleration), partial(put, 1), 0.001, hint)
-    step, blend = step_of(model.robot.mean_length), partial(setattr, session, "blend")
+    units = {actuator.unit for actuator in model.robot.actuators}
+    kinds = {"bend": "rad/", "length": "per "}
+    if units:
+        kinds["actuator"] = f"{unit}/" if len(units) == 1 and (unit := next(iter(units))) else "per "
+    hint = "Largest speed, of several the least; 0: no limit."
+    rates = lambda: least_rates(model.job.rates)[: len(kinds)]  # noqa: E731
+    fields.vector([f"{kind} rate, {unit}s" for kind, unit in kinds.items()], rates, partial(put, 0), hint)
+    hint = "How fast this speed may change; 0: no limit."
+    gains = lambda: least_rates(model.job.rates.acceleration)[: len(kinds)]  # noqa: E731
+    names = [f"{kind} acceleration, {unit}s²" for kind, unit in kinds.items()]
+    fields.vector(names, gains, partial(put, 1), hint)
+    blend = partial(setattr, session, "blend")
     hint = "How far any place of the body may leave the way to round a corner; 0: the robot stops in each."
-    rounding = fields.number("blend", lambda: session.blend, blend, min=0.0, step=step, hint=hint)
+    rounding = fields.number("blend, length", lambda: session.blend, blend, low=0.0, hint=hint)
     timed = fields.button("As fast as rates allow", lambda: session.retime(session.blend))
 
     def has_corners() -> bool:
@@ -292,11 +306,10 @@ def scene_tab(session: Session, fields: Fields) -> None:
 
 def size_fields(session: Session, fields: Fields) -> None:
     """Lengths of the chosen obstacle."""
-    step = step_of(session.model.robot.mean_length)
     for label in chosen_sizes(session):
         get = partial(lambda label: chosen_sizes(session).get(label, 0.0), label)
         put = partial(lambda key, value: session.model.resize(**{key: value}), label.replace(" ", "_"))
-        fields.number(label, get, put, min=0.0, step=step)
+        fields.number(label, get, put, low=0.0, hint=LENGTH_HINT)
 
 
 def chosen_sizes(session: Session) -> dict[str, float]:
@@ -321,9 +334,8 @@ def robot_tab(session: Session, fields: Fields) -> None:
     def segment() -> Segment:
         return model.robot.segments[index() or 0]
 
-    def add(label: str, step: float, get: Callable[[], float], limits: Callable[[float], dict[str, Any]]) -> None:
-        hint = "Largest bend divided by length; 0: no limit of its own." if label == "max_curvature" else None
-        fields.number(label, get, lambda value: model.limit(index(), **limits(value)), min=0.0, step=step, hint=hint)
+    def box(label: str, get: Callable[[], float], limits: Callable[[float], dict[str, Any]]) -> NumberBox:
+        return NumberBox(label, get, lambda value: model.limit(index(), **limits(value)), low=0.0)
 
     def curvature() -> float:
         return segment().max_curvature if math.isfinite(segment().max_curvature) else 0.0
@@ -332,12 +344,17 @@ def robot_tab(session: Session, fields: Fields) -> None:
     fields.button("Add a segment", lambda: model.add_segment(index()), hint)
     hint = "The chosen one; of all, the last one."
     fields.button("Remove a segment", lambda: model.remove_segment(index()), hint)
-    step = step_of(model.robot.mean_length)
-    add("least length", step, lambda: segment().length[0], lambda value: {"length": (value, segment().length[1])})
-    add("greatest length", step, lambda: segment().length[1], lambda value: {"length": (segment().length[0], value)})
-    add("max_bend, rad", 0.01, lambda: segment().max_bend, lambda value: {"max_bend": value})
-    add("max_curvature", 1e-6, curvature, lambda value: {"max_curvature": value or None})
-    add("radius", step, lambda: segment().radius, lambda value: {"radius": value})
+    fields.numbers(
+        box("least length", lambda: segment().length[0], lambda value: {"length": (value, segment().length[1])}),
+        box("greatest length", lambda: segment().length[1], lambda value: {"length": (segment().length[0], value)}),
+        box("radius", lambda: segment().radius, lambda value: {"radius": value}),
+        hint=LENGTH_HINT,
+    )
+    fields.numbers(
+        box("max_bend, rad", lambda: segment().max_bend, lambda value: {"max_bend": value}),
+        box("max_curvature, rad per length", curvature, lambda value: {"max_curvature": value or None}),
+        hint="Of curvature 0: no limit of its own.",
+    )
 
 
 def solve_tab(session: Session, fields: Fields) -> None:
@@ -359,15 +376,14 @@ def solve_tab(session: Session, fields: Fields) -> None:
     hint = "A second method, shown beside the first."
     fields.choice("method", names, lambda: model.settings.method, partial(put, "method"))
     fields.choice("second method", (NONE, *names), lambda: model.settings.beside or NONE, beside, hint)
-    fields.number(
-        "seed", lambda: model.settings.seed, lambda value: put("seed", int(value)), min=0, max=2**31 - 1, step=1
+    fields.numbers(
+        NumberBox("time, s", lambda: model.settings.time, partial(put, "time"), 0.001, MOST_SECONDS),
+        NumberBox("seed", lambda: model.settings.seed, partial(put, "seed"), 0, 2**31 - 1, whole=True),
     )
-    fields.number("time, s", lambda: model.settings.time, partial(put, "time"), min=0.001, max=MOST_SECONDS, step=0.001)
-    step = step_of(0.01 * model.robot.mean_length)
-    off = lambda value: model.tolerate(value, tolerance().angle)  # noqa: E731
-    fields.number("tolerance", position, off, step=step, hint="Of the position.")
-    turned = lambda value: model.tolerate(position(), value)  # noqa: E731
-    fields.number("tolerance, rad", lambda: tolerance().angle, turned, step=1e-4, hint="Of directions and rotations.")
+    fields.numbers(
+        NumberBox("position tolerance, length", position, lambda value: model.tolerate(value, tolerance().angle)),
+        NumberBox("angle tolerance, rad", lambda: tolerance().angle, lambda value: model.tolerate(position(), value)),
+    )
 
 
 def file_tab(session: Session, fields: Fields) -> None:

@@ -52,10 +52,10 @@ def plot(
     *things : Robot, Scene, obstacle, Target, Problem, Job, Solution, Solutions, Motion, or a list of them
         A robot is drawn straight; with an array of configurations, (n, 3) or (k, n, 3), right after it, in those. A
         solution brings its scene, its targets, and as a dashed line the route that led to it. Several robots have
-        colours of their own; what is not solved is orange. A robot that gravity bends is drawn with its load, and
-        see-through without; with an `uncertainty`, see-through around it is where the body may be. Of a motion
-        the last shape is solid, with others on the way as ghosts, and a line is the path of the tip. What is in front
-        of a robot is see-through.
+        colours of their own; what is not solved is orange, and a cross marks the place that says why. A robot that
+        gravity bends is drawn with its load, and see-through without; with an `uncertainty`, see-through around it is
+        where the body may be. Of a motion the last shape is solid, with others on the way as ghosts, and a line is the
+        path of the tip. What is in front of a robot is see-through.
     ax : Axes3D, optional
         Where to draw, made with `projection="3d"`; what was drawn there before stays. By default a new figure of
         pyplot.
@@ -180,6 +180,10 @@ def draw_lines(axes: Any, contents: Contents, box: Bounds, *, moving: bool = Tru
     draw_forces(axes, contents.forces_at(1.0) if moving else contents.forces)
     for route in contents.routes:
         axes.plot(*route.T, color=style.ROUTE, linewidth=1.3, linestyle=(0, (4, 2)), zorder=4)
+    for mark in contents.marks:
+        axes.scatter(
+            *mark, color=style.CONTACT, marker="X", s=60, edgecolors="white", linewidths=0.8, depthshade=False, zorder=8
+        )
     for path in tip_paths(contents) if moving else ():
         axes.plot(*path.T, color=style.TIP_PATH, linewidth=1.4, zorder=4)
 

@@ -137,9 +137,15 @@ def continuum(problem: Problem) -> Asked:
     return Asked(arm(), sn.Scene([obstacle(each) for each in problem["obstacles"]]), start, goal)
 
 
+@cache
+def _panda() -> sn.Robot:
+    """The Panda up to its flange."""
+    return sn.Robot(joints=[*panda_joints(CAPSULES), Fixed((0.0, 0.0, FLANGE))])
+
+
 def panda(problem: Problem) -> Asked:
     """Put the Panda there, with the links that its joints move; it is asked for joint values."""
-    robot = sn.Robot(joints=[*panda_joints(CAPSULES), Fixed((0.0, 0.0, FLANGE))])
+    robot = _panda()
     rigid, ends = robot._rigid, []
     for end in ("start", "goal"):
         q = np.array([(0.0, 0.0, 0.5 * sum(row.length)) for row in robot.rows])

@@ -14,7 +14,12 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from sinuous.base.checks import Floats
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.certificate.query import CLEARANCES, VERDICT
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
+from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, acceleration_bound, measure_rates
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
+from sinuous.solver.certificates.steps import Prover
 
 PANDA = [
     (0.0, 0.333, 0.0, (-2.8973, 2.8973)),
@@ -217,6 +222,55 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
             assert 0.0 < found.self_clearance <= least_self_gap(robot, found.configuration) + 1e-2
             assert found.verify().ok
     assert solved >= 3
+
+
+@pytest.mark.parametrize("name", ["panda", "bodies"])
+def test_no_place_of_a_link_bows_more_than_its_bound(name: str) -> None:
+    robot, rng, step = with_bodies(name), rng_of(f"bows {name}"), 1e-3
+    bodies = [k for k, row in enumerate(robot.rows) if not row.rigid or getattr(row, "has_body", False)]
+    for _ in range(6):
+        p, q, t = drawn(robot, rng), drawn(robot, rng), float(rng.uniform(step, 1.0 - step))
+        rates = np.empty((len(robot), MOTION_RATES_WIDTH))
+        travel = measure_rates(robot.limits, p, q, rates)
+        before, here, after = (places_of(robot, (1.0 - t - d) * p + (t + d) * q) for d in (-step, 0.0, step))
+        for k, (_, a, _), (_, b, _), (_, c, _) in zip(bodies, before, here, after, strict=True):
+            bound = acceleration_bound(rates, k, max(p[k, 2], q[k, 2]), 1.0)
+            bows = np.linalg.norm(a - 2.0 * b + c, axis=-1).max() / step**2
+            assert bows <= bound * (1.0 + 1e-2) + 1e-6
+            assert np.linalg.norm(c - a, axis=-1).max() <= 2.0 * step * travel * (1.0 + 1e-6)
+
+
+def with_bodies(name: str) -> sn.Robot:
+    """The Panda with bodies, or four links whose bodies lie off their axes, a slide among them, and a segment."""
+    if name == "panda":
+        return panda(bodies=True)
+    body = [((0.05, 0.0, 0.1), (0.0, 0.1, 0.5), 0.04), ((0.0, -0.2, 0.4), (0.0, -0.2, 0.4), 0.03)]
+    joints = [
+        Revolute((0.0, 0.0, 1.0), (-3.0, 3.0), body=body),
+        Prismatic((0.6, 0.0, 0.8), (-0.1, 0.3), (0.0, 0.1, 0.5), body=body),
+        Revolute((1.0, 0.0, 0.0), (-2.5, 2.5), (0.1, 0.0, 0.3), body=body),
+        Revolute((0.0, 1.0, 0.0), (-2.5, 2.5), (0.0, 0.0, 0.4), body=body[1:]),
+    ]
+    return sn.Robot([sn.Segment((0.3, 0.5), 2.0, radius=0.03)], joints=joints)
+
+
+@pytest.mark.parametrize("name", ["panda", "bodies"])
+def test_motions_that_are_proved_clear_are_so_and_by_as_much(name: str) -> None:
+    robot, rng, proved = with_bodies(name), rng_of(f"motions {name}"), 0
+    centers = rng.uniform((-0.9, -0.9, 0.0), (0.9, 0.9, 1.2), (6, 3))
+    prover = Prover(robot, sn.Scene([sn.Sphere(center, 0.05) for center in centers]).snapshot())
+    for _ in range(12):
+        p = drawn(robot, rng)
+        ends = np.stack([p, p + 0.3 * rng.uniform() * (drawn(robot, rng) - p)])
+        answer = prover.prove(ends, slack=0.1)[0]
+        if answer[VERDICT] != CLEAR:
+            continue
+        proved += 1
+        for t in np.linspace(0.0, 1.0, 9):
+            q = (1.0 - t) * ends[0] + t * ends[1]
+            assert clearance_of(robot, q, centers, 0.05) >= answer[CLEARANCES + PROVED_BOUND] - 1e-9
+            assert least_self_gap(robot, q) >= answer[CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND] - 1e-9
+    assert proved >= 3
 
 
 def test_a_plan_moves_all_links_past_obstacles() -> None:

@@ -110,19 +110,19 @@ def segment_row(
     return row
 
 
-def make_rigid(row: list[float], tail: Floats, link: int, touches: int) -> None:
-    """Make a row that of a joint, or of a capsule of a link: see `tables.RIGID`.
+def make_rigid(row: list[float], tail: Floats, link: int, touches: int, joins: bool) -> None:
+    """Make a row that of a joint, or (not `joins`) of a capsule of a link: see `tables.RIGID`.
 
     `tail` (4, 4) is where the next row begins, in the frame of its end; `touches` the sum of `2 ** link` of those that
     its link may touch.
     """
-    row[t.RIGID], row[t.BODY], row[t.TOUCHES] = 1.0, float(link), float(touches)
+    row[t.RIGID], row[t.BODY], row[t.TOUCHES] = 1.0 if joins else t.LINK, float(link), float(touches)
     row[t.TAIL : t.TAIL + t.POSE_WIDTH] = pose_row(tail)[0].tolist()
     row[t.TAIL_LENGTH] = float(np.linalg.norm(tail[:3, 3]))
 
 
 def scales_of(limits: Floats) -> Floats:
-    """Scales (n, 3) in which coordinates of segments (n, 34) count: 1 rad, and mean lengths; 0 for what cannot move.
+    """Scales (n, 3) in which coordinates of segments (n, 35) count: 1 rad, and mean lengths; 0 for what cannot move.
 
     Where a segment bends in one plane, the first coordinate is the bend in it: see `turns_of`.
     """
@@ -132,7 +132,7 @@ def scales_of(limits: Floats) -> Floats:
 
 
 def turns_of(limits: Floats) -> Floats:
-    """What turns the coordinates of `scales_of`, of segments (n, 34), into configurations: orthogonal (3 n, 3 n)."""
+    """What turns the coordinates of `scales_of`, of segments (n, 35), into configurations: orthogonal (3 n, 3 n)."""
     turns = np.eye(3 * len(limits))
     for k in np.flatnonzero(limits[:, t.IN_PLANE]):
         x, y = limits[k, t.PLANE : t.PLANE + 2]
@@ -141,15 +141,16 @@ def turns_of(limits: Floats) -> Floats:
 
 
 def plain_rows(count: int) -> Floats:
-    """Return rows (n, 34) of segments of which only the kinematics is asked."""
+    """Return rows (n, 35) of segments of which only the kinematics is asked."""
     return np.zeros((count, t.SEGMENT_WIDTH))
 
 
 def fine_rows(rows: Floats, per: int) -> Floats:
-    """Return rows (n per, 34) of a robot whose rows (n, 34) are cut into `per` equal parts; tails come last."""
+    """Return rows (n per, 35) of a robot whose rows (n, 35) are cut into `per` equal parts; tails come last."""
     fine: Floats = np.repeat(rows, per, axis=0)
     cut = np.arange(len(fine)) % per != per - 1
     fine[cut, t.RIGID] = fine[cut, t.TAIL_LENGTH] = 0.0
+    fine[np.arange(len(fine)) % per != 0, t.ONWARD] = 0.0
     return fine
 
 
@@ -159,7 +160,7 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
 
 
 def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
-    """Return the table (n, 34) of segments, base to tip; read-only."""
+    """Return the table (n, 35) of segments, base to tip; read-only."""
     return closed(np.array(rows, np.float64))
 
 
@@ -179,7 +180,7 @@ class RobotParts(NamedTuple):
 
     Attributes
     ----------
-    segments : ndarray (n, 34)
+    segments : ndarray (n, 35)
     actuators : ndarray (p, 7)
     base, tool : ndarray (12,)
         Poses.
@@ -200,7 +201,7 @@ class RobotParts(NamedTuple):
 
 
 def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
-    """Return the group of a robot, of its tables (n, 34) and (p, 7), and the poses (4, 4) of base and tool."""
+    """Return the group of a robot, of its tables (n, 35) and (p, 7), and the poses (4, 4) of base and tool."""
     return RobotParts(limits, actuation, pose_row(base)[0], pose_row(tool)[0], float(avoids_itself)).group()
 
 

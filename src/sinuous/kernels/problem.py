@@ -8,7 +8,7 @@ from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 
 Robot = namedtuple("Robot", ["limits", "actuation", "base", "tool", "avoids_itself"])
-"""Rows of segments (n, 34) and of actuator limits (p, 7); poses of base and tool (1, 12); whether its body must not run
+"""Rows of segments (n, 35) and of actuator limits (p, 7); poses of base and tool (1, 12); whether its body must not run
 through itself."""
 
 Problem = namedtuple(

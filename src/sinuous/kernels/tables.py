@@ -37,14 +37,19 @@ unit vector `plane` (2) and z from the low to the high bend (rad), both the same
 to all sides. Home (3) is where segments go to when limits of actuators are to be kept, which they are there: bend (2)
 and length, or -1 where any length will do."""
 
-RIGID, TAIL, TAIL_LENGTH, BODY, TOUCHES = 18, 19, 31, 32, 33
+RIGID, TAIL, TAIL_LENGTH, BODY, TOUCHES, ONWARD = 18, 19, 31, 32, 33, 34
 """Further columns of what stands before the first segment: joints, as segments without length that bend in one plane
-(revolute) or are straight (prismatic), and capsules of links, as straight segments. RIGID: 1, which the mount does not
-concern, and 0 where the row is one of a segment. TAIL: the pose (12) in the frame of its end in which the next row
-begins, and how far that is from the end (TAIL_LENGTH). BODY: number of the link that it belongs to; a row without a
-body has a negative `SELF_RADIUS`. TOUCHES: of a link, the sum of `2 ** BODY` of those that it may touch."""
+(revolute) or are straight (prismatic), and capsules of links, as straight segments. RIGID: 0 where the row is one of a
+segment; else, and the mount does not concern it, 1 of a joint and LINK of what does not move against the one before.
+TAIL: the pose (12) in the frame of its end in which the next row begins, and how far that is from the end
+(TAIL_LENGTH). BODY: number of the link that it belongs to; a row without a body has a negative `SELF_RADIUS`. TOUCHES:
+of a link, the sum of `2 ** BODY` of those that it may touch. ONWARD: how far the row begins from where the last joint
+before it ends, which is where a link is measured from; of a `LINK`, how far anything of it is from there."""
 
-SEGMENT_WIDTH = 34
+LINK = 2.0
+"""`RIGID` of a capsule of a link, and of a place."""
+
+SEGMENT_WIDTH = 35
 
 FIRST_SEGMENT, LAST_SEGMENT, WEIGHTS, MIN_VALUE, MAX_VALUE = 0, 1, 2, 5, 6
 """Columns of an actuator limit. It bounds `weights . (bend_x, bend_y, length)` (3 weights), summed from the first

@@ -447,10 +447,18 @@ NO_BODY = -1e100
 def with_links(table: list[list[float]], rigid: RigidRows) -> list[list[float]]:
     """Complete the rows of a robot: of joints and links their tails, and of all to which link they belong."""
     count = len(rigid.rows)
+    here: Floats = np.eye(4)  # where a row begins, from where the last joint ends
     for row, own in zip(table, rigid.rows, strict=False):
-        packing.make_rigid(row, own.tail, own.link, own.touches)
+        packing.make_rigid(row, own.tail, own.link, own.touches, own.joint >= 0)
         if not own.has_body:
             row[tables.RADIUS], row[tables.SELF_RADIUS] = NO_BODY, -1.0
+        row[tables.ONWARD] = float(np.linalg.norm(here[:3, 3]))
+        end = np.eye(4) if own.joint >= 0 else here @ pose((0.0, 0.0, own.length[0]))
+        if own.joint < 0:
+            row[tables.ONWARD] = max(row[tables.ONWARD], float(np.linalg.norm(end[:3, 3])))
+        here = end @ own.tail
+    for row in table[count : count + 1]:
+        row[tables.ONWARD] = float(np.linalg.norm(here[:3, 3]))
     for k, row in enumerate(table[count:]):
         row[tables.BODY] = float(rigid.links + 1 + (k > 0)) if count else 0.0
     return table

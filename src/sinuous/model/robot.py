@@ -183,7 +183,7 @@ class Robot(NotebookMixin, Frozen):
         Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
         What was given as `actuators`.
-    limits, actuation : ndarray (n, 34), (p, 7)
+    limits, actuation : ndarray (n, 35), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises

@@ -8,11 +8,11 @@ from sinuous.answer.worst import Worst, find_overlap
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.kernels import tables
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
 from sinuous.kernels.packing import BendLine
 from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from sinuous.problem.problem import ask_body
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import Prover
@@ -36,21 +36,24 @@ def distances(robot: Robot, q: Floats) -> Floats:
     """Return how far neighbouring configurations (T, n, 3) are apart (T - 1,), in the length unit.
 
     A change of a bend counts by the length of what it moves, from the middle of its segment to the tip, at mean
-    lengths; a change of a length by itself.
+    lengths, and from joint to joint; a change of a length by itself.
     """
     steps = (q[1:] - q[:-1]) * lever_metric(robot)
     return np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
 
 
+@lru_cache(maxsize=KEPT)
 def lever_metric(robot: Robot) -> Floats:
     """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
-    return _levers_of(robot.rows)
-
-
-@lru_cache(maxsize=KEPT)
-def _levers_of(segments: tuple[Segment, ...]) -> Floats:
-    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in segments])
-    levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
+    levers, beyond = np.zeros(len(robot)), 0.0
+    for k in reversed(range(len(robot))):
+        onward, (low, high) = float(robot.limits[k, tables.ONWARD]), robot.rows[k].length
+        if robot.limits[k, tables.RIGID] == tables.LINK:
+            beyond = max(beyond, onward)
+            continue
+        length = 0.5 * (low + high)
+        levers[k] = beyond + length - 0.5 * length
+        beyond += length + onward
     return checks.closed(np.stack([levers, levers, np.ones(len(levers))], axis=-1))
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body.rows import END, INNER, SOFT
+from sinuous.kernels.packing import plain_rows
 from sinuous.kernels.step.dense import (
     MOST_SEGMENTS,
     are_few,
@@ -34,7 +35,7 @@ def test_few_rows_give_the_step(n: int, mu: float, bound: bool) -> None:
         expected = expected_step(columns, root, mean, rows, mu)
         sights, system = carve_dense(np.full(dense_size(n), np.nan), n)
         step = np.full((n, 3), np.nan)
-        fill_constraint_jacobian(columns, rows, sights)
+        fill_constraint_jacobian(plain_rows(n), columns, rows, sights)
         for _ in range(2):  # what rows see stays for the next time
             dense_step(sights, root, mean, rows, mu, system, step)
             np.testing.assert_allclose(step, expected, atol=1e-9 * (1.0 + np.abs(expected).max()))

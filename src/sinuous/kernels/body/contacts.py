@@ -19,7 +19,7 @@ SOFTNESS = 1e-4
 """Scale of rows that are only wished for; with their variance, 1e-10, they weigh 100 times a radian."""
 
 PosedBody = namedtuple("PosedBody", ["limits", "q", "frames", "unit"])
-"""Rows of segments (n, 34), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
+"""Rows of segments (n, 35), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
 
 ContactSearch = namedtuple("ContactSearch", ["margin", "wish", "depth", "mode"])
 """How closely contacts are searched for: clearance that is needed, clearance that is wished for (lengths), how often a
@@ -49,7 +49,7 @@ def contacts(
     part = 1.0 - start
     least = math.inf
     among, clock = scratch.among, scratch.clock
-    if part <= 0.0 or spend(clock, scene.table.shape[0]):
+    if part <= 0.0 or radius < 0.0 or spend(clock, scene.table.shape[0]):
         return at, least
     half = 0.5 * length * part
     needed, wished = radius + search.margin, radius + max(search.margin, search.wish)

@@ -118,7 +118,7 @@ def prove(
         start, length, radius = free_part(limits, q, k, mount), q[k, 2], limits[k, RADIUS]
         mount -= backbone_of(limits, q, k)
         part = 1.0 - start
-        if part <= 0.0:
+        if part <= 0.0 or radius < 0.0:  # there is nothing, or it has no body
             continue
         if spend(clock, scene.table.shape[0]):
             return UNDECIDED, least, where, fraction, which

@@ -26,17 +26,18 @@ from collections import namedtuple
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, norm, scale, sub
-from sinuous.kernels.tables import BODY, RIGID, SELF_RADIUS, TAIL_LENGTH, TOUCHES
+from sinuous.kernels.tables import BODY, LINK, ONWARD, RIGID, SELF_RADIUS, TOUCHES
 
 ALONG, TURNED, CURVATURE, RUN, FIRST_PARTNER = range(5)
 """Columns of `spans`, a row a segment and one more for the tip: length and turn (rad) of the backbone before the
-segment; its curvature; the number of its run, which is a row of neighbours of the same radius; the first segment, not
-before itself, that it may have to be examined with."""
+segment, with the straight ways between joints (of a link up to the last joint, see `begin_of`); its curvature; the
+number of its run, which is a row of neighbours of the same radius; the first segment, not before itself, that it may
+have to be examined with."""
 
 SPAN_WIDTH = 5
 
 Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
-"""Rows of segments (n, 34), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
+"""Rows of segments (n, 35), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
 
 HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
 """Turn (rad) from which on places are examined: of one run, and of two."""
@@ -62,15 +63,20 @@ def survey(shape: Shape) -> tuple[float, float]:
     run = 0
     for k in range(n):
         radius, length = limits[k, SELF_RADIUS], q[k, 2]
+        if limits[k, RIGID] != LINK and limits[k, ONWARD] > 0.0:
+            along += limits[k, ONWARD]
+            begun = along
         if k > 0 and (radius != limits[k - 1, SELF_RADIUS] or limits[k - 1, RIGID] != 0.0):
             most = min(most, least_of_run(limits[k - 1, SELF_RADIUS], along - begun, tightest))
             run, begun, tightest = run + 1, along, 0.0
         bend = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1])
         curvature = bend / max(length, NO_LENGTH)
         spans[k, ALONG], spans[k, TURNED], spans[k, CURVATURE], spans[k, RUN] = along, turned, curvature, run
-        along, turned = along + length, turned + bend
+        turned += bend
         if limits[k, RIGID] != 0.0:
-            along, turned = along + limits[k, TAIL_LENGTH], turned + KINK
+            turned += KINK
+        if limits[k, RIGID] != LINK:
+            along += length
         tightest, thickest = max(tightest, curvature), max(thickest, radius)
     spans[n, ALONG], spans[n, TURNED], spans[n, CURVATURE], spans[n, RUN] = along, turned, 0.0, run
     first = 0
@@ -80,6 +86,18 @@ def survey(shape: Shape) -> tuple[float, float]:
                 first += 1
         spans[k, FIRST_PARTNER] = first if run == 0 else k
     return min(most, least_of_run(limits[n - 1, SELF_RADIUS], along - begun, tightest)), thickest
+
+
+def begin_of(shape: Shape, k: int) -> float:
+    """Where segment `k` begins along the backbone; of a link, less than where any place of it is."""
+    along = float(shape.spans[k, ALONG])
+    return along - float(shape.limits[k, ONWARD]) if shape.limits[k, RIGID] == LINK else along
+
+
+def end_of(shape: Shape, k: int) -> float:
+    """Where segment `k` ends along the backbone; of a link, more than where any place of it is."""
+    along = float(shape.spans[k, ALONG])
+    return along + float(shape.limits[k, ONWARD] if shape.limits[k, RIGID] == LINK else shape.q[k, 2])
 
 
 def least_of_run(radius: float, length: float, curvature: float) -> float:
@@ -127,7 +145,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             i += 1
             if i >= n:
                 return n, n, low
-            j = int(spans[i, FIRST_PARTNER])
+            j = int(spans[i, FIRST_PARTNER]) if limits[i, SELF_RADIUS] >= 0.0 else n
         if j == i:
             if meets_itself(shape, i):
                 return i, i, low
@@ -142,8 +160,9 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             return i, j, low
         low = level
         # What follows within this length of backbone is far enough away, too.
-        reached = spans[j + 1, ALONG] - limits[j, TAIL_LENGTH] + sure - level - (thickest - limits[j, SELF_RADIUS])
-        while j + 1 < n and spans[j + 2, ALONG] <= reached:
+        near = begin_of(shape, j) if limits[j, RIGID] == LINK else end_of(shape, j)
+        reached = near + sure - level - (thickest - limits[j, SELF_RADIUS])
+        while j + 1 < n and end_of(shape, j + 1) <= reached:
             j += 1
 
 

@@ -16,9 +16,9 @@ from sinuous.kernels.body.chords import arc_chord, chord_distance, sagitta_bound
 from sinuous.kernels.body.pieces import following
 from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Shape, enough_between
 from sinuous.kernels.chain.kinematics import frame, place_on, tangent
-from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TAIL, TURNING, added_acceleration
+from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, added_acceleration
 from sinuous.kernels.maths.vectors import TINY, Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
-from sinuous.kernels.tables import RIGID, SELF_RADIUS, TAIL_LENGTH
+from sinuous.kernels.tables import LINK, ONWARD, RIGID, SELF_RADIUS, TAIL_LENGTH
 
 Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
 """The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 6) of the whole
@@ -82,18 +82,19 @@ def _longest(swept: Swept, k: int) -> float:
 
 
 def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
-    """W and A past the segments from `begin` on, up to `end` without that one, and past the tails between them."""
-    rates = swept.rates
-    turning = acceleration = 0.0
+    """W and A past the segments from `begin` on, up to where that at `end` begins; of a link, up to all of it."""
+    rates, limits = swept.rates, swept.first.limits
+    turning = acceleration = onward = 0.0  # `onward`: from the last that moves to the next one
     for k in range(begin, end, step):
-        if step < 0:
-            acceleration += rates[k, TAIL] * turning * turning
+        if limits[k, RIGID] == LINK:
+            continue
+        acceleration += (limits[k, ONWARD] if step > 0 else onward) * turning * turning
         acceleration += added_acceleration(turning, rates[k, BEND_RATE], rates[k, LENGTH_RATE], _longest(swept, k), 1.0)
-        turning += rates[k, BEND_RATE]
-        if step > 0:
-            acceleration += rates[k, TAIL] * turning * turning
+        turning, onward = turning + rates[k, BEND_RATE], limits[k, ONWARD]
+    if step > 0 or limits[end, RIGID] == LINK:
+        acceleration += limits[end, ONWARD] * turning * turning
     if step < 0:
-        acceleration += rates[end, TAIL] * turning * turning
+        acceleration += onward * turning * turning
     return turning, acceleration
 
 
@@ -149,7 +150,7 @@ def _by_circle(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     """Lower bound of the gap of two pieces, from the curvature between them."""
     a, _, b, v = pieces
     far = _most_between(swept, pair, ALONG, a, b + v)
-    if pair.tightest * far >= 2.0 * math.pi:
+    if pair.tightest * far >= 2.0 * math.pi or pair.tightest == NO_CURVE:
         return -math.inf
     # The chord of a circle is least where one of both ends is: the least turn that counts, or the whole way.
     return min(arc_chord(pair.tightest, far), arc_chord(pair.tightest, pair.enough / pair.tightest)) - pair.needed

@@ -25,15 +25,15 @@ from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.kernels.tables import (
     CENTER,
+    EXTENT,
     KIND,
+    LINK,
     MAX_LENGTH,
+    ONWARD,
     RADIUS,
     RIGID,
-    ROUNDING_RADIUS,
     ROUNDOFF,
     SIGN,
-    SPHERE,
-    TAIL_LENGTH,
     TREE,
 )
 
@@ -75,7 +75,7 @@ GRACE = 1.0 + 1e-9
 
 
 def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None:
-    """Leave out of the lists of obstacles what a segment (rows (n, 34)) cannot reach from the `base`.
+    """Leave out of the lists of obstacles what a segment (rows (n, 35)) cannot reach from the `base`.
 
     Lower bounds of clearances hold for what can be reached, then. Of a large scene nothing is listed: its hierarchy is
     asked what is near.
@@ -84,9 +84,10 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
         return
     along = 0.0
     for k in range(limits.shape[0]):
-        along += limits[k, MAX_LENGTH]
-        within, count = GRACE * (along + limits[k, RADIUS]), 0
-        along += limits[k, TAIL_LENGTH]
+        end = along + limits[k, ONWARD]
+        if limits[k, RIGID] != LINK:
+            along = end = end + limits[k, MAX_LENGTH]
+        within, count = GRACE * (end + limits[k, RADIUS]), 0
         for i in range(scene.table.shape[0]):
             far = within + scene.table[i, ROUNDOFF]
             if evaluate_here(scene, i, base, far, LOWER_BOUND)[0] < far:
@@ -96,9 +97,9 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
 
 
 def measure_balls(motion: Motion, sweep: Sweep) -> None:
-    """Fill the balls of spheres that stand still: center, and radius with what arithmetic may make of that distance.
+    """Fill the balls about primitives that stand still: center, and radius with what arithmetic may make of a distance.
 
-    That of anything else is infinite.
+    That of anything else, and of what has no end, is infinite.
 
     Most obstacles are far from a piece of the body. Their balls, side by side in memory, say so in a third of the time.
     In a large scene the hierarchy does.
@@ -106,8 +107,7 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
     table, balls = motion.scene.table, sweep.balls
     for i in range(balls.shape[0]):
         put_vec(balls, i, 0, get_vec(table, i, CENTER))
-        known = table[i, KIND] == SPHERE and table[i, SIGN] > 0.0
-        balls[i, BALL] = table[i, ROUNDING_RADIUS] + table[i, ROUNDOFF] if known else math.inf
+        balls[i, BALL] = table[i, EXTENT] + table[i, ROUNDOFF] if table[i, KIND] < TREE else math.inf
     for e in range(motion.drifts.shape[0] if balls.shape[0] > 0 else 0):
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
@@ -296,10 +296,12 @@ def _free_from(
 
 def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, seen: Array) -> None:
     """Leave for the halves of an interval only the obstacles that may be too near to segment `k` in it."""
+    sweep.counts[interval.level + 1, k] = 0
+    if sweep.counts[interval.level, k] == 0:
+        return
     begins = (_begin_of(motion.limits, sweep.q[interval.a], k), _begin_of(motion.limits, sweep.q[interval.b], k))
     start = _free_from(motion.limits, sweep, interval, k, accuracy, begins)
     part = 1.0 - start
-    sweep.counts[interval.level + 1, k] = 0
     if part > 0.0:
         radius = motion.limits[k, RADIUS]
         whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, accuracy.mount)

@@ -71,11 +71,11 @@ def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, ac
     return False
 
 
-def list_obstacles(sweep: Sweep) -> None:
-    """Let every segment examine all obstacles that it can reach."""
+def list_obstacles(limits: Array, sweep: Sweep) -> None:
+    """Let every segment examine all obstacles that it can reach; what has no body examines none."""
     for k in range(sweep.reached.shape[0]):
-        sweep.counts[0, k] = sweep.reached[k]
-        for e in range(sweep.reached[k]):
+        sweep.counts[0, k] = sweep.reached[k] if limits[k, RADIUS] >= 0.0 else 0
+        for e in range(sweep.counts[0, k]):
             sweep.near[k, e] = sweep.reach[k, e]
 
 
@@ -88,7 +88,7 @@ def forget(seen: Array) -> None:
 
 def narrow_obstacles(motion: Motion, sweep: Sweep, accuracy: Accuracy, seen: Array) -> None:
     """Let every segment check only at the obstacles that it may touch some time in the motion, none of which moves."""
-    list_obstacles(sweep)
+    list_obstacles(motion.limits, sweep)
     measure_rates(motion.limits, motion.q0, motion.q1, sweep.rates)
     knot(motion, 0.0, sweep, 0)
     knot(motion, 1.0, sweep, 1)
@@ -121,7 +121,7 @@ def _clear_of_obstacles(
 ) -> tuple[int, float]:
     """Verdict about obstacles, and until when everything is clear; `travel`: how far anything comes nearer, at most."""
     n = motion.q0.shape[0]
-    list_obstacles(sweep)
+    list_obstacles(motion.limits, sweep)
     a, b = 0, 1
     knot(motion, 0.0, sweep, a)
     level = piece = 0
@@ -169,7 +169,7 @@ def _clear_of_itself(
         return UNDECIDED, 0.0
     if cannot_meet(motion.limits, motion.q0, motion.q1):
         return CLEAR, 1.0
-    list_pairs(sweep)
+    list_pairs(motion.limits, sweep)
     a, b = 0, 1
     first = _shape(motion, 0.0, sweep, a)
     level = piece = 0

@@ -10,12 +10,13 @@ from sinuous.kernels.body import self_pieces
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import (
-    ALONG,
     HALF_TURN,
     NO_LENGTH,
     QUARTER_TURN,
     TURNED,
     Shape,
+    begin_of,
+    end_of,
     enough_between,
     least_of_run,
     may_touch,
@@ -44,8 +45,9 @@ def passed_over(limits: Array, qa: Array, qb: Array) -> float:
     n = limits.shape[0]
     low, length, curvature = math.inf, 0.0, 0.0
     for k in range(n):
-        length += max(qa[k, 2], qb[k, 2])
-        curvature = max(curvature, _most_curved(qa, qb, k))
+        if limits[k, RIGID] == 0.0:
+            length += max(qa[k, 2], qb[k, 2])
+            curvature = max(curvature, _most_curved(qa, qb, k))
         if k == n - 1 or limits[k + 1, SELF_RADIUS] != limits[k, SELF_RADIUS] or limits[k, RIGID] != 0.0:
             low = min(low, least_of_run(limits[k, SELF_RADIUS], length, curvature))
             length = curvature = 0.0
@@ -107,7 +109,7 @@ def _apart(swept: Swept, i: int, j: int) -> float:
     for k in range(i, j + 1):
         stretching += rates[k, LENGTH_RATE]
     bending = rates[j, TURNING] + rates[j, BEND_RATE] - rates[i, TURNING]
-    length = max(first.spans[j + 1, ALONG] - first.spans[i, ALONG], last.spans[j + 1, ALONG] - last.spans[i, ALONG])
+    length = max(end_of(first, j) - begin_of(first, i), end_of(last, j) - begin_of(last, i))
     lost = 0.5 * swept.h * (0.5 * bending * length + stretching)
     return 0.5 * (_balls(first, i, j) + _balls(last, i, j)) - lost
 
@@ -128,13 +130,14 @@ def _never_concern(swept: Swept, i: int, j: int) -> bool:
     return bool(most < enough_between(first, i, j) or needed == 0.0)
 
 
-def list_pairs(sweep: Sweep) -> None:
-    """List all pairs of segments."""
+def list_pairs(limits: Array, sweep: Sweep) -> None:
+    """List all pairs of segments, and of links those that concern each other."""
     n, count = sweep.q.shape[1], 0
     for i in range(n):
         for j in range(i, n):
-            sweep.pairs[count] = i * n + j
-            count += 1
+            if limits[i, RIGID] == 0.0 or not (i == j or may_touch(limits, i, j)):
+                sweep.pairs[count] = i * n + j
+                count += 1
     sweep.left[0] = count
 
 

@@ -30,7 +30,7 @@ KNOTS, HALFWAY = 3, 2
 """Configurations at hand: where an interval begins, where it ends, and the one half-way."""
 
 Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself", "drifts"])
-"""Rows of the segments (n, 34), the first and the last configuration (n, 3; rad and length unit), the scene, whether
+"""Rows of the segments (n, 35), the first and the last configuration (n, 3; rad and length unit), the scene, whether
 the body must not run through itself, and how obstacles move meanwhile (c, 31), see `drift`: the rows of these in the
 scene are written as time goes on. `Sweep.still` (0, 31) says that none does."""
 

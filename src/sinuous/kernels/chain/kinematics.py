@@ -3,7 +3,7 @@
 Layouts, all float64 and C-contiguous:
 
 - `q` (n, 3): bend_x, bend_y, length of every segment;
-- `limits` (n, 34): rows of the segments, and of the joints and links before them, see `tables`;
+- `limits` (n, 35): rows of the segments, and of the joints and links before them, see `tables`;
 - `frames` (n + 1, 12): rotation (row by row) and position of the base, and of every segment's end, in the world; of a
   joint or a link, of where the next row begins;
 - `columns` (n, 18): three twists `(omega, v)` a segment, one for each coordinate: how the world beyond the segment
@@ -12,22 +12,29 @@ Layouts, all float64 and C-contiguous:
 
 import math
 
-from sinuous.kernels.chain.arc import Twist, carry, point, pose, pose_and_columns
+import numpy as np
+
+from sinuous.kernels.chain.arc import Twist, carry, coefficients, point, pose, pose_and_columns
+from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
     Mat,
     Vec,
     add,
+    add_scaled,
+    cross,
     get_mat,
     get_vec,
     mat_mat,
     mat_vec,
     put_mat,
     put_vec,
+    scale,
     sub,
+    transpose,
 )
-from sinuous.kernels.tables import POSE_POSITION, RIGID, TAIL
+from sinuous.kernels.tables import LINK, POSE_POSITION, RIGID, TAIL
 
 
 def compose(rotation: Mat, position: Vec, inner_rotation: Mat, inner_position: Vec) -> tuple[Mat, Vec]:
@@ -45,21 +52,44 @@ def put_frame(frames: Array, k: int, rotation: Mat, position: Vec) -> None:
     put_vec(frames, k, 9, position)
 
 
-def past_tail(limits: Array, k: int, rotation: Mat, position: Vec) -> tuple[Mat, Vec]:
-    """The frame in which the row after row `k` begins, of that in which row `k` ends."""
-    if limits[k, RIGID] == 0.0:
-        return rotation, position
+def _past_rigid(limits: Array, k: int, bend: float, length: float, rotation: Mat, position: Vec) -> tuple[Mat, Vec]:
+    """The frame in which the row after a joint or a link begins, of that in which it begins.
+
+    It bends about its y axis, without length, or is straight.
+    """
+    if bend != 0.0:
+        S, G, _, _ = coefficients(bend * bend)
+        sine, cosine = S * bend, 1.0 - G * bend * bend
+        x, y, z = transpose(rotation)
+        rotation = transpose((add_scaled(scale(cosine, x), -sine, z), y, add_scaled(scale(cosine, z), sine, x)))
+    else:
+        position = add_scaled(position, length, (rotation[0][2], rotation[1][2], rotation[2][2]))
     return compose(rotation, position, get_mat(limits, k, TAIL), get_vec(limits, k, TAIL + POSE_POSITION))
+
+
+@apart
+def _pass_rigid(limits: Array, q: Array, frames: Array, k: int) -> int:
+    """Fill the frames after joints and links from row `k` on; returns the first row that is a segment."""
+    rotation, position = frame(frames, k)
+    while k < q.shape[0] and limits[k, RIGID] != 0.0:
+        rotation, position = _past_rigid(limits, k, q[k, 0], q[k, 2], rotation, position)
+        k += 1
+        put_frame(frames, k, rotation, position)
+    return k
 
 
 def forward(limits: Array, q: Array, frames: Array) -> None:
     """Fill rows 1 to n of `frames`; row 0 holds the base."""
-    rotation, position = frame(frames, 0)
-    for k in range(q.shape[0]):
-        turn, shift = pose(q[k, 0], q[k, 1], q[k, 2])
-        rotation, position = compose(rotation, position, turn, shift)
-        rotation, position = past_tail(limits, k, rotation, position)
-        put_frame(frames, k + 1, rotation, position)
+    k = int(np.int64(0))
+    while k < q.shape[0]:
+        if limits[k, RIGID] != 0.0:
+            k = _pass_rigid(limits, q, frames, k)
+        rotation, position = frame(frames, k)
+        while k < q.shape[0] and limits[k, RIGID] == 0.0:
+            turn, shift = pose(q[k, 0], q[k, 1], q[k, 2])
+            rotation, position = compose(rotation, position, turn, shift)
+            k += 1
+            put_frame(frames, k, rotation, position)
 
 
 def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
@@ -102,18 +132,45 @@ def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tupl
 
 def forward_with_columns(limits: Array, q: Array, frames: Array, columns: Array) -> None:
     """Fill rows 1 to n of `frames`, and `columns` for the ends of all segments, about the base."""
-    rotation, position = frame(frames, 0)
-    origin = position
-    for k in range(q.shape[0]):
-        turn, shift, x, y, stretch = pose_and_columns(q[k, 0], q[k, 1], q[k, 2])
-        arm = sub(position, origin)
-        x, y = carry(rotation, arm, x[0], x[1]), carry(rotation, arm, y[0], y[1])
-        put_vec(columns, k, 0, x[0])
-        put_vec(columns, k, 3, x[1])
-        put_vec(columns, k, 6, y[0])
-        put_vec(columns, k, 9, y[1])
+    origin = frame(frames, 0)[1]
+    k = int(np.int64(0))
+    while k < q.shape[0]:
+        if limits[k, RIGID] != 0.0:
+            k = _pass_rigid_with_columns(limits, q, frames, columns, k)
+        rotation, position = frame(frames, k)
+        while k < q.shape[0] and limits[k, RIGID] == 0.0:
+            turn, shift, x, y, stretch = pose_and_columns(q[k, 0], q[k, 1], q[k, 2])
+            arm = sub(position, origin)
+            x, y = carry(rotation, arm, x[0], x[1]), carry(rotation, arm, y[0], y[1])
+            put_vec(columns, k, 0, x[0])
+            put_vec(columns, k, 3, x[1])
+            put_vec(columns, k, 6, y[0])
+            put_vec(columns, k, 9, y[1])
+            put_vec(columns, k, 12, ZERO)
+            put_vec(columns, k, 15, mat_vec(rotation, stretch))
+            rotation, position = compose(rotation, position, turn, shift)
+            k += 1
+            put_frame(frames, k, rotation, position)
+
+
+@apart
+def _pass_rigid_with_columns(limits: Array, q: Array, frames: Array, columns: Array, k: int) -> int:
+    """The same as `_pass_rigid`, with columns: of its bend about the y axis, none across that, and of its length."""
+    origin = frame(frames, 0)[1]
+    rotation, position = frame(frames, k)
+    while k < q.shape[0] and limits[k, RIGID] != 0.0:
+        if limits[k, RIGID] != LINK:
+            axis = (rotation[0][1], rotation[1][1], rotation[2][1])
+            put_vec(columns, k, 0, axis)
+            put_vec(columns, k, 3, cross(sub(position, origin), axis))
+        else:
+            put_vec(columns, k, 0, ZERO)
+            put_vec(columns, k, 3, ZERO)
+        put_vec(columns, k, 6, ZERO)
+        put_vec(columns, k, 9, ZERO)
         put_vec(columns, k, 12, ZERO)
-        put_vec(columns, k, 15, mat_vec(rotation, stretch))
-        rotation, position = compose(rotation, position, turn, shift)
-        rotation, position = past_tail(limits, k, rotation, position)
-        put_frame(frames, k + 1, rotation, position)
+        put_vec(columns, k, 15, (rotation[0][2], rotation[1][2], rotation[2][2]))
+        rotation, position = _past_rigid(limits, k, q[k, 0], q[k, 2], rotation, position)
+        k += 1
+        put_frame(frames, k, rotation, position)
+    return k

@@ -5,12 +5,15 @@ exponentials of vectors that are linear in t. So its first derivative is at most
 segments bend up to that place, and its second derivative at most `W^2`. Hence the acceleration of a place is at most
 `A`, the integral of `l W^2 + 2 |l'| W` along the body up to there, with l the length of a segment: within an interval
 of duration h a place stays within `h^2 A / 8` of the chord of its path.
+
+Between joints counts the straight way from one to the next, to a place of a link that from the last joint before it:
+links are rigid, so no detour through their other capsules moves anything.
 """
 
 import math
 
 from sinuous.kernels.maths.vectors import Array
-from sinuous.kernels.tables import TAIL_LENGTH
+from sinuous.kernels.tables import LINK, ONWARD, RIGID, TAIL_LENGTH
 
 TURNING, STRETCHING, ACCELERATION_BOUND, BEND_RATE, LENGTH_RATE, TAIL = range(6)
 """Columns of `rates`: W (rad), the sum of the rates of lengths, and A (length unit) where a segment begins; how much
@@ -21,21 +24,26 @@ MOTION_RATES_WIDTH = 6
 
 def measure_rates(limits: Array, q0: Array, q1: Array, rates: Array) -> float:
     """Fill `rates` (n, 6); return a bound of how far any place of the body travels."""
-    turning = stretching = acceleration = travel = 0.0
+    turning = stretching = acceleration = travel = farthest = 0.0
     for k in range(q0.shape[0]):
+        onward, rates[k, TAIL] = limits[k, ONWARD], limits[k, TAIL_LENGTH]
+        if limits[k, RIGID] == LINK:
+            rates[k, TURNING], rates[k, STRETCHING] = turning, stretching
+            rates[k, BEND_RATE] = rates[k, LENGTH_RATE] = 0.0
+            rates[k, ACCELERATION_BOUND] = acceleration + onward * turning * turning
+            farthest = max(farthest, travel + onward * turning)
+            continue
         bend = math.hypot(q1[k, 0] - q0[k, 0], q1[k, 1] - q0[k, 1])
         stretch = abs(q1[k, 2] - q0[k, 2])
+        if onward > 0.0:
+            acceleration += onward * turning * turning
+            travel += onward * turning
         rates[k, TURNING], rates[k, STRETCHING], rates[k, ACCELERATION_BOUND] = turning, stretching, acceleration
         rates[k, BEND_RATE], rates[k, LENGTH_RATE] = bend, stretch
         acceleration = acceleration_bound(rates, k, max(q0[k, 2], q1[k, 2]), 1.0)
         travel += stretch + max(q0[k, 2], q1[k, 2]) * (turning + 0.5 * bend)
         turning, stretching = turning + bend, stretching + stretch
-        tail = limits[k, TAIL_LENGTH]
-        rates[k, TAIL] = tail
-        if tail > 0.0:
-            acceleration += tail * turning * turning
-            travel += tail * turning
-    return travel
+    return max(farthest, travel)
 
 
 def acceleration_bound(rates: Array, k: int, length: float, s: float) -> float:

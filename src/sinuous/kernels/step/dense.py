@@ -11,6 +11,7 @@ J stays when limits bind and the step is computed once more, with another L and 
 """
 
 from sinuous.kernels.body.rows import END, SOFT, Rows
+from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
     NOTHING,
@@ -26,6 +27,7 @@ from sinuous.kernels.maths.vectors import (
     vec_mat,
 )
 from sinuous.kernels.step.sweeps import SOFT_VARIANCE, extend_here
+from sinuous.kernels.tables import LENGTH_SCALE, LINK, RIGID
 
 MOST_ROWS = 6
 """Most rows of a dense system."""
@@ -54,11 +56,14 @@ def are_few(rows: Rows, n: int) -> bool:
     return bool(n <= MOST_SEGMENTS and rows.start[n] <= MOST_ROWS)
 
 
-def fill_constraint_jacobian(columns: Array, rows: Rows, jacobian: Array) -> None:
+def fill_constraint_jacobian(limits: Array, columns: Array, rows: Rows, jacobian: Array) -> None:
     """Fill `jacobian` (n, 18) for `columns` (n, 18) as `kinematics` fills them; no row is HARD or IDLE."""
     n = columns.shape[0]
     count = rows.start[n]
     for k in range(n):
+        if limits[k, RIGID] != 0.0:
+            _fill_rigid(limits, columns, rows, k, jacobian)
+            continue
         x, u = get_vec(columns, k, 0), get_vec(columns, k, 3)
         y, v = get_vec(columns, k, 6), get_vec(columns, k, 9)
         z, w = get_vec(columns, k, 12), get_vec(columns, k, 15)
@@ -71,6 +76,18 @@ def fill_constraint_jacobian(columns: Array, rows: Rows, jacobian: Array) -> Non
                 if i < rows.start[k + 1] and rows.kind[i] != END:
                     own = add(own, get_vec(rows.inner, i, 0))
             jacobian[k, at], jacobian[k, 6 + at], jacobian[k, 12 + at] = own
+
+
+@apart
+def _fill_rigid(limits: Array, columns: Array, rows: Rows, k: int, jacobian: Array) -> None:
+    """The same of a joint, which moves in one coordinate, or a link, in none; rows of places of a link see no more."""
+    for at in range(JACOBIAN_WIDTH):
+        jacobian[k, at] = 0.0
+    if limits[k, RIGID] != LINK:
+        own = 0 if limits[k, LENGTH_SCALE] == 0.0 else 6 * 2
+        x, u = get_vec(columns, k, own), get_vec(columns, k, own + 3)
+        for i in range(rows.start[k], rows.start[columns.shape[0]]):
+            jacobian[k, own + (i + 3) % 6] = dot(get_vec(rows.twist, i, 0), x) + dot(get_vec(rows.twist, i, 3), u)
 
 
 def dense_step(jacobian: Array, root: Array, mean: Array, rows: Rows, mu: float, system: Array, step: Array) -> None:

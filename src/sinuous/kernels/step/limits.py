@@ -1,7 +1,7 @@
 """The limits of one segment, held exactly: length in [low, high], bend at most `max_bend` and `max_curvature * length`.
 
 Where a segment bends in one plane, its bend is `rest + z plane` with z between two limits; where its bend is locked,
-both are the same. Row k of `limits` (n, 34) is that of segment k, see `tables`: its limits, its radii, and the scales
+both are the same. Row k of `limits` (n, 35) is that of segment k, see `tables`: its limits, its radii, and the scales
 of a bend (rad) and of a length in which motion is measured (0: that coordinate cannot move).
 """
 

@@ -144,7 +144,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
     few = not coupled and state.norms[s.PAIRS] == 0.0 and are_few(state.rows, n)
     jacobian, system = carve_dense(work.rest, n)
     if few:
-        fill_constraint_jacobian(state.columns, state.rows, jacobian)
+        fill_constraint_jacobian(table, state.columns, state.rows, jacobian)
     for _ in range(MOST_BINDINGS):
         if few:
             dense_step(jacobian, work.root, work.mean, state.rows, mu, system, work.step)

@@ -72,7 +72,7 @@ the greatest ones (t,)."""
 def move_body(limits: Array, control: Control, resting: RestingBody | None) -> bool:
     """Put the body where its drive `control.q` takes it: frames of ends of segments; say whether it is at rest there.
 
-    Of a rigid one also `columns`; of another all derivatives. `limits` (n, 34): rows of its segments.
+    Of a rigid one also `columns`; of another all derivatives. `limits` (n, 35): rows of its segments.
     """
     if resting is None:
         forward_with_columns(limits, control.q, control.frames, control.columns)

@@ -61,7 +61,7 @@ their sum has to be less by that excess; 1 for a mere wish; and its kind."""
 NO_CUT = Cut(0.0, ZERO, 0, -1)
 
 Limits = namedtuple("Limits", ["limits", "rates", "root", "start"])
-"""What bounds the segments: their limits (n, 34), their rates (n, 7), the root of the metric (n, 9), and where the step
+"""What bounds the segments: their limits (n, 35), their rates (n, 7), the root of the metric (n, 9), and where the step
 began (n, 3). No more than that: these are examined some hundred times in a control step, and all that a call hands over
 takes time."""
 
@@ -75,7 +75,7 @@ def along(weights: Array, motion: Array) -> float:
 
 
 def size_of(limits: Array, motion: Array) -> float:
-    """Norm of a motion (n, 3) in the metric of segments with these limits (n, 34): rad, and lengths of a mean one."""
+    """Norm of a motion (n, 3) in the metric of segments with these limits (n, 35): rad, and lengths of a mean one."""
     total = 0.0
     for k in range(motion.shape[0]):
         bend, stretch = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]

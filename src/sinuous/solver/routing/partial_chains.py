@@ -66,7 +66,7 @@ FLIP = np.diag([1.0, -1.0, -1.0])
 
 
 def _to_all_sides(rows: Floats) -> Floats:
-    """Rows (n, 34) of segments that bend to all sides instead of in one plane.
+    """Rows (n, 35) of segments that bend to all sides instead of in one plane.
 
     How that plane would lie the other way round depends on how the tip is turned. A chain that is turned back is
     brought into its plane where the solve of the whole robot begins.
@@ -267,7 +267,7 @@ def backbone_of(groups: Groups, chain: Floats) -> Floats:
 
 
 def segments_in(robot: Floats) -> Floats:
-    """Return the rows (n, 34) of the segments of a robot, of which the group is given, see `sinuous.kernels.tables`."""
+    """Return the rows (n, 35) of the segments of a robot, of which the group is given, see `sinuous.kernels.tables`."""
     return robot_parts(robot).segments
 
 

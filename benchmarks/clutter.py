@@ -183,7 +183,7 @@ def _attempt(place: Place, solver: Solver) -> Attempt:
         began = perf_counter()
         solution = solver.solve(place.targets)
         spent.append(perf_counter() - began)
-    right = solution.solved and judged_right(place, solution.q)
+    right = solution.solved and judged_right(place, solution.configuration)
     return Attempt(spent[0], spent[1], str(solution.status), solution.start, solution.solved, right)
 
 

@@ -93,7 +93,7 @@ def _ablated(place: Place, way: str) -> tuple[Row, bool]:
     without = () if way == EVERYTHING else (way.removeprefix("without "),)
     solver = Solver(place.robot, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT, without=without)
     solution, spent = timed(solver.solve, place.targets, runs=2)
-    fine = solution.solved and right(place, solution.q)
+    fine = solution.solved and right(place, solution.configuration)
     solved = fine and spent <= 1e3 * LIMIT
     opened = solution.solved and solution.start != SOURCES[ROUTE] and solution.starts <= OPENING
     return Row(place.family, way, solved, solution.solved and not fine, spent if solved else 1e3 * LIMIT), opened
@@ -316,7 +316,7 @@ def run(
     fitting = chosen(list(FAMILIES), piece or ["*"])
     ignore_suspicions()
     work = partial(_rows, name, seed, count)
-    families = [family for family in FAMILIES if family in fitting]
+    families = [each for each in FAMILIES if each in fitting and (name == "ablation" or not FAMILIES[each].joints)]
     rows = [row for some in in_processes(work, families, alone=alone) for row in some]
     text = "\n".join(tables(rows, WAYS[name].against, name != "ablation"))
     typer.echo(text)

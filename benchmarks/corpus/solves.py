@@ -232,7 +232,7 @@ def odd_solves() -> Iterator[Problem]:
         yield Problem(f"{number}", ask)
 
 
-ALL = tuple(FAMILIES)
+ALL = tuple(name for name, family in FAMILIES.items() if not family.joints)
 TRAPS = tuple(name for name in ALL if FAMILIES[name].trap and not FAMILIES[name].judging)
 OPEN = tuple(name for name in ALL if name not in TRAPS)
 

@@ -46,10 +46,7 @@ class Clearances:
 
     def __init__(self, robot: sn.Robot, scene: sn.Scene) -> None:
         self._robot = robot
-        exact = [obstacle for obstacle in scene.obstacles if isinstance(obstacle, Primitive)]
-        others = [obstacle for obstacle in scene.obstacles if not isinstance(obstacle, Primitive)]
-        size = robot.mean_length + float(np.abs(robot.base[:3, 3]).max())
-        self._measures = [*distances_to(exact, size), *map(distance_of, others)]
+        self._measures = distances_among(scene, robot.mean_length + float(np.abs(robot.base[:3, 3]).max()))
 
     def least(self, q: Floats, enough: float = math.inf) -> Floats:
         """Return the least clearance (m,) of configurations (m, n, 3) at `FINEST` places of every segment.
@@ -127,6 +124,13 @@ prepared = lru_cache(maxsize=2)(Clearances)
 def overlaps(robot: sn.Robot, scene: sn.Scene, q: Floats) -> NDArray[np.bool_]:
     """Say for every configuration (m, n, 3) whether its body overlaps an obstacle, by more than rounding."""
     return np.asarray(prepared(robot, scene).least(q, 0.0) < -GRACE * robot.mean_length)
+
+
+def distances_among(scene: sn.Scene, size: float = math.inf) -> list[Distance]:
+    """Prepare the distances to all obstacles, for points with coordinates of this size."""
+    exact = [obstacle for obstacle in scene.obstacles if isinstance(obstacle, Primitive)]
+    others = [obstacle for obstacle in scene.obstacles if not isinstance(obstacle, Primitive)]
+    return [*distances_to(exact, size), *map(distance_of, others)]
 
 
 @singledispatch

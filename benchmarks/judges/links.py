@@ -1,14 +1,13 @@
 """Are joints and the links behind them where a motion may have them? By rotations about axes, without the kernels."""
 
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
+from benchmarks.judges.clearances import distances_among
 from benchmarks.judges.kinematics import arc_ends, arc_poses
-from benchmarks.judges.primitives import distances_to
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint, Prismatic
 
@@ -44,24 +43,24 @@ def link_poses(robot: sn.Robot, values: Floats) -> Floats:
 def wrong_among(robot: sn.Robot, scene: sn.Scene, q: Floats) -> str:
     """Say what is wrong with configurations (m, n, 3): limits of joints, an obstacle, a link; or nothing.
 
-    Links may touch those next to them, and those that a joint names; the first segment may touch the last link. What
-    segments do to each other is not looked at.
+    Links may touch those next to them, across links without a body, and those that a joint names; the first segment may
+    touch the last link. What segments do to each other is not looked at.
     """
     low, high = np.array([joint.limits for joint in moving(robot.joints)]).T
     values = values_of(robot, q)
     if (values < low - ROUNDING).any() or (values > high + ROUNDING).any():
         return "limits"
     bodies, segments = body_places(robot, q), len(moving(robot.joints)) + 1
-    shapes: Any = scene.obstacles
-    distance = distances_to(shapes) if len(scene) else []
+    distance = distances_among(scene)
     for _, points, radius in bodies:
         for measure in distance:
             if measure(points.reshape(-1, 3)).min() < radius - ROUNDING:
                 return "overlap"
     names = {joint.name or f"j{i}": i for i, joint in enumerate(robot.joints, 1)}
+    order = {link: i for i, link in enumerate(sorted({link for link, _, _ in bodies}))}
     for (one, first, r), (other, second, s) in combinations(bodies, 2):
         pair = {names.get(name) for name in (*_touches(robot, one), *_touches(robot, other))}
-        if abs(one - other) <= 1 or {one, other} & pair or min(one, other) >= segments:
+        if abs(order[one] - order[other]) <= 1 or {one, other} & pair or min(one, other) >= segments:
             continue
         apart = np.linalg.norm(first[:, :, None] - second[:, None], axis=-1).min()
         if apart < r + s - ROUNDING:

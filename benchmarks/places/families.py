@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from benchmarks.places import cells, crowds, media, polyhedra, tubes
+from benchmarks.places import bases, cells, crowds, media, polyhedra, tubes
 from benchmarks.places.around import drum, duct, pipe, plates, shelf, spheres
 from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
@@ -25,6 +25,8 @@ class Family:
         Whether it repeats what others were measured on.
     trap : bool
         Whether it is narrow where a search begins or ends.
+    joints : bool
+        Whether robots have joints before the arm: what compares clearances of segments alone leaves these out.
     judging : bool
         Whether it is kept from tuning: no constant of the strategy was chosen on it, no mechanism is written for it.
         Whoever looks into one of these to mend a failure moves it to the others and writes a new one.
@@ -35,6 +37,7 @@ class Family:
     published: bool = False
     trap: bool = False
     judging: bool = False
+    joints: bool = False
 
 
 _DRAWN: dict[str, tuple[Draw, str]] = {
@@ -104,6 +107,14 @@ _CROWDS: dict[str, tuple[Trap, str]] = {
     "assembly": (crowds.assembly, "dozens of bars that one mesh holds"),
 }
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
+_STAGED: dict[str, tuple[Draw, str]] = {
+    "stage": (bases.staged, "on a stage of 3 to 12 segments' lengths, what is narrow about the target, or between"),
+}
+_CARRIED: dict[str, tuple[Draw, str]] = {
+    "six axes": (partial(bases.carried, bases.six_axes), "on an elbow robot of six axes, the same"),
+    "driven base": (partial(bases.carried, bases.driven), "on a base that drives and turns, the same"),
+    "rail": (partial(bases.carried, bases.railed), "on a rail, and rolled, the same"),
+}
 SCANNED_TRAPS = (
     *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
     *("door out", "door in", "door beside", "two doors", "cells", "cells pipe"),
@@ -143,7 +154,7 @@ def _traps() -> dict[str, tuple[Draw, str]]:
         f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()
     }
     judging = {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _JUDGING.items()}
-    return as_drawn | meshes | scans | _SMALL | judging
+    return as_drawn | meshes | scans | _SMALL | judging | _STAGED | _CARRIED
 
 
 def _families() -> dict[str, Family]:
@@ -151,7 +162,13 @@ def _families() -> dict[str, Family]:
     traps = _traps()
     families = {
         # The name is part of what the draws begin with.
-        name: Family(partial(settle, name, draw=draw), words, trap=name in traps, judging=name in _JUDGING)
+        name: Family(
+            partial(settle, name, draw=draw),
+            words,
+            trap=name in traps,
+            judging=name in _JUDGING,
+            joints=name in _CARRIED,
+        )
         for name, (draw, words) in (_DRAWN | scanned | traps).items()
     }
     for name, (made, words) in _PUBLISHED.items():

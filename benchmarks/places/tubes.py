@@ -173,40 +173,41 @@ FUNNEL_BEGINS, WIDENED, CONE = (0.3, 0.7), (1.5, 3.0), 0.25
 def two_tubes(robot: Robot, rng: Generator) -> Sketch:
     """Put the base into one tube and the target into another, with the open between."""
     radius, (near, far) = max(robot.radii), rng.uniform(*TUBE_WIDTH, 2)
-    q, curve = _tube_shape(robot, max(near, far), rng)
+    q, curve = tube_shape(robot, max(near, far), rng)
     last = len(curve.poses) - 1
     begin, end = round(rng.uniform(*GAP_BEGINS) * last), round(rng.uniform(*GAP_ENDS) * last)
     first = open_tube(backwards(curve.poses[: begin + 1], radius, rng), near * radius, (near + WALL) * radius)
-    within = _past(robot, q, curve.poses[end:], rng)
-    other = _around_target(within, far * radius, radius, rng)
+    within = past(robot, q, curve.poses[end:], rng)
+    other = around_target(within, far * radius, radius, rng)
     return sketch_of(robot, [solid(first, "base tube"), solid(other, "target tube")], q, rng)
 
 
 def funnel(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the target into a tube, open at both ends, whose mouth widens; the base is before it."""
     radius, width, widened = max(robot.radii), rng.uniform(*TUBE_WIDTH), rng.uniform(*WIDENED)
-    q, curve = _tube_shape(robot, width * widened, rng)
+    q, curve = tube_shape(robot, width * widened, rng)
     begin = round(rng.uniform(*FUNNEL_BEGINS) * (len(curve.poses) - 1))
-    poses = _past(robot, q, curve.poses[begin:], rng)
+    poses = past(robot, q, curve.poses[begin:], rng)
     share = np.linspace(0.0, 1.0, len(poses))
     inside = width * radius * (1.0 + (widened - 1.0) * np.clip(1.0 - share / CONE, 0.0, 1.0))
     return sketch_of(robot, [solid(widening_tube(poses, inside, inside + WALL * radius), "funnel")], q, rng)
 
 
-def _tube_shape(robot: Robot, width: float, rng: Generator) -> tuple[Floats, Curve]:
+def tube_shape(robot: Robot, width: float, rng: Generator) -> tuple[Floats, Curve]:
+    """Draw a shape with room for a tube of this width, in radii of the body; return its curve, too."""
     q = draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng)
     return q, curve_of(robot, q, RINGS)
 
 
-def _past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
-    """Go on beyond the tip, and beyond the tool."""
+def past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
+    """Return poses (m, 4, 4) that go on beyond the tip, and beyond the tool."""
     tool = line_of(robot, q).end - poses[-1, :3, 3]
     ahead = max(0.0, float(tool @ poses[-1, :3, 2]))
     return lengthened(poses, ahead + max(robot.radii) * rng.uniform(*PAST))
 
 
-def _around_target(poses: Floats, inside: float, radius: float, rng: Generator) -> Surface:
-    """The wall around frames (m, 4, 4) that the shape enters by the first one, closed at the last one or open."""
+def around_target(poses: Floats, inside: float, radius: float, rng: Generator) -> Surface:
+    """Return the wall about frames (m, 4, 4) that the shape enters by the first one; the last is closed or open."""
     if rng.random() >= BLIND:
         return open_tube(poses, inside, inside + WALL * radius)
     return open_tube(poses[::-1] @ FLIP, inside, inside + WALL * radius, bottom=True)

@@ -5,8 +5,11 @@ from abc import ABC, abstractmethod
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 from typing import NamedTuple
+
+import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.work_time import work_time
@@ -211,6 +214,39 @@ class AttemptQueue:
         if due > 0 and SCATTERED not in self.without:
             self.effort_spent[SCATTERED] += due
             yield self.restart_batch(due)
+
+
+class AttemptsBeyond:
+    """The same queue for attempts that make starts of what is left of a robot, beyond its first rows.
+
+    Parameters
+    ----------
+    queue : AttemptQueue
+    root : ndarray (k, 3)
+        How the first rows stand: starts get them in front.
+    later : float
+        What is added to the priority of each attempt.
+    """
+
+    def __init__(self, queue: AttemptQueue, root: Floats, later: float) -> None:
+        self._queue, self._root, self._later = queue, root, later
+        self.without = queue.without
+
+    def add(
+        self, name: str, priority: float, make: Callable[[], Iterator[StartBatch]], effort: float | None = None
+    ) -> None:
+        """Add an attempt, as `AttemptQueue.add` does."""
+        effort = priority if effort is None else effort
+        self._queue.add(name, self._later + priority, partial(self._whole, make), effort)
+
+    def restart_batch(self, count: int) -> StartBatch:
+        """Return the next so many scattered starts of the whole robot."""
+        return self._queue.restart_batch(count)
+
+    def _whole(self, make: Callable[[], Iterator[StartBatch]]) -> Iterator[StartBatch]:
+        for batch in make():
+            roots = np.broadcast_to(self._root, (len(batch.initial), *self._root.shape))
+            yield replace(batch, initial=np.concatenate([roots, batch.initial], axis=1), closed=None)
 
 
 ENOUGH = 1000

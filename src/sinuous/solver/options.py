@@ -19,7 +19,7 @@ TIME = 1.0
 UNBOUNDED = 2**62
 """Most starts of a solve where the user gives no bound: more than any time suffices for."""
 
-REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "side_tubes"
+REMEMBERED, SCATTERED, EDGES, SIDE_TUBES, ROOTS = "remembered", "scattered", "edges", "side_tubes", "roots"
 """Names of attempts that others have to know."""
 
 ATTEMPTS = {
@@ -33,6 +33,7 @@ ATTEMPTS = {
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "detours": "chains grown along routes that are led aside until they are as long as the robot",
     "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
+    ROOTS: "routes and chains from several places where the robot may begin to bend: with joints, or on a long stage",
     "passages": "routes through other passages; for `solve_all` those that no solution leads through yet",
 }
 """All attempts, by the names with which they are switched off, and what each makes."""

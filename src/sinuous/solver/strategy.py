@@ -31,12 +31,14 @@ from sinuous.methods.method import capabilities
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solver.attempts import AttemptQueue, IKQuery, RandomRestarts, StartBatch
-from sinuous.solver.options import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, SolveOptions
+from sinuous.solver.attempts import AttemptQueue, AttemptsBeyond, IKQuery, RandomRestarts, StartBatch
+from sinuous.solver.options import EDGES, REMEMBERED, ROOTS, SCATTERED, SIDE_TUBES, SolveOptions
+from sinuous.solver.polylines import respaced
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates, starts_along
-from sinuous.solver.routing.partial_chains import FIRST_WIDTH, LAST_WIDTH
+from sinuous.solver.routing.partial_chains import FIRST_WIDTH, LAST_WIDTH, segments_in
+from sinuous.solver.routing.roots import Root, Roots, leading_rows
 from sinuous.solver.routing.searches import CELLS, Searches, SearchPlan
 from sinuous.solver.shapes import NEAREST
 
@@ -71,6 +73,19 @@ branches, box duct)."""
 MOST_TERMINAL_POSE_SEARCHES, PRIORITY_TERMINAL_POSE = 3, 6
 """Most searches for a route to where the backbone may end, where a tool leaves that open; and the priority of the
 first, by which that of each following one is higher (two tubes)."""
+
+SCATTERED_BEFORE_ROOTS = 64
+"""Scattered starts of an arm with joints before any root is looked for (six axes, driven base, rail)."""
+
+PRIORITY_ROOTS_OF_STAGE, PRIORITY_BETWEEN_ROOTS, EFFORT_OF_A_ROOT = 8, 4, 4
+"""Priority of the first root where the whole robot has routes, too; by which that of each following one is higher; and
+the effort of each (stage, six axes)."""
+
+LED_BACK_WIDTHS = (4, 16, 64)
+"""Widths of the beams of chains from the target that say where the robot may begin to bend (six axes)."""
+
+ROUTE_POINTS = 256
+"""Points of a route from a root to the mouth of a narrow place and on."""
 
 PRIORITY_ALTERNATIVES = 20
 """Priority of the search for routes that differ (helix)."""
@@ -143,12 +158,12 @@ class Strategy:
     """
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions) -> None:
-        takes_routes = capabilities(options.method).routes and len(scene) > 0 and not robot.joints
+        takes_routes = capabilities(options.method).routes and len(scene) > 0 and len(robot.segments) > 0
         self._for_routes = (robot, scene, tolerance) if options.routes and takes_routes else None
         takes_memory = capabilities(options.method).initial and REMEMBERED not in options.without
         own = options.memory is not None and options.memory._serves(robot)  # a remedy's robot is another one
         self._memory = options.memory if takes_memory and own else None
-        self._segments, self._options = len(robot), options
+        self._segments, self._options, self._joints = len(robot), options, len(robot.joints) > 0
 
     @cached_property
     def searches(self) -> Searches | None:
@@ -162,7 +177,7 @@ class Strategy:
 
     def opening_starts(self, given: int) -> int:
         """How many starts the method makes by itself in the first call, after so many initial configurations."""
-        most = OPENING_ALONE if self._for_routes is None else OPENING
+        most = OPENING_ALONE if self._for_routes is None or self._joints else OPENING
         return max(0, min(self._options.most_starts, most) - given)
 
     def opening(self, question: IKQuery) -> StartBatch:
@@ -265,8 +280,70 @@ def attempts_of(
     attempts = AttemptQueue(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
     query = None if searches is None else searches.query(question.problem)
     if searches is not None and query is not None:
-        RouteAttempts(attempts, searches, question, query, passages)
+        joints = len(question.problem.robot.joints) > 0
+        routes = None if joints else RouteAttempts(attempts, searches, question, query, passages)
+        if leading_rows(segments_in(searches.groups(question.problem)[0])):
+            RootAttempts(attempts, searches, question, routes)
     return attempts
+
+
+class RootAttempts:
+    """Routes and chains from several roots: each root has the attempts of a robot that begins there.
+
+    Parameters
+    ----------
+    attempts : AttemptQueue
+        Where they are added.
+    searches : Searches
+    question : IKQuery
+    routes : RouteAttempts, optional
+        Those of the whole robot, which has no joints.
+    """
+
+    def __init__(
+        self, attempts: AttemptQueue, searches: Searches, question: IKQuery, routes: "RouteAttempts | None"
+    ) -> None:
+        self._attempts, self._searches, self._question, self._routes = attempts, searches, question, routes
+        self._roots = Roots(searches, question.problem, question.deadline)
+        self._found: Iterator[Root] | None = None
+        self._first = PRIORITY_AT_ONCE if routes is None else PRIORITY_ROOTS_OF_STAGE
+        if routes is None:
+            attempts.add(SCATTERED, PRIORITY_AT_ONCE, self._scattered_first, effort=0)
+        attempts.add(ROOTS, self._first, partial(self._begin, 0), EFFORT_OF_A_ROOT)
+
+    def _scattered_first(self) -> Iterator[StartBatch]:
+        yield self._attempts.restart_batch(SCATTERED_BEFORE_ROOTS)
+
+    def _begin(self, number: int) -> Iterator[StartBatch]:
+        """Add what is tried from the next root, and the root after it."""
+        if self._found is None:
+            self._found = self._roots.roots(None if self._routes is None else self._routes.first_route)
+        root = next(self._found, None)
+        if root is None:
+            return
+        later = self._first + number * PRIORITY_BETWEEN_ROOTS
+        searches = self._searches.at(root.chain)
+        query = searches.query(self._question.problem)
+        if query is not None:
+            beyond = AttemptsBeyond(self._attempts, root.chain, later)
+            origin = query[tables.QUERY_ORIGIN : tables.QUERY_ORIGIN + 3]
+            route = None if root.line is None else np.vstack([origin, root.line])
+            lead_back = partial(self._lead_back, root.chain, later)
+            RouteAttempts(beyond, searches, self._question, query, route=route, on_route=lead_back)
+        yield starts_along(self._roots.start_from(root.chain)[None], ())
+        self._attempts.add(ROOTS, later + PRIORITY_BETWEEN_ROOTS, partial(self._begin, number + 1), EFFORT_OF_A_ROOT)
+
+    def _lead_back(self, root: Floats, later: float, routes: "RouteCandidates", candidate: RouteCandidate) -> None:
+        """Add chains from the target along a route from a root, whose own ends are new roots, by wider beams."""
+
+        def make(width: int) -> Iterator[StartBatch]:
+            legs = routes.legs_of(candidate)
+            for start in () if legs is None else self._roots.led_back(root, legs, width):
+                yield starts_along(start[None], (candidate.route,))
+
+        for width in LED_BACK_WIDTHS:
+            effort = EFFORT_OF_A_GROWN_CHAIN * width
+            self._attempts.add(ROOTS, later + effort * candidate.weight, partial(make, width), effort)
 
 
 class RouteAttempts:
@@ -282,24 +359,38 @@ class RouteAttempts:
         What routes have to keep.
     passages : callable, optional
         See `Strategy.batches`.
+    route : ndarray (K, 3), optional
+        One that is known: others are searched for later.
+    on_route : callable, optional
+        What else is added for the first route of each search; then these are routes beyond a root.
     """
 
     def __init__(
         self,
-        attempts: AttemptQueue,
+        attempts: AttemptQueue | AttemptsBeyond,
         searches: Searches,
         question: IKQuery,
         query: Floats,
         passages: MakePassages | None = None,
+        route: Floats | None = None,
+        on_route: Callable[[RouteCandidates, RouteCandidate], None] | None = None,
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
         self._candidates = RouteCandidates(searches, question, query, attempts.without)
         self._passes = 0
         self._make_passages = passages
-        if passages is not None or not question.several:
+        self._on_route = on_route
+        if on_route is None and (passages is not None or not question.several):
             self._add_passage(frozenset(), 0)
-        self._add_first()
+        if route is not None:
+            self._add_routes([respaced(route, ROUTE_POINTS)], finest=False)
+        self._add_first(whole=on_route is None)
+
+    @property
+    def first_route(self) -> Floats | None:
+        """The first route (K, 3) that was found; `None` where none is."""
+        return self._candidates.known[0].route if self._candidates.known else None
 
     @cached_property
     def _passages(self) -> Passages:
@@ -309,11 +400,12 @@ class RouteAttempts:
         curves = RouteCurves(self._searches.robot, self._question.problem.scene, self._question.deadline)
         return Passages(self._searches, curves, self._question, self._candidates.query, solved=lambda curve: False)
 
-    def _add_first(self) -> None:
+    def _add_first(self, whole: bool) -> None:
         """Add what needs no route, and what finds routes."""
         if not self._question.several:
             self._attempts.add("base_tube", PRIORITY_AT_ONCE, self._candidates.chains_in_base_tube)
-        self._attempts.add(SCATTERED, PRIORITY_AT_ONCE, self._scattered_first, effort=0)
+        if whole:
+            self._attempts.add(SCATTERED, PRIORITY_AT_ONCE, self._scattered_first, effort=0)
         for name, find in (
             (EDGES, self._candidates.route_around_edges),
             (SIDE_TUBES, self._candidates.route_through_side_tubes),
@@ -411,6 +503,8 @@ class RouteAttempts:
             self._add_grown(noted[0])
             if not self._question.several:
                 self._add_detour(noted[0], first=0 if stowed else 3)
+            if self._on_route is not None:
+                self._on_route(self._candidates, noted[0])
         priority = min(BOTTLENECK_EFFORTS.values()) if stowed else PRIORITY_AT_ONCE
         self._attempts.add("laid", priority, partial(self._candidates.fitted_chains, routes), effort=0)
 

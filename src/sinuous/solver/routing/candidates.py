@@ -211,7 +211,7 @@ class RouteCandidates:
 
     def grown_chains(self, candidate: RouteCandidate, width: int) -> Iterator[StartBatch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
-        legs = self._legs_of(candidate)
+        legs = self.legs_of(candidate)
         if legs is None or self._deadline() <= 0.0:
             return
         yield self._nothing()
@@ -223,7 +223,7 @@ class RouteCandidates:
 
     def detour_chains(self, candidate: RouteCandidate, number: int) -> Iterator[StartBatch]:
         """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""
-        legs = self._legs_of(candidate)
+        legs = self.legs_of(candidate)
         longer = None if legs is None else lengthen_route(self._groups, legs, number, self._deadline)
         if longer is None or self._deadline() <= 0.0:
             return
@@ -235,7 +235,7 @@ class RouteCandidates:
 
     def bottleneck_chains(self, candidate: RouteCandidate, starts: int) -> Iterator[StartBatch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
-        legs = self._legs_of(candidate)
+        legs = self.legs_of(candidate)
         if legs is None or self._deadline() <= 0.0 or not candidate.clear:
             return
         if candidate.rank not in self._halves:
@@ -266,7 +266,7 @@ class RouteCandidates:
 
     def _nothing(self) -> StartBatch:
         """A batch without any start."""
-        return starts_along(np.empty((0, len(self._problem.robot), 3)), ())
+        return starts_along(np.empty((0, int(self._groups[0][0]), 3)), ())
 
     def _is_new(self, chain: Floats) -> bool:
         """Say whether a chain (n, 3) did not come before."""
@@ -275,7 +275,7 @@ class RouteCandidates:
         self._tried.add(key)
         return new
 
-    def _legs_of(self, candidate: RouteCandidate) -> Floats | None:
+    def legs_of(self, candidate: RouteCandidate) -> Floats | None:
         """Return the legs (l, K, 3) of a route from target to target; `None` where there is no route to one of them."""
         if candidate.rank not in self._legs:
             self._legs[candidate.rank] = self._made_legs(candidate)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
+from sinuous.kernels.tables import MAX_LENGTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes import MOUTH
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
@@ -177,6 +178,8 @@ class Searches:
     Attributes
     ----------
     robot : Robot
+    radius : float
+        Of the ball that routes are found for.
     coarse, middle, fine : SearchPlan
         The quickest searches with coarse cells, with smaller ones, and with fine ones.
     proves : bool
@@ -189,12 +192,21 @@ class Searches:
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self.robot, self._scene, self._tolerance = robot, scene, tolerance
         self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
-        self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, SharpWalls] | None = None
         self._about: tuple[Snapshot, bool] | None = None
+        self._root: Floats | None = None
+        self.radius = ball_radius(segments_in(self._group))
         self._longest = sum(segment.length[1] for segment in robot.segments)
-        self.coarse, self.middle, self.fine = _plans_of(self._radius, self._longest)
-        self.proves = min(robot.needed_radii) >= self._radius
+        self.coarse, self.middle, self.fine = _plans_of(self.radius, self._longest)
+        self.proves = min(robot.needed_radii) >= self.radius
+
+    def at(self, root: Floats) -> "Searches":
+        """Return the same for what is left of the robot, where the chain (k, 3) of its first rows ends."""
+        other, rest = copy(self), segments_in(self._group)[len(root) :]
+        other._root, other.radius, other._longest = root, ball_radius(rest), float(rest[:, MAX_LENGTH].sum())
+        other.coarse, other.middle, other.fine = _plans_of(other.radius, other._longest)
+        other.proves = False  # another root may be where there is a route
+        return other
 
     @property
     def single_plans(self) -> tuple[SearchPlan, ...]:
@@ -202,7 +214,7 @@ class Searches:
         few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
         edge = 2.0 * coarse.cell
-        first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
+        first = coarse._replace(cell=edge, clearance=_wide_enough(self.radius, edge))
         among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
         plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
@@ -228,7 +240,7 @@ class Searches:
             query,
             cell=plan.cell,
             clearance=plan.clearance,
-            free_margin=max(self._radius, 0.5 * plan.cell),
+            free_margin=max(self.radius, 0.5 * plan.cell),
             most_cells=plan.cells,
             prove=plan.prove and query[QUERY_SHORTEST] > (1.0 + ROUNDING) * query[QUERY_FREE_LENGTH],
         )
@@ -247,7 +259,7 @@ class Searches:
             query,
             cell=fine.cell,
             clearance=fine.clearance,
-            free_margin=max(self._radius, 0.5 * fine.cell),
+            free_margin=max(self.radius, 0.5 * fine.cell),
             most_cells=0,
             prove=False,
         )
@@ -272,7 +284,7 @@ class Searches:
         """Whether the base is enclosed by obstacles, looked at once a scene."""
         known = self._about
         if known is None or known[0] is not scene:
-            base, ahead = self.robot.base, self.robot.mount + AHEAD * self._radius
+            base, ahead = self.robot.base, self.robot.mount + AHEAD * self.radius
             places = np.tile(base[:3, 3] + ahead * base[:3, 2], (len(RAYS), 1))
             ways = RAYS / np.linalg.norm(RAYS, axis=1)[:, None] @ base[:3, :3].T
             met = RouteCurves(self.robot, scene).see(places, places + self._longest * ways, MET * self._longest).which
@@ -320,11 +332,13 @@ class Searches:
             if left <= 0.0:
                 break
             fits.append(fit_chain(groups, route, left))
-        return np.array(fits).reshape(-1, len(self.robot), 3)
+        return np.array(fits).reshape(-1, int(groups[0][0]), 3)
 
     def load(self, *, anew: bool = False) -> None:
         """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""
-        if anew or not Searches.loaded:
+        if self.robot.joints and self._root is None:
+            self.at(np.zeros((len(self.robot) - len(self.robot.segments), 3))).load(anew=anew)
+        elif anew or not Searches.loaded:
             Searches.loaded = True
             problem = Problem.prepared(self.robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
             query = self.query(problem)
@@ -335,7 +349,8 @@ class Searches:
             self.fit(problem, [line], lambda: 1.0)
             self.distances(problem, line)
             self.widths_across(problem, line)
-            groups, still = self.groups(problem), np.zeros((len(self.robot), 3))
+            groups = self.groups(problem)
+            still = np.zeros((int(groups[0][0]), 3))
             base = packing.robot_parts(groups[0]).base[None].copy()
             GrownChains(groups, line[None], base, FIRST_WIDTH, 1.0)
             lengthen_route(groups, np.linspace(line[0], line[1], LEG_POINTS)[None], 0, lambda: 0.0)
@@ -352,19 +367,20 @@ class Searches:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
         distances_along(
-            problem.scene._kernel_group, points, WIDE * max(self._radius, *self.robot.needed_radii), distances
+            problem.scene._kernel_group, points, WIDE * max(self.radius, *self.robot.needed_radii), distances
         )
         return distances
 
     def widths_across(self, problem: Problem, line: Floats) -> Floats:
         """Return the greatest distance (K,) from the obstacles across a line (K, 3); any beyond `WIDE` radii."""
         widths = np.empty(len(line))
-        widths_across(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, widths)
+        widths_across(problem.scene._kernel_group, line, self.radius, WIDE * self.radius, widths)
         return widths
 
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""
-        return self._group, problem.scene._kernel_group, self._settings, problem._rows
+        groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
+        return groups if self._root is None else problem_beyond(groups, self._root)
 
 
 def _wide_enough(radius: float, cell: float) -> float:

@@ -1,6 +1,8 @@
 """Meshes: what is a solid and what a shell, what is mended and said, files of every kind, and bad input."""
 
+import io
 import sys
+import zipfile
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
-from sinuous.scene import triangles
+from sinuous.scene import mesh_files, triangles
 from sinuous.scene.mesh import Mesh
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
@@ -180,6 +182,56 @@ def test_the_axis_that_is_up_is_turned_to_z(tmp_path: Path, kind: str) -> None:
     refused("up", lambda: Mesh.load(file, 1, up="x"), "y or z")  # type: ignore[arg-type]
 
 
+def model(text: str) -> bytes:
+    """A 3MF file with this model."""
+    link = f'<Relationship Target="/3D/3dmodel.model" Id="a" Type="{mesh_files.MODEL_PART}"/>'
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as parts:
+        parts.writestr("_rels/.rels", f"<Relationships>{link}</Relationships>")
+        parts.writestr("3D/3dmodel.model", text.replace("<model", f"<model xmlns='{mesh_files.MODEL[1:-1]}'"))
+    return file.getvalue()
+
+
+def test_3mf_is_built_as_it_says(tmp_path: Path) -> None:
+    """Against the reader of trimesh: components within components, placed and mirrored, and a unit."""
+    vertices, faces = cube()
+    points = "".join("<vertex x='{}' y='{}' z='{}'/>".format(*p) for p in vertices)
+    corners = "".join("<triangle v1='{}' v2='{}' v3='{}'/>".format(*f) for f in faces)
+    text = f"""<model unit='inch'><resources>
+    <object id='1'><mesh><vertices>{points}</vertices><triangles>{corners}</triangles></mesh></object>
+    <object id='2'><components><component objectid='1' transform='1 0 0 0 0 1 0 -1 0 3 0 0'/>
+    <component objectid='1' transform='-1 0 0 0 1 0 0 0 1 0 5 0'/></components></object></resources>
+    <build><item objectid='2' transform='0 1 0 -1 0 0 0 0 1 7 8 9'/><item objectid='1'/></build></model>"""
+    file = tmp_path / "part.3mf"
+    file.write_bytes(model(text))
+    mesh, expected = Mesh.load(file, 2.0), trimesh.load_scene(file).to_geometry()
+    assert mesh.defects[0] == "its unit is the inch; its lengths were multiplied by scale, and by nothing else"
+    assert volume(mesh) == pytest.approx(3 * 8.0)
+    gaps = np.linalg.norm(mesh.vertices[:, None] - 2.0 * expected.vertices, axis=-1)
+    assert gaps.min(axis=0).max() < 1e-12
+    assert gaps.min(axis=1).max() < 1e-12
+    whole = model(text)
+    for content, wanted in (
+        (whole[:200], "cannot be read: File is not a zip file"),
+        (model(text.replace("<item objectid='1'/>", "<item objectid='7'/>")), "cannot be read"),
+        (model(text.replace("objectid='1' transform='-1", "objectid='2' transform='-1")), "within themselves"),
+        (model(text.replace("v1='0'", "v1='99'")), "a vertex that is not there"),
+        (model(text.replace("<model", "<model requiredextensions='p'")), "requires the extensions p"),
+        (model("<model><build/></model>"), "builds no triangles"),
+    ):
+        file.write_bytes(content)
+        refused("file", lambda: Mesh.load(file, 1.0), wanted)
+
+
+def test_what_comments_say_of_units_and_axes_is_noted(tmp_path: Path) -> None:
+    for kind, line in (("obj", "# File units = millimeters"), ("ply", "comment up: y")):
+        text = trimesh.creation.box().export(file_type=kind, **({"encoding": "ascii"} if kind == "ply" else {}))
+        lines = (text if isinstance(text, str) else text.decode()).splitlines()
+        lines.insert(2, line)
+        (tmp_path / f"a.{kind}").write_text("\n".join(lines) + "\n")
+        assert "which changed nothing" in Mesh.load(tmp_path / f"a.{kind}", 1).defects[0]
+
+
 FACET = "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0\n endloop\nendfacet\n"
 
 
@@ -245,7 +297,7 @@ def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         return lambda: Mesh.load(file, scale)
 
     refused("file", lambda: Mesh.load(tmp_path / "none.stl", 1), "No such file")
-    refused("file", load("cube.step"), "ends in .stl, .ply, .obj, .glb")
+    refused("file", load("cube.step"), "ends in .stl, .ply, .obj, .3mf, .glb")
     for name in ("a.stl", "a.ply", "a.obj", "a.glb"):
         for content in (b"", b"This is no mesh\n", bytes(range(256))):
             refused("file", load(name, content))

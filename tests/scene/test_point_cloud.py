@@ -38,6 +38,17 @@ def test_the_cloud_keeps_its_own_points() -> None:
     np.testing.assert_array_equal(cloud.points, POINTS)
 
 
+def save_las(file: Path, record: Any = None, withheld: int = 0) -> None:
+    laspy = pytest.importorskip("laspy")
+    head = laspy.LasHeader(point_format=6)
+    head.scales, head.offsets = [1e-3] * 3, [1e3, -2e3, 3.0]
+    head.vlrs.extend([] if record is None else [record])
+    las = laspy.LasData(head)
+    las.x, las.y, las.z = POINTS.T
+    las.withheld = np.arange(20) < withheld
+    las.write(str(file))
+
+
 def save(folder: Path, kind: str) -> Path:
     file = folder / f"scan.{kind}"
     if kind == "npy":
@@ -45,6 +56,8 @@ def save(folder: Path, kind: str) -> Path:
     elif kind == "ply":
         trimesh = pytest.importorskip("trimesh")
         trimesh.PointCloud(POINTS).export(file)
+    elif kind in ("las", "laz"):
+        save_las(file)
     elif kind == "pcd":
         head = "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 20\nHEIGHT 1\nPOINTS 20\nDATA ascii\n"
         file.write_text(head + "".join(f"{x} {y} {z}\n" for x, y, z in POINTS.tolist()))
@@ -55,7 +68,7 @@ def save(folder: Path, kind: str) -> Path:
     return file
 
 
-@pytest.mark.parametrize("kind", ["ply", "pcd", "npy", "xyz", "txt", "csv"])
+@pytest.mark.parametrize("kind", ["ply", "pcd", "las", "laz", "npy", "xyz", "txt", "csv"])
 def test_files_of_every_kind(tmp_path: Path, kind: str) -> None:
     turn = random_rotation(np.random.default_rng(1))
     cloud = PointCloud.load(save(tmp_path, kind), 0.1, 1e-3, (1, 2, 3), turn, "scan")
@@ -105,7 +118,7 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
         ("a.npy", "no array", "^file: cannot be read: .*; expected "),
         ("a.ply", "no points", "^file: cannot be read: .*; expected "),
         ("a.pcd", "no points", r"a\.pcd: file: cannot be read: no PCD header; expected a PCD file, got .*"),
-        ("a.las", "", r"^file: expected a name that ends in \.ply"),
+        ("a.e57", "", r"^file: expected a name that ends in \.ply"),
     ):
         with pytest.raises(InputError, match=message):
             load(name, content)
@@ -152,6 +165,49 @@ def test_points_that_are_not_finite_are_dropped_where_asked(tmp_path: Path) -> N
     assert loaded.source is not None
     assert loaded.source.arguments["invalid"] == "drop"
     refused("points", lambda: PointCloud(np.full((2, 3), np.nan), 1.0, invalid="drop"), "at least one point")
+
+
+FEET = 'COMPD_CS["a",PROJCS["b",GEOGCS["c",UNIT["degree",0.0175]],UNIT["metre", 1]],VERT_CS["d",UNIT["foot",0.3048]]]'
+
+
+def test_las_files_say_units_and_what_is_withheld(tmp_path: Path) -> None:
+    known, file = pytest.importorskip("laspy").vlrs.known, tmp_path / "a.las"
+    save_las(file, known.WktCoordinateSystemVlr(FEET), withheld=2)
+    with pytest.warns(SuspiciousInput) as told:
+        points = PointCloud.load(file, 0.1).points
+    np.testing.assert_allclose(points, POINTS[2:] * (1.0, 1.0, 0.3048), atol=1e-9)
+    for each, wanted in zip(
+        told, ("2 withheld points", "its unit is 1 m", "z, the unit of which is 0.3048"), strict=True
+    ):
+        assert wanted in str(each.message)
+    keys = known.GeoKeyDirectoryVlr()
+    keys.geo_keys = [known.GeoKeyEntryStruct(id=1024, count=1, value_offset=2)]
+    keys.geo_keys_header.number_of_keys = 1
+    for record in (known.WktCoordinateSystemVlr('GEOGCS["c",UNIT["degree",0.0175]]'), keys):
+        save_las(file, record)
+        refused("file", lambda: PointCloud.load(file, 0.1), "degrees of longitude and latitude")
+    save_las(file)
+    whole = file.read_bytes()
+    for size in (0, 100, 300, len(whole) - 30 * 5, len(whole) - 1):
+        file.write_bytes(whole[:size])
+        refused("file", lambda: PointCloud.load(file, 0.1), "truncated" if size == len(whole) - 150 else "file")
+
+
+def test_organised_arrays_and_headers(tmp_path: Path) -> None:
+    named = np.zeros(20, [("t", "f8"), ("z", "f8"), ("y", "f8"), ("x", "f8")])
+    for i, axis in enumerate("xyz"):
+        named[axis] = POINTS[:, i]
+    for array in (POINTS.reshape(4, 5, 3), named):
+        np.save(tmp_path / "a.npy", array)
+        np.testing.assert_array_equal(PointCloud.load(tmp_path / "a.npy", 0.1).points, POINTS)
+    (tmp_path / "a.xyz").write_text("# units: mm\n" + "".join("{} {} {}\n".format(*p) for p in POINTS.tolist()))
+    with pytest.warns(SuspiciousInput, match="its header says UNITS=mm"):
+        PointCloud.load(tmp_path / "a.xyz", 0.1)
+    pcd = header("ascii").replace(b"VIEWPOINT 0", b"VIEWPOINT 4") + b"1 2 3 0 0 0 0 0\n" * 50
+    with pytest.warns(SuspiciousInput, match="its VIEWPOINT 4 0 0 1 0 0 0 changed nothing"):
+        parse_pcd(pcd, "a.pcd")
+    with pytest.raises(InputError, match=r"a\.pcd: POINTS: WIDTH x HEIGHT is 100"):
+        parse_pcd(pcd.replace(b"HEIGHT 1", b"HEIGHT 2"), "a.pcd")
 
 
 def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:

@@ -139,18 +139,18 @@ class Mesh(Obstacle):
         xyzw: Vector | None = None,
         up: Up | None = None,
     ) -> "Mesh":
-        """Read a mesh from an STL, PLY, OBJ, GLB or GLTF file; needs the extra `mesh`.
+        """Read a mesh from an STL, PLY, OBJ, GLB, GLTF or 3MF file; all but binary STL and 3MF need the extra `mesh`.
 
         A vertex p of the file comes to lie at `rotation @ (scale * p) + position`. Of several bodies in a file all are
         used, as they are placed in it. In GLB and GLTF files y is up and lengths are in metres, as their specification
-        says; they are turned so that z is up first, and `defects` says so.
+        says; they are turned so that z is up first, and `defects` says so, as it says the unit of a 3MF file.
 
         Parameters
         ----------
         file : path
         scale : float
-            Length unit of the scene over that of the file, like 0.001 for a file in mm and a robot in m: mesh files
-            do not say it.
+            Length unit of the scene over that of the file, like 0.001 for a file in mm and a robot in m: most mesh
+            files do not say it.
         position : array_like (3,), optional
             Where the origin of the file lies.
         rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
@@ -173,7 +173,10 @@ class Mesh(Obstacle):
         vertices, faces, notes = read_mesh(Path(file))
         upwards = up or ("y" if Path(file).suffix.lower() in Y_UP else "z")
         if up is None and upwards == "y":
-            notes.append("y is up in such a file, so it was turned to have z up; up: z leaves it as it stands")
+            notes.append(
+                "y is up in such a file, so it was turned to have z up; up: z leaves it as it stands; "
+                "its unit is the metre, and its lengths were multiplied by scale, and by nothing else"
+            )
         try:
             turned = vertices @ TO_Z_UP.T if upwards == "y" else vertices
             moved = placement.apply(checks.points("vertices", turned))

@@ -1,5 +1,6 @@
-"""Obstacles made of points: what a scanner or a depth camera sees, also in PLY, PCD, NPY and text files."""
+"""Obstacles made of points: what a scanner or a depth camera sees, also in PLY, PCD, LAS, NPY and text files."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Rows, Vector
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, warn_of
 from sinuous.base.text_tables import TableFormat, decode_table, read_table
 from sinuous.scene.body_points import Belongs
-from sinuous.scene.mesh_files import load_geometry
+from sinuous.scene.mesh_files import COMMENTS, load_geometry, said_of, said_of_file
 from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around, check_file
 
 Columns = Sequence[str] | Sequence[int]
@@ -125,12 +126,14 @@ class PointCloud(Obstacle):
         columns: Columns | None = None,
         invalid: Invalid = "refuse",
     ) -> "PointCloud":
-        """Read a cloud from a PLY (needs the extra `mesh`), PCD, NPY, XYZ, PTS, ASC, TXT, CSV or TSV file.
+        """Read a cloud from a file: PLY (extra `mesh`), PCD, LAS, LAZ (extra `las`), NPY, XYZ, PTS, ASC, TXT, CSV, TSV.
 
         A point p of the file comes to lie at `rotation @ (scale * p) + position`. A text has one point a line, between
         commas, semicolons, tabs or spaces. Where its first line (or the comment before the rows) has names, the columns
         `x`, `y`, `z` are read, wherever they stand; without names the first three. `#` starts a comment, a whole number
-        alone on a line counts the rows that follow, and decimals may have a comma. An NPY file has an array (m, 3).
+        alone on a line counts the rows that follow, and decimals may have a comma. An NPY file has an array (..., 3)
+        or fields x, y, z. Scales and offsets of a LAS file are applied, and its withheld points left out; its unit is
+        told in a warning, as is what other headers say that changed nothing.
 
         Parameters
         ----------
@@ -235,9 +238,12 @@ def parse_pcd(content: bytes, file: str) -> NDArray[Any]:
         _refuse(file, "DATA", "", kind, "one of " + ", ".join(DECODERS))
     points = _number(header, "POINTS", file)
     try:
+        _organised(header, points, file)
         layout = _layout(header, names)
         columns = DECODERS[kind](data, layout, points)
         return np.stack([columns[axis].reshape(points).astype(np.float64) for axis in "xyz"], axis=-1)
+    except InputError:
+        raise
     except (ValueError, KeyError, IndexError, TypeError) as error:
         _refuse(file, "DATA", "cannot be read", " ".join(str(error).split()), f"{points} points as the header says")
 
@@ -255,6 +261,16 @@ def _header(content: bytes, file: str) -> tuple[dict[str, list[str]], bytes]:
             entries[words[0].upper()] = words[1:] or [""]
         at = end + 1
     return entries, content[at:]
+
+
+def _organised(header: dict[str, list[str]], points: int, file: str) -> None:
+    """Refuse sizes that contradict each other, and say where a sensor stood if points are not as it saw them."""
+    width, height = (_number(header, key, file) if key in header else None for key in ("WIDTH", "HEIGHT"))
+    if width is not None and width * (height or 1) != points:
+        _refuse(file, "POINTS", f"WIDTH x HEIGHT is {width * (height or 1)}", points, "as many")
+    stood = " ".join(header.get("VIEWPOINT", []))
+    if stood and [float(x) for x in stood.split()] != [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]:
+        warn_of([f"{file}: its VIEWPOINT {stood} changed nothing: coordinates are as they stand"])
 
 
 def _number(header: dict[str, list[str]], key: str, file: str) -> int:
@@ -364,6 +380,7 @@ def read_points(file: Path, columns: Columns | None = None) -> NDArray[Any]:
 
 
 def _ply(file: Path) -> NDArray[Any]:
+    warn_of(f"{file}: {note}" for note in said_of_file(file, COMMENTS[".ply"]))
     bodies = load_geometry(file)
     return np.concatenate([np.zeros((0, 3)), *(np.asarray(body.vertices, np.float64) for body in bodies)])
 
@@ -371,16 +388,75 @@ def _ply(file: Path) -> NDArray[Any]:
 def _npy(file: Path) -> NDArray[Any]:
     try:
         with file.open("rb") as stream:
-            return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
+            array = np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
     except (ValueError, EOFError) as error:
         reason = " ".join(str(error).split())
         raise InputError("file", f"cannot be read: {reason}", str(file), "an NPY file of numbers") from None
+    if {"x", "y", "z"} <= set(array.dtype.names or ()):
+        return np.stack([array[axis].ravel() for axis in "xyz"], axis=-1)
+    return array.reshape(-1, 3) if array.ndim > 2 and array.shape[-1] == 3 else array
+
+
+METRES = {"9001": 1.0, "9002": 0.3048, "9003": 1200.0 / 3937.0}
+"""Metres in a unit of length, by its EPSG number: the metre, the foot, the survey foot."""
+
+GEOGRAPHIC, UNIT, UNIT_OF_HEIGHT = 1024, 3076, 4099
+"""Keys of GeoTIFF: what coordinates are (2: longitude and latitude), unit of x and y, and unit of z."""
+
+
+def _las(file: Path) -> NDArray[Any]:
+    """Points of a LAS or LAZ file, scaled and shifted as its header says, in its unit of x and y."""
+    laspy = checks.needed("laspy", "las", "file", str(file))
+    try:
+        las = laspy.read(str(file))
+        said, there = int(las.header.point_count), len(las.points)
+        points = np.stack([np.asarray(axis, np.float64) for axis in (las.x, las.y, las.z)], axis=-1)
+        kept = ~np.asarray(las.withheld, np.bool_)
+        flat, units = _units_of_las(las.header.vlrs)
+    except Exception as error:  # whatever a reader trips over, one in Rust included
+        reason = " ".join(str(error).split())[:100] or type(error).__name__
+        raise InputError("file", f"cannot be read: {reason}", str(file), "a LAS file") from None
+    if said != there:
+        raise InputError("file", f"truncated: its header says {said} points, and it has {there}", str(file), str(said))
+    if not flat:
+        problem = "x and y are degrees of longitude and latitude"
+        raise InputError("file", problem, str(file), "coordinates of a map projection, which are lengths")
+    notes = [f"{there - kept.sum()} withheld points were left out"] if not kept.all() else []
+    if units:
+        notes.append(f"its unit is {units[0]:.7g} m; numbers were multiplied by scale, and by nothing else")
+    if len(set(units)) > 1:
+        points[:, 2] *= units[1] / units[0]
+        notes.append(f"z, the unit of which is {units[1]:.7g} m, was brought into that of x and y")
+    warn_of(f"{file}: {note}" for note in notes)
+    return points[kept]
+
+
+def _units_of_las(records: Any) -> tuple[bool, list[float]]:
+    """Whether x and y are lengths, and the metres in their unit, and in that of z, where records of a LAS file say it.
+
+    In a text (WKT) the last unit is that of the projection; of a compound system, one for each part.
+    """
+    for record in records:
+        if record.record_id == 34735:
+            keys = {key.id: str(key.value_offset) for key in record.geo_keys}
+            units = [METRES[keys[key]] for key in (UNIT, UNIT_OF_HEIGHT) if keys.get(key) in METRES]
+            return keys.get(GEOGRAPHIC) != "2", units if keys.get(UNIT) in METRES else []
+        if record.record_id == 2112:
+            text = str(record.string)
+            system, _, height = re.sub(r"\s+", "", text).partition("VERT")
+            found = [re.findall(r'(?<![A-Z])(?:LENGTH)?UNIT\["[^"]*",([-+.0-9eE]+)', part) for part in (system, height)]
+            flat = re.search(r"\b(PROJ|LOCAL_|ENG)", system) is not None
+            return flat or "GEO" not in system, [float(each[-1]) for each in found if each] if flat else []
+    return True, []
 
 
 def _text(file: Path, columns: Columns | None) -> NDArray[Any]:
-    table, rows = read_table(decode_table(file.read_bytes()))
+    text = decode_table(file.read_bytes())
+    table, rows = read_table(text)
     if not rows:
         return np.zeros((0, 3))
+    head = text.splitlines()[: rows[0][0] - 1]
+    warn_of(f"{file}: {note}" for note in said_of("\n".join(head)))
     places = _places(table, columns) if table.names or columns else _first_three(table, rows)
     table.warn_of_units(places, file)
     return table.read(rows, places)
@@ -415,6 +491,8 @@ READERS: dict[str, Callable[[Path], NDArray[Any]]] = {
     ".ply": _ply,
     ".pcd": lambda file: parse_pcd(file.read_bytes(), str(file)),
     ".npy": _npy,
+    ".las": _las,
+    ".laz": _las,
 }
 
 TEXTS = (".xyz", ".txt", ".csv", ".pts", ".asc", ".tsv")

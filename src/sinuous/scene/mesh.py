@@ -16,7 +16,7 @@ from sinuous.base.frozen import text
 from sinuous.base.progress import estimated
 from sinuous.scene.mesh_files import Y_UP, read_mesh
 from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around
-from sinuous.scene.triangles import Integers, apart, cuts_itself, drop_unused, mend
+from sinuous.scene.triangles import Integers, apart, cuts_itself, drop_unused, mend, pieces
 
 TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """The turn by a quarter about x that brings y up to z."""
@@ -195,7 +195,8 @@ class Mesh(Obstacle):
         that needs no dividing, is a shell, or is to be stayed within, is returned as it is. The first part has
         all defects.
         """
-        groups = apart(self.vertices, self.faces) if self.watertight and not self.inside else []
+        whole = not self.watertight or self.inside or self.piece_count == 1
+        groups = [] if whole else apart(self.vertices, self.faces)
         if len(groups) < 2:
             return (self,)
         own = super().source
@@ -209,9 +210,14 @@ class Mesh(Obstacle):
         """Return a solid of some of the bodies; nothing of it is checked again."""
         vertices, used = drop_unused(self.vertices, faces)
         part = object.__new__(Mesh)
-        part._set(**{name: value for name, value in vars(self).items() if name != "_longest"})
+        part._set(**{name: value for name, value in vars(self).items() if name not in ("_longest", "piece_count")})
         part._set(_vertices=checks.closed(vertices), faces=checks.closed(used), _place=None, **told)
         return part
+
+    @cached_property
+    def piece_count(self) -> int:
+        """How many pieces it has that hang together."""
+        return int(pieces(vars(self)["_vertices"], self.faces).max()) + 1
 
     @property
     def together(self) -> int:

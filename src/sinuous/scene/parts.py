@@ -4,6 +4,7 @@ Triangles, balls and cubes are in the order in which the kernels search them, se
 """
 
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -24,7 +25,7 @@ from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.sampling import Progress
 from sinuous.scene.trees import enclose_in_order, tree_of_boxes
-from sinuous.scene.triangles import bodies_overlap, cross, sides_of
+from sinuous.scene.triangles import bodies_overlap, boxes_of, cross, sides_of
 
 
 def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
@@ -140,14 +141,18 @@ NO_NORMALS = np.empty((0, 21))
 
 def triangles(mesh: Mesh) -> Pieces:
     """Triangles of a mesh, with normals where it is watertight."""
-    corners = mesh.vertices[mesh.faces]
-    order, levels, nodes = tree_of_boxes(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
+    vertices, faces = mesh.vertices, mesh.faces
+    with ThreadPoolExecutor(1) as beside:  # NumPy works on large arrays without the interpreter's lock
+        normals = beside.submit(part_normals, vertices, faces) if mesh.watertight else None
+        corners = vertices[faces]
+        order, levels, nodes = tree_of_boxes(corners.mean(axis=1), *boxes_of(corners))
+        items = with_planes(corners[order])
     return Pieces(
         TRIANGLES,
         levels,
         nodes,
-        with_planes(corners[order]),
-        part_normals(mesh.vertices, mesh.faces)[order].reshape(-1, 21) if mesh.watertight else NO_NORMALS,
+        items,
+        NO_NORMALS if normals is None else normals.result()[order].reshape(-1, 21),
         sign=-1.0 if mesh.inside else 1.0,
         rounding=0.0 if mesh.watertight else 0.5 * mesh.thickness,
     )
@@ -411,6 +416,6 @@ def _check_sides(mesh: Mesh, part: Part, name: str) -> None:
     values = part.store[int(part.row[t.FIRST_SAMPLE]) :].reshape(part.row[t.SHAPE : t.SHAPE + 3].astype(int))
     jump = max(float(np.abs(np.diff(values, axis=axis)).max()) for axis in range(3))
     wrong = f"a distance that jumps by {jump:.3g}" if jump > part.row[t.SPACING] * (1.0 + 1e-6) else ""
-    wrong = "bodies that overlap" if bodies_overlap(mesh.vertices, mesh.faces) else wrong
+    wrong = "bodies that overlap" if mesh.piece_count > 1 and bodies_overlap(mesh.vertices, mesh.faces) else wrong
     if wrong:
         raise InputError(name, "cuts through itself", wrong, "its bodies one by one: mesh.bodies()")

@@ -541,11 +541,11 @@ class _Surface(NamedTuple):
         from sinuous.kernels.fields.triangle_pairs import gather_pairs  # noqa: PLC0415
 
         corners, touched = self.corners, set[int]()
-        own, *columns = tree
+        own, nodes, levels, faces, places, normals, tiny_of, body = tree
         last = min(first + SHARE, len(own))
         pairs = np.empty((ROOM_FOR_PAIRS * len(own) + 1, 3), np.int64)
         while first < last:
-            found = gather_pairs(*columns, int(same), first, last, pairs)
+            found = gather_pairs(nodes, levels, faces, places, normals, tiny_of, body, int(same), first, last, pairs)
             first = last if found >= 0 else -1 - found
             i, j, common = pairs[: found if found >= 0 else int((pairs[:, 0] < 0).argmax())].T
             i, j = own[i], own[j]

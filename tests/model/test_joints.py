@@ -184,7 +184,7 @@ def test_tendons_do_not_run_through_joints() -> None:
     q = np.array([[0.4, -0.2, 1.0]])
     whole = arm.with_joints(q, [0.5, -0.7])
     np.testing.assert_allclose(arm.to_actuators(whole), alone.to_actuators(q), atol=1e-15)
-    assert arm.undetermined == ("joint j1", "joint j2")
+    assert arm.undetermined == ("joint 'j1'", "joint 'j2'")
     assert not arm.notes
     again = arm.from_actuators(arm.to_actuators(whole), whole)
     np.testing.assert_allclose(again, whole, atol=1e-12)
@@ -231,3 +231,57 @@ def test_segments_are_locked_beside_joints() -> None:
     locked = ARM.locked({"s2": (0.1, 0.2, None), 1: (None, None, 1.0)})
     assert [segment.locked for segment in locked.segments] == [(None, None, 1.0), (0.1, 0.2, None)]
     refused("coordinates", lambda: ARM.locked({"roll": None}), "no segment is called 'roll'")
+
+
+LINKED = sn.Robot(
+    [sn.Segment(1.0), sn.Segment((0.5, 1.0))],
+    joints=[sn.Revolute(name="roll", limits=(-1, 1)), sn.Prismatic((1, 0, 0), (2, 3), name="feed", body=BODY)],
+)
+
+
+def test_numbers_count_segments_and_joints_have_names() -> None:
+    assert LINKED.segment_names == ("s1", "s2")
+    q = LINKED.with_joints([[0, 0, 1.0], [0, 0, 1.2]], [1.5, 1.75])
+    said = [(kind, which, round(amount, 12)) for kind, which, amount in LINKED.violations(q)]
+    assert sorted(said, key=str) == [("bend", "roll", 0.5), ("length", "feed", 0.25), ("length", 2, 0.2)]
+    held = {
+        (each.key, each.value, each.limit)
+        for each in LINKED.limit_set.sides(q)
+        if each.key.startswith("limits") and not each.fixed
+    }
+    assert held == {(f"limits[{i}]", *each) for i in (0, 1) for each in ((1.5, (-1, 1)[i]), (1.75, (2, 3)[i]))}
+    refused("segment", lambda: LINKED.jacobian(q, 3), "from 1 to 2")
+    np.testing.assert_array_equal(LINKED.jacobian(q, 2), LINKED.jacobian(q, "s2"))
+
+
+def test_clearances_are_those_of_segments_and_links_keep_the_least() -> None:
+    arm = LINKED.changed(clearance=[0.2, 0.1], self_clearance={"s2": 0.4}, uncertainty=sn.Uncertainty([0.03, 0.02]))
+    before = len(arm) - 2
+    np.testing.assert_allclose(np.subtract(arm.needed_radii, arm.radii), [0.12] * before + [0.23, 0.12])
+    np.testing.assert_allclose(np.subtract(arm.self_radii, arm.radii), [0.0] * before + [0.0, 0.2])
+    assert arm.clearance == (0.2, 0.1)
+
+
+def test_actuators_see_joints_first_then_segments() -> None:
+    rng = np.random.default_rng(3)
+    weights, gain = rng.normal(size=(3, 8)), np.array([2.0, -3.0, 1.0])
+    arm = LINKED.changed(actuators=sn.Actuators(weights, gain=gain, offset=[1.0, 0.0, -4.0]))
+    joints, q = np.array([0.4, 2.5]), np.array([[0.1, -0.3, 1.0], [0.2, 0.3, 0.7]])
+    wanted = gain * (weights @ [*joints, *q.ravel()]) + [1.0, 0.0, -4.0]
+    np.testing.assert_allclose(arm.to_actuators((joints, q)), wanted, atol=1e-12)
+    np.testing.assert_allclose(arm.actuator_jacobian((joints, q)), gain[:, None] * weights, atol=1e-12)
+    found = arm.from_actuators(wanted, (joints, q))
+    np.testing.assert_allclose(found, arm.with_joints(q, joints), atol=1e-12)
+    motor = LINKED.changed(actuators=sn.Actuators([[0, 1, *[0] * 6]], limits=(200, 300), gain=100.0, names=["m"]))
+    assert motor.excess(([0.0, 2.5], q)) == 0.0
+    assert motor.excess(([0.0, 3.25], q)) == pytest.approx(0.25)
+    refused("actuators", lambda: LINKED.changed(actuators=sn.Actuators(np.ones((1, 6)))), "8: one a joint")
+
+
+def test_velocities_and_lists_of_pairs_are_taken() -> None:
+    q = np.array([[0.1, 0.2, 1.0], [0.0, 0.1, 0.7]])
+    pairs = [(np.array([0.1, 2.2]), q), (np.array([0.2, 2.4]), q)]
+    both = np.stack([LINKED.with_joints(arcs, joints) for joints, arcs in pairs])
+    np.testing.assert_array_equal(LINKED.configuration("q", pairs), both)
+    moved = LINKED._one_velocity("velocity", ([0.1, 0.2], 0.0 * q))
+    np.testing.assert_allclose(moved, both[1] - both[0], atol=1e-15)

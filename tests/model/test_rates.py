@@ -75,3 +75,22 @@ def test_bad_rates_are_refused_in_a_line(make: object, words: str) -> None:
     with pytest.raises(sn.InputError) as caught:
         make()  # type: ignore[operator]
     assert str(caught.value).startswith(words)
+
+
+def test_joints_keep_the_stricter_of_their_own_rates_and_those_given() -> None:
+    roll = sn.Revolute(name="roll", rate=2.0, acceleration=3.0, body=[((0, 0, 0), (0, 0, 1), 0.1)])
+    arm = sn.Robot([sn.Segment(1.0)], joints=[roll, sn.Prismatic((1, 0, 0), (0, 1), name="feed", rate=0.5)])
+    rates = sn.Rates(bend=9.0, length=8.0, joint={"roll": 1.0, "feed": 0.7})
+    own, further = rates.spread(arm), rates.further(arm)
+    for spread, roll_most, feed_most, rest in ((own, 1.0, 0.5, (9.0, 8.0)), (further, 3.0, math.inf, (math.inf,) * 2)):
+        assert spread is not None
+        both = np.stack([spread.bend, spread.length], axis=1)
+        at = [*zip(arm._rigid.values.tolist(), np.minimum(arm._rigid.columns, 1).tolist(), strict=True)]
+        assert [both[place] for place in at] == [roll_most, feed_most]
+        assert tuple(both[-1]) == rest
+        assert np.isinf(both).sum() == both.size - np.isfinite([roll_most, feed_most, *rest]).sum()
+    assert (rates * 0.1).spread(arm).bend[arm._rigid.values[0]] == pytest.approx(0.1)
+    again = job_of(sn.Job(arm, sn.Target((0, 0, 2)), rates=rates).to_dict(), "").rates
+    assert again.equals(rates)
+    with pytest.raises(sn.InputError, match=r"joint: nothing is called 's1'"):
+        sn.Rates(joint={"s1": 1.0}).check(arm)

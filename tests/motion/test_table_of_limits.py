@@ -51,7 +51,19 @@ def stuck(kind: str) -> sn.Robot:
     return held
 
 
+def jointed(kind: str) -> sn.Robot:
+    """Segments on a roll and a feed, which have limits, rates and accelerations of their own."""
+    roll = sn.Revolute(limits=(-0.3, 0.4), rate=0.5, acceleration=1.0, name="roll")
+    feed = sn.Prismatic(limits=(-0.05, 0.02), rate=0.01, acceleration=0.03, name="feed")
+    own: sn.Robot = segments(kind).changed(joints=[roll, feed])
+    return own
+
+
+JOINTS = np.array([0.3, -0.04]), np.array([-0.25, 0.01])
+"""Values of the joints at the start, and far from it."""
+
 LIMITS: dict[str, Callable[[str], sn.Robot]] = {
+    "joint": jointed,
     "length": lambda kind: segments(kind, length=(0.08, 0.12)),
     "bend": lambda kind: segments(kind, max_bend=0.6),
     "curvature": lambda kind: segments(kind, length=(0.09, 0.11), max_curvature=6.0),
@@ -83,7 +95,7 @@ class Asked(NamedTuple):
 
 
 def went(motion: sn.Motion) -> Went:
-    return Went(motion.q, motion.times, motion.solved)
+    return Went(motion.configuration, motion.times, motion.solved)
 
 
 def tip_at(robot: sn.Robot, q: Floats) -> Floats:
@@ -100,34 +112,38 @@ def no_rates(asked: Asked) -> None:
         raise sn.InputError("rates", "unknown", asked.rates, "nothing: this has no time")
 
 
+def _accelerates(asked: Asked) -> bool:
+    return asked.rates is not None and asked.rates.further(asked.robot) is not None
+
+
 def solve(asked: Asked) -> Went:
     no_rates(asked)
     found = sn.solve(asked.robot, place(asked), initial=asked.start, time=1.0)
-    return Went(found.q[None] if found.solved else asked.start[None], np.zeros(1), found.solved)
+    return Went(found.configuration[None] if found.solved else asked.start[None], np.zeros(1), found.solved)
 
 
 def solve_many(asked: Asked) -> Went:
     no_rates(asked)
     found = sn.Solver(asked.robot, time=1.0).solve_many([place(asked)] * 2, initial=asked.start)
-    return Went(found.q[found.solved], np.zeros(int(found.solved.sum())), False)
+    return Went(found.configuration[found.solved], np.zeros(int(found.solved.sum())), False)
 
 
 def step(asked: Asked) -> Went:
     solver, q, dt = sn.Solver(asked.robot), [asked.start], 0.1
     far = 4.0 * (tip_at(asked.robot, asked.goal) - tip_at(asked.robot, asked.start))
-    velocity, more = np.zeros_like(asked.start), asked.rates is not None and asked.rates.acceleration is not None
+    velocity, more = np.zeros_like(asked.start), _accelerates(asked)
     for _ in range(8):
         made = solver.step(q[-1], far, dt, rates=asked.rates, velocity=velocity if more else None)
-        q, velocity = [*q, made.q], made.velocity
+        q, velocity = [*q, made.configuration], made.velocity
     return Went(np.array(q), dt * np.arange(float(len(q))), True)
 
 
 def within(asked: Asked) -> Went:
-    if asked.rates is not None and asked.rates.acceleration is not None:
+    if _accelerates(asked):
         raise sn.InputError("within", "changes have no acceleration", asked.rates, "rates * dt")
     rates = asked.rates or RATES
     found = sn.Solver(asked.robot).solve(place(asked), asked.start, within=rates * 0.5)
-    return Went(np.stack([asked.start, found.q]), np.array([0.0, 0.5]), found.status != "unproved")
+    return Went(np.stack([asked.start, found.configuration]), np.array([0.0, 0.5]), found.status != "unproved")
 
 
 def plan(asked: Asked) -> Went:
@@ -183,8 +199,9 @@ VERBS: dict[str, Callable[[Asked], Went]] = {
 
 def asked_of(kind: str, limit: str) -> Asked:
     robot = LIMITS[limit](kind)
-    start, far = robot.clamp(START), robot.clamp(FAR)
-    rates = {"rate": RATES, "acceleration": ACCELERATIONS}.get(limit)
+    start, far = (START, FAR) if not robot.joints else map(robot.with_joints, (START, FAR), JOINTS)
+    start, far = robot.clamp(start), robot.clamp(far)
+    rates = {"rate": RATES, "acceleration": ACCELERATIONS, "joint": RATES}.get(limit)
     return Asked(robot, start, start + (0.4 if kind == "loaded" else 0.97) * (far - start), rates)
 
 
@@ -203,6 +220,9 @@ def excesses(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
 
 
 def _of_shape(robot: sn.Robot, q: Floats, unit: float) -> Iterator[tuple[str, float, float]]:
+    joints, q = robot.split(q)
+    for joint, value in zip(robot.joints, joints.tolist(), strict=True):
+        yield "joint", max(joint.limits[0] - value, value - joint.limits[1]), unit
     for k, segment in enumerate(robot.segments):
         bend, length = float(np.linalg.norm(q[k, :2])), float(q[k, 2])
         least, most = segment.length
@@ -235,7 +255,13 @@ def _pulled(robot: sn.Robot, one: Floats, other: Floats) -> float:
 def speeds(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
     """Yield by how much rates, and accelerations from knot to knot, are exceeded, relative to themselves."""
     assert asked.rates is not None
-    moved = np.diff(way.q, axis=0) / np.diff(way.times)[:, None, None]
+    joints, arcs = asked.robot.split(way.q)
+    moved, times = np.diff(arcs, axis=0) / np.diff(way.times)[:, None, None], np.diff(way.times)
+    turning = np.diff(joints, axis=0) / times[:, None]
+    faster = np.abs(np.diff(turning, axis=0)) / (0.5 * (times[1:] + times[:-1]))[:, None]
+    for i, joint in enumerate(asked.robot.joints):
+        yield "rate of a joint", float(np.abs(turning[:, i]).max(initial=0.0)) / joint.rate - 1.0
+        yield "acceleration", float(faster[:, i].max(initial=0.0)) / joint.acceleration - 1.0
     assert isinstance(asked.rates.bend, float)
     assert isinstance(asked.rates.length, float)
     yield "rate of bends", float(np.hypot(moved[..., 0], moved[..., 1]).max(initial=0.0)) / asked.rates.bend - 1.0
@@ -243,7 +269,6 @@ def speeds(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
     further = asked.rates.acceleration
     if further is not None:
         assert isinstance(further.bend, float)
-        times = np.diff(way.times)
         changes = np.diff(moved, axis=0) / (0.5 * (times[1:] + times[:-1]))[:, None, None]
         yield "acceleration", float(np.hypot(changes[..., 0], changes[..., 1]).max(initial=0.0)) / further.bend - 1.0
 

@@ -155,9 +155,8 @@ def drawn(robot: sn.Robot, rng: np.random.Generator) -> Floats:
         q[k, 2] = rng.uniform(*row.length)
         if not row.rigid:
             q[k, :2] = rng.uniform(-1.0, 1.0, 2)
-    for joint, k, column, shift in zip(
-        [each for each in robot.joints if not isinstance(each, Fixed)], *robot._rigid[1:], strict=True
-    ):
+    rigid = robot._rigid
+    for joint, k, column, shift in zip(rigid.moving, rigid.values, rigid.columns, rigid.shifts, strict=True):
         q[k, column] = rng.uniform(*joint.limits) + shift
     return q
 
@@ -175,13 +174,15 @@ def test_poses_are_those_of_screws_and_arcs(name: str) -> None:
 def test_jacobians_are_differences_of_poses(name: str) -> None:
     robot, rng = made(name), rng_of(name)
     q, h = drawn(robot, rng), 1e-6
-    jacobian = robot.jacobian(q)
-    for k, column in zip(robot._rigid.values, robot._rigid.columns, strict=True):
-        more, less = q.copy(), q.copy()
-        more[k, column] += h
-        less[k, column] -= h
-        change = (robot.tip(more) - robot.tip(less)) / (2.0 * h)
-        np.testing.assert_allclose(jacobian[3:, 3 * k + column], change[:3, 3], atol=1e-6 * max(1.0, robot.longest))
+    joints, arcs = robot.split(q)
+    jacobian, values = robot.jacobian(arcs, joints=joints), np.concatenate([joints, arcs.ravel()])
+    np.testing.assert_array_equal(jacobian, robot.jacobian(q))
+    for i, column in enumerate(jacobian.T):
+        ends = []
+        for step in (h, -h):
+            moved = values + step * (np.arange(len(values)) == i)
+            ends.append(robot.tip(moved[len(joints) :].reshape(-1, 3), moved[: len(joints)])[:3, 3])
+        np.testing.assert_allclose(column[3:], (ends[0] - ends[1]) / (2.0 * h), atol=1e-6 * max(1.0, robot.longest))
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -406,3 +407,38 @@ def test_print_shows_joints_by_name() -> None:
     robot = bronchoscope()
     shown = str(sn.solve(robot, sn.Target(links_of(robot, full(robot, (0.4, 20.0)))[1][:3, 3])))
     assert re.search(r"\n  joints +roll=\S+  feed=\S+\n  q ", shown)
+
+
+def test_what_holds_back_has_the_name_of_its_joint_or_link() -> None:
+    reach = sn.Target((0.0, 0.0, 140.0))
+    held = sn.solve(bronchoscope(), reach, time=0.3)
+    assert "joint 'feed': at its limit of 60" in str(held.explain(0.5))
+    assert any(each.change == "limits of joint 'feed'" for each in held.explain(1.0).remedies)
+    shaft = sn.Box((0.0, 0.0, -8.0), (4.0, 4.0, 4.0))
+    start = [0.1, 0.0], [[0.1, 0.0, 20.0]] * 3
+    blocked = sn.Motion(bronchoscope(), [start, ([0.2, 5.0], start[1])], [shaft])
+    assert str(blocked.worst).startswith("step 1, at time 0.25: link 'feed' lacks")
+    assert blocked.worst is not None
+    assert blocked.worst.segment == "feed"
+    found = blocked.verify()[-1]
+    assert found.segment == "feed"
+    assert found.place is not None
+    assert found.place.segment == "feed"
+    said = sn.plan(bronchoscope(), ([9.0, 0.0], start[1]), start).worst
+    assert str(said).startswith("joint 'roll' is 6 beyond its limit")
+
+
+def test_targets_of_segments_count_segments() -> None:
+    robot = bronchoscope()
+    joints, q = [0.3, 10.0], np.array([[0.3, 0.1, 20.0], [0.2, -0.4, 19.0], [0.1, 0.2, 21.0]])
+    targets = [sn.Target(robot.forward(q, joints)[k - 4, :3, 3], segment=k) for k in (1, 2)]
+    for found in (sn.solve(robot, targets), sn.solve(robot, [targets[0], targets[1].changed(segment="s2")])):
+        assert found.solved
+        assert found.verify().ok
+        for k in (1, 2):
+            miss = robot.forward(found.q, found.joints)[k - 4, :3, 3] - targets[k - 1].position
+            assert np.linalg.norm(miss) <= 1e-4 * robot.mean_length * 1.001
+    many = sn.Solver(robot).solve_many([targets] * 2)
+    assert many.solved.all()
+    step = sn.Solver(robot).step((joints, q), target=targets, dt=0.1)
+    np.testing.assert_allclose(step.configuration, robot.with_joints(q, joints), atol=1e-9)

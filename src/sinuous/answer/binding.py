@@ -20,12 +20,13 @@ from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import listed, number, segments
+from sinuous.base.words import labelled, listed, number, one_of_body
 from sinuous.measures.body_place import BodyPlace
 from sinuous.model.actuation import Actuator
 from sinuous.model.least_distance import nonnegative_least_squares
 from sinuous.model.limits import Limit, normal
 from sinuous.model.rates import Changes
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 
 ACTIVE = 1e-6
@@ -65,8 +66,8 @@ class Binding(ShortRepr):
     constraint : str
         `length`, `bend`, `curvature`, `actuator`, `clearance` of an obstacle, or `self_clearance`; with `within` also
         `length_rate`, `bend_rate` or `actuator_rate`.
-    segment : int or None
-        1 = first.
+    segment : int, str or None
+        1 = first; or the name of a joint, or of the one whose link it is.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     value, limit : float
@@ -76,7 +77,7 @@ class Binding(ShortRepr):
         Name of the tendon or chamber, for `actuator` and `actuator_rate`: `s1.t2`.
     key : str or None
         What the problem file calls the limit: `max_bend`, `length[1]` (the upper end), `rates.bend`.
-    other_segment : int or None
+    other_segment : int, str or None
         The segment that it touches, for `self_clearance`.
     fixed : bool
         Whether the limit leaves no choice: of a segment that cannot stretch, the length.
@@ -89,27 +90,30 @@ class Binding(ShortRepr):
     """
 
     constraint: Constraint
-    segment: int | None
+    segment: int | str | None
     obstacle: str | None
     value: float
     limit: float
     actuator: str | None = None
     key: str | None = None
-    other_segment: int | None = None
+    other_segment: int | str | None = None
     fixed: bool = False
     inside: bool = False
     motor: Actuator | None = None
     place: BodyPlace | None = None
 
     @classmethod
-    def of(cls, met: Limit | Contact) -> "Binding":
+    def of(cls, met: Limit | Contact, robot: Robot) -> "Binding":
         """Make it of a limit or a contact."""
+        label = robot.labels[met.segment - 1]
         if isinstance(met, Limit):
-            own = met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key
+            own = met.constraint, label, None, met.value, met.limit, met.actuator, met.key
             return cls(*own, fixed=met.fixed, motor=met.motor)
-        kind: Constraint = "clearance" if met.other_segment is None else "self_clearance"
-        there = kind, met.segment, met.obstacle, met.clearance + met.demanded, met.demanded
-        return cls(*there, other_segment=met.other_segment, inside=met.inside, place=met.place)
+        other = None if met.other_segment is None else robot.labels[met.other_segment - 1]
+        kind: Constraint = "clearance" if other is None else "self_clearance"
+        there = kind, label, met.obstacle, met.clearance + met.demanded, met.demanded
+        place = None if met.place is None else met.place.on_robot(robot.labels, np.ones(len(robot)))
+        return cls(*there, other_segment=other, inside=met.inside, place=place)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
@@ -155,7 +159,7 @@ def nearest_limits(problem: Problem, q: Floats, count: int = 3) -> tuple[Binding
             name = limit.constraint, limit.segment, limit.actuator, limit.key
             left[name] = min(left.get(name, (share, limit)), (share, limit), key=lambda pair: pair[0])
     nearest = sorted(left.values(), key=lambda pair: pair[0])[:count]
-    return tuple(Binding.of(limit) for _, limit in nearest)
+    return tuple(Binding.of(limit, problem.robot) for _, limit in nearest)
 
 
 def _balanced(problem: Problem, q: Floats, touched: list[Contact], limits: list[Limit]) -> tuple[Binding, ...]:
@@ -177,7 +181,7 @@ def _balanced(problem: Problem, q: Floats, touched: list[Contact], limits: list[
         forces = _multipliers(pull, [*contacts, *walls], free)
         if forces or first:
             break
-    return _ranked([*((math.inf, each) for each in first), *forces], touched)
+    return _ranked([*((math.inf, each) for each in first), *forces], touched, robot)
 
 
 def _multipliers(pull: Floats, forces: Sequence[_Force], free: Floats) -> list[tuple[float, Limit | Contact]]:
@@ -202,7 +206,9 @@ def _multipliers(pull: Floats, forces: Sequence[_Force], free: Floats) -> list[t
     return [(float(force), each.met) for force, each in zip(shared, kept, strict=True) if force > least]
 
 
-def _ranked(forces: Iterable[tuple[float, Limit | Contact]], touched: Iterable[Contact]) -> tuple[Binding, ...]:
+def _ranked(
+    forces: Iterable[tuple[float, Limit | Contact]], touched: Iterable[Contact], robot: Robot
+) -> tuple[Binding, ...]:
     """Bindings by the sums of their forces, strongest first; every limit once, and every obstacle where it is deepest.
 
     `touched` are all contacts, deepest first.
@@ -215,7 +221,13 @@ def _ranked(forces: Iterable[tuple[float, Limit | Contact]], touched: Iterable[C
         name = _identity(met)
         sums[name] = sums.get(name, 0.0) + force
         known.setdefault(name, met)
-    return tuple(Binding.of(known[name]) for name in sorted(sums, key=lambda name: -sums[name]))
+    named = sorted(sums, key=lambda name: -sums[name])
+    return tuple(Binding.of(known[name], robot) for name in named if not _is_rigid(known[name], robot))
+
+
+def _is_rigid(met: Limit | Contact, robot: Robot) -> bool:
+    """Whether it is what makes a row of a configuration a joint or a link, which nobody calls a limit."""
+    return isinstance(met, Limit) and met.fixed and robot.rows[met.segment - 1].rigid
 
 
 def _identity(met: Limit | Contact) -> tuple[Any, ...]:
@@ -233,13 +245,18 @@ def _size(limit: Limit, unit: float) -> float:
 def in_words(binding: Iterable[Binding], count: int, values: bool = False) -> list[str]:
     """Name what holds a configuration back, in the same order: `bend of segments 1 and 2`, `displacement of s1.t4`.
 
+    A limit of a joint is the joint alone: `joint 'roll'`.
+
     Segments and actuators with the same limit are named together; `count` is the number of the robot's segments. With
     `values` it is also said what there is, and what is allowed.
     """
     groups: dict[tuple[str, str], list[Binding]] = {}
     for each in binding:
         groups.setdefault((_what(each), _measured(each) if values else ""), []).append(each)
-    return [f"{what}{_whose(own, count)}{': ' if values else ''}{measured}" for (what, measured), own in groups.items()]
+    return [
+        f"{' of '.join(filter(None, (what, _whose(own, count))))}{': ' if values else ''}{measured}"
+        for (what, measured), own in groups.items()
+    ]
 
 
 def _what(binding: Binding) -> str:
@@ -247,12 +264,13 @@ def _what(binding: Binding) -> str:
     if binding.obstacle is not None:
         return binding.obstacle
     if binding.other_segment is not None:
-        whom = "itself" if binding.other_segment == binding.segment else f"segment {binding.other_segment}"
-        return f"segment {binding.segment} touches {whom}"
+        whom = "itself" if binding.other_segment == binding.segment else one_of_body(binding.other_segment)
+        return f"{one_of_body(binding.segment)} touches {whom}"
+    of_joint = isinstance(binding.segment, str) and binding.actuator is None
     if binding.constraint in RATES:
-        return RATES[binding.constraint]
-    if binding.key == "plane":
-        return "bend across the plane"
+        return "change" if of_joint else RATES[binding.constraint]
+    if of_joint or binding.key == "plane":
+        return "" if of_joint else "bend across the plane"
     if binding.actuator is not None and binding.key is not None:
         name = binding.key.partition("[")[0]
         return "value" if name.endswith(".limits") or binding.motor else name.rpartition(".")[2]
@@ -264,14 +282,14 @@ def _whose(own: list[Binding], count: int) -> str:
     if own[0].obstacle is not None or own[0].other_segment is not None:
         return ""
     if own[0].actuator is not None:
-        return f" of {listed(sorted(each.actuator or '' for each in own))}"
-    return f" of {segments(sorted({each.segment or 0 for each in own}), count)}"
+        return listed(sorted(each.actuator or "" for each in own))
+    return labelled(dict.fromkeys(each.segment or 0 for each in own), count)
 
 
 def _away(binding: Binding) -> str:
     """How far the body is from the obstacle, or how deep in it."""
     value, limit = binding.value, binding.limit
-    where = "the body" if binding.segment is None else f"segment {binding.segment}"
+    where = one_of_body(binding.segment)
     if value < 0.0:
         return f"{where} is {number(-value)} {'outside it' if binding.inside else 'deep in it'}"
     if limit == 0.0:

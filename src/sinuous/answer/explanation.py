@@ -104,7 +104,7 @@ def explain(case: Case, sentence: str, end: float, seconds: float) -> Explanatio
 
     `seconds`: how much time that was, from the beginning.
     """
-    own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
+    own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot.segments)
     if case.status is Status.SOLVED:
         return Explanation(*own, nearest_limits(case.problem, case.q), (), "", True, count)
     if isinstance(case.resolver, UnknownOptions):

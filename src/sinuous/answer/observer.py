@@ -99,10 +99,8 @@ def update_observer(
 
 def correct_targets(robot: Robot, target: Target, observed: Observed) -> Target:
     """The target for the model with which the real place meets `target`."""
-    n = len(robot)
-    segment = n if target.segment is None else target.segment
     ends = np.cumsum(observed.past[-1][:, 2])
-    share = float(ends[segment - 1] / ends[-1]) if ends[-1] > 0.0 else 1.0
+    share = float(ends[robot.end_row(target.segment) - 1] / ends[-1]) if ends[-1] > 0.0 else 1.0
     back = rotation_of(-share * observed.turn)
     return Target(
         None if target.position is None else target.position - observed.shift_at(share),

@@ -20,7 +20,7 @@ from sinuous.answer.trials import Case, Trials
 from sinuous.answer.worst import contacts_of
 from sinuous.base.checks import Floats
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import degrees, listed, number, rounded, rounded_up, segments
+from sinuous.base.words import degrees, labelled, listed, number, rounded, rounded_up
 from sinuous.model.actuators import Actuators
 from sinuous.model.joints import RigidRow, joints_with
 from sinuous.model.robot import Robot
@@ -37,10 +37,13 @@ FROM_NOTHING = 0.1
 COUPLED = "actuators.limits"
 """What the problem file calls limits of the robot's `Actuators`; all others are limits of segments."""
 
+JOINT = "limits"
+"""The same of limits of joints."""
+
 HELD = ("plane", "locked")
 """What holds a bend whatever its limits are."""
 
-OF_ANY_SIGN = ("max_bend", "tendons.displacement", "tendons.limits", "chambers.limits", COUPLED)
+OF_ANY_SIGN = ("max_bend", "tendons.displacement", "tendons.limits", "chambers.limits", COUPLED, JOINT)
 """Limits that may be negative."""
 
 Limits = float | tuple[float, float]
@@ -54,7 +57,7 @@ class Widening(NamedTuple):
     key : str
         What the problem file calls it.
     shared : tuple of int
-        Numbers of the segments, 1 = first; of `Actuators` of the rows, 0 = first.
+        Numbers of the rows of the robot, 1 = first; of `Actuators` of the rows, 0 = first.
     limits : float or (float, float)
         As they are.
     ends : frozenset of int
@@ -79,9 +82,7 @@ class Widening(NamedTuple):
         """What is widened: `max_bend of all segments`, `actuators.limits of pan and tilt`."""
         if self.key == COUPLED:
             return f"{self.key} of {listed(_linear(robot).names[i] for i in self.shared)}"
-        if robot.rows[self.shared[0] - 1].rigid:
-            return f"limits of {listed(robot.segment_names[place - 1] for place in self.shared)}"
-        return f"{self.key} of {segments(self.shared, len(robot))}"
+        return f"{self.key} of {labelled([robot.labels[place - 1] for place in self.shared], len(robot.segments))}"
 
     def by(self, amount: float) -> Limits:
         """The limits, wider by this much."""
@@ -109,7 +110,11 @@ def widenings(robot: Robot, binding: tuple[Binding, ...]) -> list[Widening]:
     for each in binding:
         if each.key is not None and each.segment is not None:
             key, _, end = each.key.partition("[")
-            place = _linear(robot).names.index(each.actuator) if key == COUPLED and each.actuator else each.segment
+            place = (
+                _linear(robot).names.index(each.actuator)
+                if key == COUPLED and each.actuator
+                else robot.end_row(each.segment)
+            )
             limits = limits_of(robot, key, place)
             if limits is not None:
                 ends.setdefault((key, limits), set()).add(int(end[0]) if end else 0)
@@ -123,7 +128,7 @@ def widenings(robot: Robot, binding: tuple[Binding, ...]) -> list[Widening]:
 
 
 def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
-    """Return the limits that a problem file calls `key`, of a segment (1 = first) or a row of `Actuators` (0 = first).
+    """Return the limits that a problem file calls `key`, of a row of a robot (1 = first) or of `Actuators` (0 = first).
 
     `None` where there are none; also of `radius`, which limits the curvature, of a plane, and of segments that are
     locked: there is no limit that could be wider.
@@ -132,7 +137,9 @@ def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
         return _linear(robot).limits[place]
     group, _, name = key.rpartition(".")
     segment = robot.rows[place - 1]
-    if isinstance(segment, RigidRow) and not segment.is_limited_by(key):
+    if isinstance(segment, RigidRow):
+        return robot._rigid.moving[segment.joint].limits if key == JOINT and segment.joint >= 0 else None
+    if key == JOINT:
         return None
     owner = getattr(segment, group) if group else segment
     if owner is None or key in OF_THICKNESS or key in HELD or segment.locked is not None:
@@ -480,7 +487,8 @@ def _change_to(key: str, before: Floats, end: Floats) -> Floats:
 def _end(problem: Problem, q: Floats) -> Floats:
     """Pose (4, 4) of the end that the first target speaks of."""
     robot, segment = problem.robot, problem.targets[0].segment
-    return robot.tip(q) if segment in (None, len(robot)) else robot.forward(q)[segment - 1]
+    end = robot.end_row(segment)
+    return robot.tip(q) if end == len(robot) else robot.forward(q)[end - 1]
 
 
 def _with(problem: Problem, **values: Any) -> Problem:

@@ -44,8 +44,8 @@ def residual_of(problem: Problem, q: Floats) -> Residual:
     poses, unit = robot.forward(q), robot.mean_length
     rows, missing, position_error, angle_error = [], [], 0.0, 0.0
     for target in problem.targets:
-        last = len(robot) if target.segment is None else target.segment
-        jacobian = robot.jacobian(q, last)
+        last = robot.end_row(target.segment)
+        jacobian = robot._row_jacobian(q, last)
         pose = poses[-1] @ robot.tool if last == len(robot) else poses[last - 1]
         if target.position is not None:
             away = target.position - pose[:3, 3]

@@ -313,9 +313,10 @@ class Solution(NotebookMixin):
 
     def _find_worst(self) -> Worst:
         """Of a robot under load what its body misses, by segments of the robot."""
-        problem = self.problem
-        if not problem.robot.has_external_load or self.shape is None:
-            return find_worst(problem, self.configuration, self.status in _OVERLAPS)
+        problem, robot = self.problem, self.problem.robot
+        if not robot.has_external_load or self.shape is None:
+            asked = ask_body(robot, self.configuration, ())
+            return find_worst(problem, self.configuration, self.status in _OVERLAPS).on_robot(asked)
         asked = ask_body(problem.robot, self.configuration, problem.targets)
         body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
         return find_worst(body, asked.arcs, self.status in _OVERLAPS).on_robot(asked)
@@ -345,7 +346,7 @@ class Solution(NotebookMixin):
         limits = [each for each in held if each.key is not None]
         if not limits:
             return self.status.sentence
-        return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot)))}"
+        return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot.segments)))}"
 
     def explain(self, time: Number = 2.0) -> Explanation:
         """Say why it ended like this, and what would help.

@@ -283,4 +283,4 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     def __repr__(self) -> str:
         counts = Counter(map(str, self.status.tolist()))
         told = ", ".join(f"{count:,} {status}" for status, count in counts.most_common())
-        return f"Solutions: {len(self):,} of {len(self._problems.robot)} segments{': ' if told else ''}{told}"
+        return f"Solutions: {len(self):,} of {len(self._problems.robot.segments)} segments{': ' if told else ''}{told}"

@@ -205,14 +205,14 @@ def target_in(problem: Problem) -> Reason | None:
     found: list[Reason] = []
     for target in problem.targets:
         if target.position is not None:
-            last = len(robot) if target.segment is None else target.segment
+            last = robot.end_row(target.segment)
             place, loose = backbone_end(robot, target, last, tolerance.angle)
             room = room_at(place, problem.scene)
             available = room.distance + loose + (tolerance.position or 0.0)
             inside = _is_inside(problem, room.obstacle)
             own = robot.needed_radii[last - 1], available, room.obstacle
             clearance = robot.needed_radii[last - 1] - robot.radii[last - 1]
-            there = BodyPlace.of(place, last, 1.0)
+            there = BodyPlace.of(place, robot.labels[last - 1], 1.0)
             found.append(Reason("target", *own, inside=inside, clearance=clearance, place=there))
     return max(found, key=lambda reason: reason.needed - reason.available, default=None)
 
@@ -224,7 +224,7 @@ def base_in(problem: Problem) -> Reason:
     room = room_at(mouth, problem.scene)
     inside = _is_inside(problem, room.obstacle)
     needed, clearance = _thinnest(problem)
-    there = BodyPlace.of(mouth, 1, 0.0) if robot.mount == 0.0 else BodyPlace.of(mouth)
+    there = BodyPlace.of(mouth, robot.labels[0], 0.0) if robot.mount == 0.0 else BodyPlace.of(mouth)
     own: dict[str, Any] = {"inside": inside, "clearance": clearance, "place": there}
     return Reason("base", needed, room.distance, room.obstacle, **own, in_solid=begun_in(problem) is not None)
 
@@ -250,7 +250,7 @@ def begun_in(problem: Problem) -> int | None:
 
 def closed_in(problem: Problem, cell: float) -> Reason:
     """The obstacle nearest to the most distal target, where no route leads; `cell`: edge of cells that proved it."""
-    ends = [(each.segment or len(problem.robot), each.position) for each in problem.targets]
+    ends = [(problem.robot.end_row(each.segment), each.position) for each in problem.targets]
     last, place = max(((end, place) for end, place in reversed(ends) if place is not None), key=itemgetter(0))
     longest = problem.robot.longest_up_to(last)
     needed, clearance = _thinnest(problem, last)

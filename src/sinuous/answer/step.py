@@ -41,31 +41,31 @@ class Active(ShortRepr):
     constraint : str
         `length`, `bend`, `curvature`, `actuator` (limits, those of tensions too), `clearance`, `self_clearance`,
         `length_rate`, `bend_rate`, `actuator_rate` or `acceleration`.
-    segment : int or None
-        1 = first.
+    segment : int, str or None
+        1 = first; or the name of a joint, or of the one whose link it is.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     actuator : str or None
         Name of the actuator, for `actuator` and `actuator_rate`.
-    other_segment : int or None
+    other_segment : int, str or None
         The segment that it would touch, for `self_clearance`.
     """
 
     constraint: StepConstraint
-    segment: int | None
+    segment: int | str | None
     obstacle: str | None = None
     actuator: str | None = None
-    other_segment: int | None = None
+    other_segment: int | str | None = None
 
     @classmethod
-    def of(cls, row: Sequence[int], scene: Snapshot, limited: Sequence[Actuator]) -> "Active":
-        """Make it of a row of the kernels: a kind, a segment (0 = first), and which obstacle, segment or actuator."""
+    def of(cls, row: Sequence[int], robot: Robot, scene: Snapshot, limited: Sequence[Actuator]) -> "Active":
+        """Make it of a row of the kernels: a kind, a row (0 = first), and which obstacle, row or actuator."""
         kind, segment, which = row
-        place = segment + 1 if segment >= 0 else None
+        place = robot.labels[segment] if segment >= 0 else None
         if kind == CLEARANCE_LIMIT:
             return cls("clearance", place, obstacle=scene.name(which))
         if kind == SELF_CLEARANCE_LIMIT:
-            return cls("self_clearance", place, other_segment=which + 1)
+            return cls("self_clearance", place, other_segment=robot.labels[which])
         if segment < 0 or kind == ACTUATOR_LIMIT:
             return cls(CONSTRAINTS[kind], limited[which].segment, actuator=limited[which].name)
         return cls(CONSTRAINTS[kind], place)
@@ -172,7 +172,9 @@ class Step:
         """Twist (6,) of the tip that this reaches, at the start of the step: (omega, v) in world axes, as asked for."""
         if self._wanted.robot.has_external_load:
             return np.asarray(self._answer[t.REACHED : t.REACHED + 6] / self.dt)
-        return np.asarray(self.velocity.reshape(-1) @ self._wanted.robot.jacobian(self.initial).T)
+        return np.asarray(
+            self.velocity.reshape(-1) @ self._wanted.robot._row_jacobian(self.initial, len(self.initial)).T
+        )
 
     @property
     def share(self) -> float | None:
@@ -284,7 +286,9 @@ class Step:
         first = t.CONFIGURATION + self.configuration.size
         rows = self._answer[first : first + t.ACTIVE_WIDTH * int(self._answer[t.ACTIVE])].reshape(-1, t.ACTIVE_WIDTH)
         ordered = rows[np.argsort(-rows[:, 0], kind="stable"), 1:].astype(np.int64).tolist()
-        return tuple(dict.fromkeys(Active.of(row, self.scene, self._wanted.limited) for row in ordered))
+        return tuple(
+            dict.fromkeys(Active.of(row, self._wanted.robot, self.scene, self._wanted.limited) for row in ordered)
+        )
 
 
 def _restored(wanted: WantedStep, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:

@@ -54,13 +54,14 @@ class Verification(ShortRepr):
         By how much the limits are exceeded; 0 within.
     clearance : float
         Least over the sampled places: the true clearance is at most this. Infinite without obstacles.
-    segment, obstacle : int or None, str or None
-        Where the least clearance is: segment (1 = first) and name of the obstacle.
+    segment, obstacle : int, str or None, str or None
+        Where the least clearance is: segment (1 = first; or the name of the joint whose link it is) and name of the
+        obstacle.
     self_clearance : float
         Least distance of the body from itself over the sampled places: the true one is at most this. Infinite where it
         does not matter: the body may run through itself, or is too short to.
-    self_segments : (int, int) or None
-        The two segments that are nearest to each other, 1 = first.
+    self_segments : pair of int or str, or None
+        The two segments that are nearest to each other, likewise.
     place : BodyPlace or None
         Of the backbone, where the least clearance is.
     self_place : BodyPlace or None
@@ -72,10 +73,10 @@ class Verification(ShortRepr):
     angle_error: float
     excess: float
     clearance: float
-    segment: int | None
+    segment: int | str | None
     obstacle: str | None
     self_clearance: float
-    self_segments: tuple[int, int] | None
+    self_segments: tuple[int | str, int | str] | None
     place: BodyPlace | None = None
     self_place: BodyPlace | None = None
 
@@ -187,7 +188,7 @@ def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verific
     shares = shares_between(robot, *ends)
     q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
     when = times[0] + shares * (times[1] - times[0])
-    found = _seen(robot, ends, robot, q, range(1, len(robot) + 1), scene, when)
+    found = _seen(robot, ends, robot, q, robot.labels, scene, when)
     return replace(found, ok=found.ok and all(_held(robot, one) for one in q))
 
 
@@ -210,7 +211,7 @@ def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> 
 
 
 def _seen(
-    robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[int], scene: Snapshot, when: Floats
+    robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[int | str], scene: Snapshot, when: Floats
 ) -> Verification:
     """Judge shapes `q` (T, N, 3) of a body, whose segments belong to these `owners` of the robot, at times (T,)."""
     if scene.moves:

@@ -16,7 +16,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import number
+from sinuous.base.words import labelled, number, one_of_body
 from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
 from sinuous.measures.body_place import BodyPlace
 from sinuous.measures.reach import target_errors
@@ -156,7 +156,7 @@ def _gradient(robot: Robot, q: Floats, place: tuple[int, float, Floats], slope: 
     k, share, point = place
     part = q.copy()
     part[k] *= share
-    jacobian = robot.jacobian(part, k + 1)
+    jacobian = robot._row_jacobian(part, k + 1)
     end = robot.tip(part)[:3, 3] if k + 1 == len(robot) else point
     moved = jacobian[3:] - np.cross(jacobian[:3], end - point, axis=0)
     gradient: Floats = slope @ moved
@@ -207,15 +207,15 @@ class Worst(ShortRepr):
     ----------
     constraint : str
         `position`, `angle`, `clearance`, `self_clearance`, or a limit: `length`, `bend`, `curvature`, `actuator`.
-    segment : int or None
-        Segment where it is, 1 = first.
+    segment : int, str or None
+        Segment where it is, 1 = first; or the name of a joint, or of the one whose link it is.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
         By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); for
         `clearance` and `self_clearance` the depth of overlap, or what is missing of what is demanded (length); beyond
         the limit for the others (length; rad for `bend` and `curvature`).
-    other_segment : int or None
+    other_segment : int, str or None
         The segment that it touches, for `self_clearance`; not beyond `segment`.
     place : BodyPlace or None
         Where: of clearances the place of the backbone that is deepest, of `position` and `angle` the end that misses
@@ -227,10 +227,10 @@ class Worst(ShortRepr):
     """
 
     constraint: WorstKind
-    segment: int | None
+    segment: int | str | None
     obstacle: str | None
     amount: float
-    other_segment: int | None = None
+    other_segment: int | str | None = None
     place: BodyPlace | None = None
     step: int | None = None
     time: float | None = None
@@ -278,14 +278,14 @@ class Worst(ShortRepr):
         """What is not met, and where."""
         there = "" if self.place is None else f", {self.place}"
         if self.other_segment is not None:
-            whom = "itself" if self.other_segment == self.segment else f"segment {self.other_segment}"
-            return f"segment {self.segment} touches {whom}, {self.amount:.3g} too near{there}"
+            whom = "itself" if self.other_segment == self.segment else one_of_body(self.other_segment)
+            return f"{one_of_body(self.segment)} touches {whom}, {self.amount:.3g} too near{there}"
         if self.obstacle is not None:
-            whose = "the body" if self.segment is None else f"segment {self.segment}"
-            return f"{whose} lacks {self.amount:.3g} of clearance from {self.obstacle}{there}"
-        where = "" if self.segment is None else f" of segment {self.segment}"
+            return f"{one_of_body(self.segment)} lacks {self.amount:.3g} of clearance from {self.obstacle}{there}"
         beyond = "its tolerance" if self.constraint in ("position", "angle") else "its limit"
-        return f"{self.constraint}{where} is {self.amount:.3g} beyond {beyond}"
+        what = str(self.constraint) if self.segment is None else f"{self.constraint} of {labelled([self.segment])}"
+        what = what if isinstance(self.segment, int | None) else labelled([self.segment])
+        return f"{what} is {self.amount:.3g} beyond {beyond}"
 
 
 def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:
@@ -299,11 +299,11 @@ def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:
     found = [(worst.amount / unit, worst) for worst in _overlaps(problem, q, ends if overlap else None)]
     if overlap:
         return max(found, key=lambda pair: pair[0])[1]
-    for name, segment, amount in robot.violations(q):
+    for name, segment, amount in robot.limit_set.violations(q):
         found.append((amount / robot.limit_set.unit_of(name), Worst(name, segment, None, amount)))
     for target in problem.targets:
         off, turn = target_errors(robot, target, ends)
-        segment = len(robot) if target.segment is None else target.segment
+        segment = robot.end_row(target.segment)
         miss, twist = off - (tolerance.position or 0.0), turn - tolerance.angle
         end = ends[-1] @ robot.tool if segment == len(robot) else ends[segment]
         place = BodyPlace.of(end[:3, 3], segment, 1.0)

@@ -70,6 +70,20 @@ def listed(texts: Iterable[str]) -> str:
     return f"{', '.join(front)} and {last}" if front else last
 
 
+def one_of_body(label: int | str | None) -> str:
+    """`segment 3`; `link 'elbow'` of a joint's name; `the body` where neither is known."""
+    return "the body" if label is None else f"link {label!r}" if isinstance(label, str) else f"segment {label}"
+
+
+def labelled(labels: Iterable[int | str], count: int | None = None) -> str:
+    """What has limits: `joint 'roll' and segments 1 to 3`; see `segments`."""
+    every = [*labels]
+    numbers = [each for each in every if isinstance(each, int)]
+    return listed(
+        [f"joint {each!r}" for each in every if isinstance(each, str)] + ([segments(numbers, count)] if numbers else [])
+    )
+
+
 def segments(numbers: Sequence[int], count: int | None = None) -> str:
     """`segment 3`, `segments 1 to 4 and 6`; with the `count` of the robot's segments, `all segments`."""
     if count is not None and len(numbers) == count > 1:

@@ -151,7 +151,7 @@ class _Build:
         self.add_joints(robot)
         for k in range(len(robot.rows) - len(robot.segments), len(robot)):
             self.radius = robot.radii[k]
-            name, (low, high) = robot.segment_names[k], robot.drive.coordinates.lengths[k].tolist()
+            name, (low, high) = robot.row_names[k], robot.drive.coordinates.lengths[k].tolist()
             most = min(robot.largest_bends[k], robot.curvatures[k] * high)
             if high == 0.0:
                 continue

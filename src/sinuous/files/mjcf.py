@@ -119,7 +119,7 @@ class DrivenChain(Frozen):
             np.append(own.gain, np.ones(wanted)),
             np.append(own.offset, [0.0 if j is None else j.offset for j in alone]),
         )
-        own_names = coordinate_names(robot.segment_names)
+        own_names = coordinate_names(robot.row_names)
         names = [a.name for a in robot.actuators]
         names += [own_names[c] if j is None else j.name for c, j in zip(open_ones, alone, strict=True)]
         limits = [a.limits for a in robot.actuators]

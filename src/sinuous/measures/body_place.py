@@ -12,7 +12,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import number
+from sinuous.base.words import number, one_of_body
 
 
 @dataclass(frozen=True, repr=False)
@@ -23,28 +23,28 @@ class BodyPlace(ShortRepr):
     ----------
     position : (float, float, float)
         In the world.
-    segment : int or None
-        1 = first; `None` where lengths that vary decide which segment it is.
+    segment : int, str or None
+        1 = first; or the name of the joint whose link it is on; `None` where lengths that vary decide which it is.
     share : float or None
         How far along the segment, from 0 at its beginning to 1 at its end; `None` without a segment.
     """
 
     position: tuple[float, float, float]
-    segment: int | None = None
+    segment: int | str | None = None
     share: float | None = None
 
     @classmethod
-    def of(cls, position: Floats, segment: int | None = None, share: float | None = None) -> "BodyPlace":
+    def of(cls, position: Floats, segment: int | str | None = None, share: float | None = None) -> "BodyPlace":
         """Make it of a position (3,), the number of a segment (1 = first), and a share of that."""
         x, y, z = np.asarray(position, np.float64).tolist()
         return cls((x, y, z), segment, None if share is None else float(share))
 
-    def on_robot(self, owners: Sequence[int], lengths: Floats) -> "BodyPlace":
+    def on_robot(self, owners: Sequence[int | str], lengths: Floats) -> "BodyPlace":
         """Return it by segments of the robot, where it is on a body of arcs with these owners (N) and lengths (N,)."""
-        if self.segment is None or self.share is None:
+        if not isinstance(self.segment, int) or self.share is None:
             return self
         arc, segment = self.segment - 1, owners[self.segment - 1]
-        own = np.array(owners) == segment
+        own = np.array([each == segment for each in owners])
         before = float(lengths[:arc][own[:arc]].sum()) + self.share * float(lengths[arc])
         whole = float(lengths[own].sum())
         return replace(self, segment=segment, share=before / whole if whole > 0.0 else 0.0)
@@ -81,4 +81,4 @@ class BodyPlace(ShortRepr):
             return ""
         percent = round(100.0 * self.share)
         where = {0: "at the beginning of", 100: "at the end of"}.get(percent, f"{percent} % along")
-        return f", {where} segment {self.segment}"
+        return f", {where} {one_of_body(self.segment)}"

@@ -14,8 +14,8 @@ from sinuous.problem.target import Target, Tolerance
 
 def target_errors(robot: Robot, target: Target, ends: Floats) -> tuple[float, float]:
     """Distance to the target's position and angle (rad) to its orientation; 0 where nothing is asked."""
-    at_tip = target.segment is None or target.segment == len(robot)
-    pose = ends[-1] @ robot.tool if at_tip else ends[target.segment]
+    last = robot.end_row(target.segment)
+    pose = ends[-1] @ robot.tool if last == len(robot) else ends[last]
     off = turn = 0.0
     if target.position is not None:
         off = float(np.linalg.norm(pose[:3, 3] - target.position))
@@ -34,7 +34,7 @@ def angle_between(one: Floats, other: Floats) -> float:
 
 
 def backbone_end(robot: Robot, target: Target, last: int, angle_tolerance: float) -> tuple[Floats, float]:
-    """Where a target puts the end of its segment, and how far from there it may be because the tool can turn."""
+    """Where a target puts the end of row `last` (1 = first), and how far from there it may be as the tool can turn."""
     place: Floats = np.asarray(target.position)
     shift = robot.tool[:3, 3]
     reach = float(np.linalg.norm(shift))
@@ -66,7 +66,7 @@ class Bound(NamedTuple):
 
 def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound]:
     """Yield what a target asks for, and what the lengths and bends of the segments before it allow at most."""
-    last = len(robot) if target.segment is None else target.segment
+    last = robot.end_row(target.segment)
     near, angle = tolerance.position or 0.0, tolerance.angle
     segments = robot.rows[:last]
     low, high = (np.array([segment.length[i] for segment in segments]) for i in range(2))

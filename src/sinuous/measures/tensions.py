@@ -32,7 +32,7 @@ def lacking_stretch(robot: Robot, q: Floats) -> float:
     for row, (k, own, j) in enumerate(lines):
         along = np.array([np.cos(own.angles[j]), np.sin(own.angles[j])]) * own.radius
         if own.one_sided:
-            arms[row, : k + 1, :2] = along
+            arms[row, robot.drive.before : k + 1, :2] = along
         else:
             arms[row, k] = [*-along, 1.0]
         bounds[row] = *own.tensions, *own.displacements[j]

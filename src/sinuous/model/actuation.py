@@ -46,7 +46,7 @@ class Actuator(NamedTuple):
         `tendon`: its displacement is positive when it is pulled. `chamber`, `stage`: the displacement is the length.
         `linear`: one of `Actuators`.
     segment : int
-        Segment where it ends, 1 = first: the last one whose coordinates it sees.
+        Segment where it ends, 1 = first: the last one whose coordinates it sees; below 1 where these are joints.
     limits : (float, float)
         Least and largest value, in the unit of the motor; infinite where there is no limit.
     gain, offset : float
@@ -95,6 +95,8 @@ class Actuation(Frozen):
         Segment by segment, tendons before chambers before the stage, then `linear`.
     motors : Motors
         How displacements become values.
+    before : int
+        Rows of joints and links before the segments.
     elastic : Elastic or None
         What knows those that stretch.
     limits : ndarray (m, 2)
@@ -119,19 +121,20 @@ class Actuation(Frozen):
     _weights: Floats
     _sums: NDArray[np.intp]
     _matrix: Floats
-    _before: int
+    before: int
 
     def __init__(self, segments: Sequence[Segment], linear: Actuators | None, curvatures: Sequence[float]) -> None:
         count = len(segments)
         names = segment_names(segments)
         refuse_repeated((f"segments[{k}].name", name) for k, name in enumerate(names))
-        lines = [line for k, segment in enumerate(segments) for line in _lines(k, names[k], segment)]
-        coupled = [] if linear is None else _coupled(linear, count)
+        before = sum(segment.rigid for segment in segments)
+        lines = [line for k, segment in enumerate(segments) for line in _lines(k - before, names[k], segment)]
+        coupled = [] if linear is None else _coupled(linear, count, before)
         named = [(line.key, line.actuator.name) for line in lines]
         refuse_repeated([*named, *((f"actuators.names[{i}]", each.name) for i, each in enumerate(coupled))])
         listed = (*(line.actuator for line in lines), *coupled)
         # Segments and sums stand side by side: a chamber looks at a segment, a tendon at a sum.
-        sums = [each.segment - 1 + (count if each.kind == "tendon" else 0) for each in listed[: len(lines)]]
+        sums = [before + each.segment - 1 + (count if each.kind == "tendon" else 0) for each in listed[: len(lines)]]
         matrix = np.zeros((0, 3 * count)) if linear is None else linear.matrix
         own = np.array([line.limits for line in lines], np.float64).reshape(-1, 2)
         arrays = {
@@ -145,8 +148,7 @@ class Actuation(Frozen):
             array.flags.writeable = False
         gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
         motors = Motors(gain, offset, tuple(each.unit for each in listed))
-        before = sum(segment.rigid for segment in segments)
-        self._set(actuators=listed, motors=motors, _before=before, **arrays)
+        self._set(actuators=listed, motors=motors, before=before, **arrays)
         stretching = list(_elastic(segments))
         rigid = np.array(self.limits)
         rigid[[place for place, _, _ in stretching]] = UNLIMITED
@@ -196,8 +198,8 @@ class Actuation(Frozen):
 
     def _sums_of(self, q: Floats) -> Floats:
         """Compute the same from sums over the segments, without a matrix whose size is that of the robot squared."""
-        summed = np.cumsum(q[..., self._before :, :], axis=-2)
-        both = np.concatenate([q, q[..., : self._before, :], summed], axis=-2)
+        summed = np.cumsum(q[..., self.before :, :], axis=-2)
+        both = np.concatenate([q, q[..., : self.before, :], summed], axis=-2)
         lines = np.einsum("...lc,lc->...l", both[..., self._sums, :], self._weights)
         return np.concatenate([lines, flat(q) @ self._matrix.T], axis=-1)
 
@@ -216,9 +218,9 @@ class Actuation(Frozen):
         """Yield the rows of the table of limits for tendons and chambers; those of `Actuators` see `coupled_rows`."""
         lines = zip(self.actuators, self._weights.tolist(), self.limits.tolist(), strict=False)
         for i, (each, weights, (low, high)) in enumerate(lines):
-            last = each.segment - 1
+            last = self.before + each.segment - 1
             if (math.isfinite(low) or math.isfinite(high)) and self.coordinates.sees(self.jacobian[i]):
-                yield actuator_row(self._before if each.kind == "tendon" else last, last, weights, (low, high))
+                yield actuator_row(self.before if each.kind == "tendon" else last, last, weights, (low, high))
 
     def excess(self, q: Floats) -> Floats:
         """By how much actuators (..., m) are below or above their limits, in the length unit; negative within them."""
@@ -295,13 +297,13 @@ def _actuators(
     ]
 
 
-def _coupled(linear: Actuators, segments: int) -> list[Actuator]:
+def _coupled(linear: Actuators, segments: int, before: int) -> list[Actuator]:
     rows, columns = linear.matrix.shape
     if columns != 3 * segments:
         raise InputError(
             "actuators.matrix", "", linear.matrix.shape, f"shape ({rows}, {3 * segments}), for {segments} segments"
         )
-    last = [int(np.flatnonzero(row)[-1]) // 3 + 1 for row in linear.matrix]
+    last = [int(np.flatnonzero(row)[-1]) // 3 + 1 - before for row in linear.matrix]
     made = _actuators(linear.names, "linear", last, linear.motors, linear.displacements)
     return [each._replace(limits=limits) for each, limits in zip(made, linear.limits, strict=True)]
 

@@ -87,13 +87,13 @@ class Coordinates(Frozen):
         held += _drive(segments, jacobian, bends)
         equal = np.flatnonzero(limits[:, 0] == limits[:, 1])
         if len(equal):
-            held += _equate(jacobian[equal], limits[equal, 0], bends, lengths)
+            held += _equate(jacobian[equal], limits[equal, 0], bends, lengths, _before(segments))
         for k, (bend, curvature) in enumerate(zip(bends, curvatures, strict=True)):
             least = math.hypot(*bend.home) if isinstance(bend, BendLine) else 0.0
             if least > 0.0 and curvature < math.inf:
                 if least > curvature * lengths[k, 1]:
                     wanted = f"a bend of at most {curvature * lengths[k, 1]:.4g}, what its curvature and length allow"
-                    raise InputError(f"segments[{k}]", "it is locked too bent", least, wanted)
+                    raise InputError(f"segments[{k - _before(segments)}]", "it is locked too bent", least, wanted)
                 lengths[k, 0] = max(lengths[k, 0], least / curvature)
         origin, basis, owner = _space(bends, lengths)
         self._set(bends=tuple(bends), lengths=closed(lengths), held=tuple(held), curvatures=tuple(curvatures))
@@ -296,7 +296,12 @@ def _space(bends: Sequence[Bends], lengths: Floats) -> tuple[Floats, Floats, NDA
     return origin, basis, np.array(owner, np.intp)
 
 
-def _equate(rows: Floats, values: Floats, bends: list[Bends], lengths: Floats) -> Iterator[Held]:
+def _before(segments: Sequence[Segment]) -> int:
+    """How many rows of joints and links come before the segments."""
+    return sum(segment.rigid for segment in segments)
+
+
+def _equate(rows: Floats, values: Floats, bends: list[Bends], lengths: Floats, before: int) -> Iterator[Held]:
     """Take out of `bends` and `lengths` what rows (r, 3 n) with one value each (r,) leave of single segments."""
     origin, basis, owner = _space(bends, lengths)
     system, sides = rows @ basis, values - rows @ origin.ravel()
@@ -318,18 +323,22 @@ def _equate(rows: Floats, values: Floats, bends: list[Bends], lengths: Floats) -
             fixed = (left[:, :rank].T @ (null @ sides)) / size[:rank]
             fixed[np.abs(fixed) < ROUNDING] = 0.0
             if which == 1:
-                z = _held_at(k, float(fixed[0] * right[0, 0]), *lengths[k])
+                z = _held_at(k - before, float(fixed[0] * right[0, 0]), *lengths[k])
                 lengths[k] = z
                 yield Held(k + 1, f"equal limits of actuators hold its length at {z:g}")
             else:
-                bends[k] = _bends_left(k, bends[k], right[:rank], fixed)
+                bends[k] = _bends_left(k - before, bends[k], right[:rank], fixed)
                 yield Held(k + 1, _equal_words(bends[k]))
 
 
 def _held_at(k: int, value: float, low: float, high: float) -> float:
+    """Check the only value that is left of a segment (0 = first); of joints the numbers are negative."""
     if not low - ROUNDING * max(1.0, abs(low)) <= value <= high + ROUNDING * max(1.0, abs(high)):
         raise InputError(
-            f"segments[{k}]", "equal limits of actuators hold it outside its own", value, f"[{low:g}, {high:g}]"
+            f"segments[{k}]" if k >= 0 else "joints",
+            "equal limits of actuators hold it outside its own",
+            value,
+            f"[{low:g}, {high:g}]",
         )
     return min(max(value, low), high)
 

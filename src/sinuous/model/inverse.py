@@ -81,7 +81,7 @@ class Inverse(Frozen):
     def named(self, names: Sequence[str], joints: int = 0) -> list[str]:
         """Name the coordinates that are undetermined, of rows with these names, the first of which are of joints."""
         return [
-            f"joint {names[k]}" if k < joints else f"{COORDINATES[c]} of {names[k]} (segment {k + 1 - joints})"
+            f"joint {names[k]!r}" if k < joints else f"{COORDINATES[c]} of {names[k]} (segment {k + 1 - joints})"
             for k, c in np.argwhere(self.undetermined)
         ]
 

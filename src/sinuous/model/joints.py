@@ -20,6 +20,7 @@ from sinuous.base.errors import InputError, suggested
 from sinuous.base.frozen import Noun
 from sinuous.base.words import counted, span
 from sinuous.kernels import packing, tables
+from sinuous.model.actuators import Actuators
 from sinuous.model.names import optional_name
 from sinuous.model.poses import as_pose, pose
 from sinuous.model.segment import Segment
@@ -66,7 +67,7 @@ class Joint(Noun):
     touches : list of str, optional
         Other joints whose links this one may touch. Neighbours always may, and links between which none has a body.
     rate, acceleration : float, optional
-        Largest ones, per second and per second squared, which files keep. Timing and control steps ask `rates`.
+        Largest ones, per second and per second squared. Control steps keep them, and whatever is given `Rates`.
 
     Raises
     ------
@@ -170,6 +171,10 @@ class RigidRow(Segment):
     has_body : bool
     joint : int
         Number of the joint, from 0; -1 for what is none.
+    low : float
+        Value of a prismatic joint where its length is 0.
+    owner : str
+        Name of the joint, or of the one to whose link it belongs.
     """
 
     rigid: ClassVar[bool] = True
@@ -179,10 +184,8 @@ class RigidRow(Segment):
     touches: int
     has_body: bool
     joint: int
-
-    def is_limited_by(self, key: str) -> bool:
-        """Whether a limit of segments is that of a joint: `max_bend` of one that turns, `length` of one that slides."""
-        return self.joint >= 0 and key == ("length" if self.plane is None else "max_bend")
+    low: float
+    owner: str
 
 
 class RigidRows(NamedTuple):
@@ -197,12 +200,19 @@ class RigidRows(NamedTuple):
         Which number of its row is the value of a joint: 0 or 2.
     shifts : ndarray (j,)
         What is added to that number: lengths begin at 0, values of prismatic joints at their least.
+    moving : tuple of Joint
+        Those that move.
     """
 
     rows: tuple[RigidRow, ...]
     values: Any
     columns: Any
     shifts: Floats
+    moving: tuple[Joint, ...]
+
+    def flat(self, rows: int) -> Any:
+        """Return which numbers of a flat configuration (3 rows) are values of joints, then of the segments."""
+        return np.concatenate([3 * self.values + self.columns, np.arange(3 * len(self.rows), 3 * rows)])
 
     @property
     def links(self) -> int:
@@ -264,7 +274,7 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
             drafts[-1]["tail"] = begin
         elif not np.array_equal(begin, np.eye(4)):
             drafts.append({"name": "origin", "link": 0, "tail": begin})
-        drafts.append({"link": link, **own})
+        drafts.append({"link": link, "owner": name, **own})
         return len(drafts) - 1
 
     for joint, name in zip(joints, names, strict=True):
@@ -281,7 +291,7 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
             turn = _frame(joint.axis, 2)
             low, high = joint.limits
             begin = ahead @ turn @ pose((0.0, 0.0, low))
-            values.append(add(begin, name=name, joint=len(columns), length=(0.0, high - low)))
+            values.append(add(begin, name=name, joint=len(columns), length=(0.0, high - low), low=low))
             ahead = turn.T
             columns.append(2)
             shifts.append(-low)
@@ -297,16 +307,40 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
     elif not np.array_equal(ahead, np.eye(4)):
         drafts.append({"name": "origin", "link": 0, "tail": ahead})
     rows = tuple(_row(may_touch, **draft) for draft in drafts)
-    return RigidRows(rows, np.array(values, np.intp), np.array(columns, np.intp), np.array(shifts, np.float64))
+    moving = tuple(joint for joint in joints if not isinstance(joint, Fixed))
+    return RigidRows(rows, np.array(values, np.intp), np.array(columns, np.intp), np.array(shifts), moving)
+
+
+def on_rows(rigid: RigidRows, coupling: Actuators, rows: int) -> Actuators:
+    """Return actuators (m, j + 3 n) of joints and segments as those of configurations (m, 3 rows).
+
+    Raises
+    ------
+    InputError
+        When they have another number of columns.
+    """
+    if not rigid.rows:
+        return coupling
+    where, given = rigid.flat(rows), coupling.matrix
+    if given.shape[1] != len(where):
+        raise InputError("actuators", f"{given.shape[1]} columns", None, f"{len(where)}: one a joint, three a segment")
+    matrix = np.zeros((len(given), 3 * rows))
+    matrix[:, where] = given
+    begins = given[:, : rigid.links] @ rigid.shifts  # what it is displaced where rows of prismatic joints are 0
+    return coupling.changed(matrix=matrix, offset=coupling.motors.offset - coupling.motors.gain * begins)
+
+
+def each_row(rigid: RigidRows, value: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """One number for all rows, or one each, of one for each segment: links have the least of these."""
+    return (*[min(value)] * len(rigid.rows), *value) if isinstance(value, tuple) else value
 
 
 def joints_with(joints: Sequence[Joint], rigid: RigidRows, limits: Mapping[int, Any]) -> list[Joint]:
-    """Return joints of which some have other limits: by the numbers of their rows, 1 = first, as rows have them."""
+    """Return joints of which some have other limits: by the numbers of their rows, 1 = first."""
     row_of, result = iter(rigid.values.tolist()), []
     for joint in joints:
         own = None if isinstance(joint, Fixed) else limits.get(next(row_of) + 1)
-        low = joint.limits[0] if isinstance(joint, Prismatic) else 0.0
-        result.append(joint if own is None else joint.changed(limits=(low + own[0], low + own[1])))
+        result.append(joint if own is None else joint.changed(limits=own))
     return result
 
 
@@ -320,12 +354,14 @@ def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -
         n, the number of segments.
     key : str
         What `q` is called where it is refused.
-    q : array_like (..., r, 3), (..., n, 3), or a pair
+    q : array_like (..., r, 3), (..., n, 3), a pair, or a list of pairs
         Of all r rows, or of the n segments. The pair has values (..., j) of the joints, then q (..., n, 3).
         `None` is q where there are no segments.
     joints : array_like (..., j), optional
         Where `q` is that of the segments alone.
     """
+    if isinstance(q, list) and q and all(map(is_pair, q)):
+        return np.stack([joined(rigid, count, f"{key}[{i}]", each) for i, each in enumerate(q)])
     if joints is None and is_pair(q):
         with checks.inside(key):
             return joined(rigid, count, "q", q[1], q[0])
@@ -357,6 +393,8 @@ def _row(
     name: str,
     link: int,
     tail: Floats,
+    owner: str = "base",
+    low: float = 0.0,
     joint: int = -1,
     has_body: bool = False,
     length: Limits = 0.0,
@@ -366,7 +404,7 @@ def _row(
 ) -> RigidRow:
     row = RigidRow(length, max_bend, radius=radius, plane=plane, name=name)
     kept = closed(np.ascontiguousarray(tail))
-    row._set(tail=kept, link=link, touches=may_touch[link], has_body=has_body, joint=joint)
+    row._set(tail=kept, link=link, touches=may_touch[link], has_body=has_body, joint=joint, low=low, owner=owner)
     return row
 
 

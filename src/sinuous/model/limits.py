@@ -20,6 +20,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.packing import BendLine
 from sinuous.model.actuation import Actuation, Actuator
+from sinuous.model.joints import RigidRow
 from sinuous.model.least_distance import least_distance
 from sinuous.model.segment import Segment
 from sinuous.model.tension_rows import TensionRows
@@ -69,8 +70,11 @@ def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: S
     return notes
 
 
-Violation = tuple[LimitKind, int, float]
-"""A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated."""
+Violation = tuple[LimitKind, int | str, float]
+"""A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated.
+
+Instead of a segment the name of a joint. A `LimitSet` has the number of the row, 1 = first.
+"""
 
 
 class Limit(NamedTuple):
@@ -193,7 +197,7 @@ class LimitSet:
         own = tensions[elastic.places]
         beyond = elastic.beyond(np.where(np.isnan(own), 0.0, own))
         found = np.flatnonzero(~np.isnan(own) & (beyond > LIMIT_ROUNDING * self.mean_length))
-        return [("actuator", self._drive.actuators[elastic.places[i]].segment, float(beyond[i])) for i in found]
+        return [("actuator", self._row(self._drive.actuators[elastic.places[i]]), float(beyond[i])) for i in found]
 
     def keep(self, q: Floats, tensions: Floats | None = None) -> bool:
         """Whether a configuration (n, 3) is within all limits, and tensions (m,) are that a load needs there."""
@@ -273,7 +277,7 @@ class LimitSet:
             allowed = self._largest * np.maximum(lengths[..., self._curved], 0.0)
             yield "curvature", self._numbers[self._curved], bends[..., self._curved] - allowed
         if len(self._drive) > 0:
-            ends = np.array([each.segment for each in self._drive.actuators], np.intp)
+            ends = np.array([self._row(each) for each in self._drive.actuators], np.intp)
             yield "actuator", ends, self._drive.excess(q)
 
     def sides(self, q: Floats) -> Iterator[Limit]:
@@ -286,7 +290,8 @@ class LimitSet:
         for number, (segment, tightest, radius, (ux, uy, length)) in enumerate(parts, 1):
             for i, sign in enumerate((-1.0, 1.0)):
                 slack = sign * (segment.length[i] - length)
-                end = number, None, f"length[{i}]", length, segment.length[i]
+                shift, key = (segment.low, "limits") if isinstance(segment, RigidRow) else (0.0, "length")
+                end = number, None, f"{key}[{i}]", length + shift, segment.length[i] + shift
                 fixed = segment.length[0] == segment.length[1]
                 yield Limit("length", *end, slack, gradient_at(count, number, (0.0, 0.0, sign)), fixed)
             line = self._bends[number - 1]
@@ -317,9 +322,10 @@ class LimitSet:
         for x, y in ((-py, px), (py, -px), *(((px, py), (-px, -py)) if locked else ())):
             slack, across = float((there - own[:2]) @ (x, y)), gradient_at(count, number, (x, y, 0.0))
             yield Limit("bend", number, None, key, float(value), float(limit), slack, across, True)
+        own_key = "limits" if self._segments[number - 1].rigid else "max_bend"
         pair = isinstance(self._segments[number - 1].own_max_bend, tuple)
         for i, (side, cap) in enumerate(() if locked else ((-1.0, line.low), (1.0, line.high))):
-            end = number, None, f"max_bend[{i}]" if pair else "max_bend", z, cap
+            end = number, None, f"{own_key}[{i}]" if pair else own_key, z, cap
             along = side * px, side * py
             yield Limit("bend", *end, side * (cap - z), gradient_at(count, number, (*along, 0.0)))
             if math.isfinite(tightest):
@@ -342,12 +348,16 @@ class LimitSet:
                     limit = actuator.limits[order[i]]
                     end = i if key.endswith(".displacement") or key.endswith(".length") else order[i]
                     slack, gradient = sign * (own[i] - displacement) / scale, (sign / scale) * row.reshape(-1, 3)
-                    name = actuator.segment, actuator.name, f"{key}[{end}]"
+                    name = self._row(actuator), actuator.name, f"{key}[{end}]"
                     yield Limit("actuator", *name, value, limit, slack, gradient, motor=_motor(actuator))
+
+    def _row(self, actuator: Actuator) -> int:
+        """Number of the row, 1 = first, that an actuator ends at."""
+        return self._drive.before + actuator.segment
 
     def _key(self, actuator: Actuator) -> str:
         """What the problem file calls the limits of an actuator."""
-        segment = self._segments[actuator.segment - 1]
+        segment = self._segments[self._row(actuator) - 1]
         if actuator.kind == "tendon" and segment.tendons is not None:
             return f"tendons.{segment.tendons.limited_by}"
         if actuator.kind == "chamber" and segment.chambers is not None:
@@ -361,22 +371,25 @@ class LimitSet:
         """
         count = len(q)
         for number, (ux, uy, length) in enumerate((q - initial).tolist(), 1):
-            bend = math.hypot(ux, uy)
+            bend, rigid = math.hypot(ux, uy), self._segments[number - 1].rigid
             most = float(bends[number - 1])
             if _used_up(bend, most):
                 outward = gradient_at(count, number, (ux / bend, uy / bend, 0.0))
-                yield Limit("bend_rate", number, None, "rates.bend", bend, most, 0.0, outward)
+                yield Limit(
+                    "bend_rate", number, None, "rates.joint" if rigid else "rates.bend", bend, most, 0.0, outward
+                )
             most = float(lengths[number - 1])
             if _used_up(abs(length), most):
                 outward = gradient_at(count, number, (0.0, 0.0, math.copysign(1.0, length)))
-                yield Limit("length_rate", number, None, "rates.length", abs(length), most, 0.0, outward)
+                key = "rates.joint" if rigid else "rates.length"
+                yield Limit("length_rate", number, None, key, abs(length), most, 0.0, outward)
         drive = self._drive
         moved = drive.values(q) - drive.values(initial)
         rows = zip(drive.actuators, moved.tolist(), values.tolist(), drive.scales.tolist(), drive.jacobian, strict=True)
         for actuator, change, most, scale, row in rows:
             if _used_up(abs(change), most):
                 outward = (np.sign(change * actuator.gain) / scale) * row.reshape(-1, 3)
-                name = actuator.segment, actuator.name, "rates.actuator"
+                name = self._row(actuator), actuator.name, "rates.actuator"
                 yield Limit("actuator_rate", *name, abs(change), most, 0.0, outward, motor=_motor(actuator))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.model.joints import Fixed, Joint, RigidRows
+from sinuous.model.joints import RigidRows
 
 SAMPLES = 100
 """Configurations that are tried."""
@@ -14,9 +14,7 @@ NEARLY_ALL = 0.95
 """Share of them from which on it is told."""
 
 
-def overlap_notes(
-    rigid: RigidRows, joints: Sequence[Joint], joint_names: Sequence[str], begins: Callable[[Floats], Floats]
-) -> Iterator[str]:
+def overlap_notes(rigid: RigidRows, joint_names: Sequence[str], begins: Callable[[Floats], Floats]) -> Iterator[str]:
     """Yield a line for each pair of links that may not touch, and overlap nearly everywhere within the limits.
 
     `begins` tells of values (m, j) of the joints the poses (m, r, 4, 4) in which rows of joints and links begin.
@@ -29,7 +27,7 @@ def overlap_notes(
                 pairs.setdefault((other.link, one.link), []).append((j, i))
     if not pairs:
         return
-    low, high = np.array([joint.limits for joint in joints if not isinstance(joint, Fixed)]).T
+    low, high = np.array([joint.limits for joint in rigid.moving]).T
     poses = begins(np.random.default_rng(0).uniform(low, high, (SAMPLES, len(low))))
     capsules = []
     for k, row in rows:

@@ -18,15 +18,16 @@ Most = Number | Vector | Mapping[str, Number] | None
 Kept = float | Floats | dict[str, float] | None
 """The same as it is kept."""
 
-KEYS = ("bend", "length", "actuator")
+KEYS = ("bend", "length", "actuator", "joint")
 
 
 class Spread(NamedTuple):
-    """Numbers for every segment and every actuator of a robot; infinite where there is no limit.
+    """Numbers for every row and every actuator of a robot; infinite where there is no limit.
 
     Attributes
     ----------
-    bend, length : ndarray (n,)
+    bend, length : ndarray (rows,)
+        Those of joints that turn are bends, those of joints that slide lengths.
     actuator : ndarray (m,)
     """
 
@@ -36,28 +37,40 @@ class Spread(NamedTuple):
 
 
 class _Bounds(Frozen):
-    """Numbers that bound bends, lengths and actuators: one for all, one for each, some by names, or none."""
+    """Numbers that bound bends, lengths, actuators and joints: one for all, one for each, some by names, or none."""
 
     bend: Kept
     length: Kept
     actuator: Kept
+    joint: Kept
 
-    def __init__(self, bend: Most = None, length: Most = None, actuator: Most = None) -> None:
-        self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator), strict=True)})
+    def __init__(self, bend: Most = None, length: Most = None, actuator: Most = None, joint: Most = None) -> None:
+        self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator, joint), strict=True)})
 
     def _times(self, factor: float) -> "Changes":
         return Changes(*(scaled(getattr(self, key), factor) for key in KEYS))
 
     def spread(self, robot: Robot) -> Spread:
-        """Return the numbers for every segment and every actuator of a robot; without accelerations.
+        """Return the numbers for every row and every actuator of a robot; without accelerations.
 
         Raises
         ------
         InputError
             When there are not as many as it has, or none has such a name.
         """
-        names = robot.segment_names, robot.segment_names, [actuator.name for actuator in robot.actuators]
-        return Spread(*(_spread(key, getattr(self, key), own) for key, own in zip(KEYS, names, strict=True)))
+        return self._spread(robot, np.inf)
+
+    def _spread(self, robot: Robot, joints: Any) -> Spread:
+        """The same where the joints have limits (j,) of their own: the stricter of both holds."""
+        arcs, rigid = robot.segment_names, robot._rigid
+        names = arcs, arcs, [actuator.name for actuator in robot.actuators], robot.joint_names
+        bend, length, actuator, own = (
+            _spread(key, getattr(self, key), named) for key, named in zip(KEYS, names, strict=True)
+        )
+        both = np.full((len(robot), 2), np.inf)
+        both[len(rigid.rows) :] = np.stack([bend, length], axis=1)
+        both[rigid.values, (rigid.columns > 0).astype(np.intp)] = np.minimum(own, joints)
+        return Spread(both[:, 0], both[:, 1], actuator)
 
 
 class Changes(_Bounds):
@@ -71,6 +84,8 @@ class Changes(_Bounds):
         Of the length of a segment.
     actuator : float or array_like (m,), optional
         Of the value of an actuator, in the order of `Robot.actuators`: units of its motor (length unit without a gain).
+    joint : float or array_like (j,), optional
+        Of the value of a joint, in the order of `Robot.joint_names`: rad, or the length unit.
 
     Raises
     ------
@@ -88,7 +103,8 @@ class Rates(_Bounds):
     """The largest speeds of a robot, per second: scalars for all, or one for each.
 
     `rates * dt` are the `Changes` that are allowed in `dt` seconds. Accelerations say nothing about one such time
-    alone, and are not part of them.
+    alone, and are not part of them. Where rates are given, and in every control step, a joint keeps its own `rate` and
+    `acceleration`, too: the stricter of both.
 
     Parameters
     ----------
@@ -102,6 +118,8 @@ class Rates(_Bounds):
         (length unit/s without a gain).
     acceleration : Rates, optional
         The same of their derivatives: rad/s^2, length unit/s^2.
+    joint : float, array_like (j,) or mapping, optional
+        Of the value of a joint, in the order of `Robot.joint_names`: rad/s, or length unit/s.
 
     Raises
     ------
@@ -112,9 +130,14 @@ class Rates(_Bounds):
     acceleration: "Rates | None"
 
     def __init__(
-        self, bend: Most = None, length: Most = None, actuator: Most = None, acceleration: "Rates | None" = None
+        self,
+        bend: Most = None,
+        length: Most = None,
+        actuator: Most = None,
+        acceleration: "Rates | None" = None,
+        joint: Most = None,
     ) -> None:
-        super().__init__(bend, length, actuator)
+        super().__init__(bend, length, actuator, joint)
         checks.instance("acceleration", acceleration, Rates | None, "Rates")
         if acceleration is not None and acceleration.acceleration is not None:
             raise InputError("acceleration.acceleration", "", acceleration.acceleration, "nothing")
@@ -129,16 +152,38 @@ class Rates(_Bounds):
     __rmul__ = __mul__
 
     def check(self, robot: Robot) -> None:
-        """Refuse rates and accelerations that are not as many as a robot has segments and actuators.
+        """Refuse rates and accelerations that are not as many as a robot has segments, actuators and joints.
 
         Raises
         ------
         InputError
         """
         self.spread(robot)
-        if self.acceleration is not None:
-            with checks.inside("acceleration"):
-                self.acceleration.spread(robot)
+        self.further(robot)
+
+    def spread(self, robot: Robot) -> Spread:
+        """Return the rates of every row and every actuator of a robot, with those that its joints have themselves.
+
+        Raises
+        ------
+        InputError
+            When there are not as many as it has, or none has such a name.
+        """
+        return self._spread(robot, [joint.rate for joint in robot._rigid.moving])
+
+    def further(self, robot: Robot) -> Spread | None:
+        """Return the accelerations likewise; `None` where nothing limits any.
+
+        Raises
+        ------
+        InputError
+            As for `spread`.
+        """
+        own = np.array([joint.acceleration for joint in robot._rigid.moving])
+        if self.acceleration is None and not np.isfinite(own).any():
+            return None
+        with checks.inside("acceleration"):
+            return (self.acceleration or Rates())._spread(robot, own)
 
 
 def _most(key: str, value: Any) -> Kept:

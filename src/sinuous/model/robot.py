@@ -1,7 +1,7 @@
 """The robot: segments that bend and stretch, one after the other on a base."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
@@ -39,10 +39,13 @@ from sinuous.model.joints import (
     Joint,
     RigidRow,
     RigidRows,
+    each_row,
+    is_pair,
     joined,
     joint_list,
     joint_names,
     mean_reach,
+    on_rows,
     rigid_rows,
     with_links,
 )
@@ -155,7 +158,8 @@ class Robot(NotebookMixin, Frozen):
         Actuators beside the tendons and chambers of the segments.
     name : str, optional
     clearance : float or array_like (n,)
-        Least distance of the body from obstacles that every solution keeps: of all segments, or one each.
+        Least distance of the body from obstacles that every solution keeps: of all segments, or one each. Links of
+        joints keep the least of these.
     self_clearance : float or array_like (n,)
         The same of the body from itself: two places keep the mean of what is demanded of their segments. It counts as
         half as much thickness on either side: in `self_collision` for the radius stands the radius and half of it.
@@ -174,13 +178,15 @@ class Robot(NotebookMixin, Frozen):
     segments : tuple of Segment
     segment_names : tuple of str
         By default `s1`, `s2`, ... from base to tip.
+    rows : tuple of Segment
+        What configurations have a row for: joints and capsules of their links, if there are any, then the segments.
     radii : tuple of float
-        Radius of the body, per segment.
+        Radius of the body, per row.
     needed_radii, self_radii : tuple of float
         Within which the backbone of a segment needs to be free of obstacles, and of other places of the body with
         theirs: the radius, what is demanded of clearance and, of obstacles, the `uncertainty`.
     curvatures : tuple of float
-        Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
+        Largest curvature, per row: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
         What was given as `actuators`.
     limits, actuation : ndarray (n, 35), (p, 7)
@@ -197,6 +203,7 @@ class Robot(NotebookMixin, Frozen):
     segments: tuple[Segment, ...]
     joints: tuple[Joint, ...]
     rows: tuple[Segment, ...]
+    row_names: tuple[str, ...]
     segment_names: tuple[str, ...]
     radii: tuple[float, ...]
     needed_radii: tuple[float, ...]
@@ -254,9 +261,10 @@ class Robot(NotebookMixin, Frozen):
         if given:
             listed = tuple(segment.changed(**given) for segment in listed)
         chain = (*rigid.rows, *listed)
-        names = segment_names(chain)
+        row_names = segment_names(chain)
+        names = row_names[len(rigid.rows) :]
         if given_joints:
-            kinds = ("joints", joint_names(given_joints)), ("segments", names[len(rigid.rows) :])
+            kinds = ("joints", joint_names(given_joints)), ("segments", names)
             refuse_repeated((f"{kind}[{k}].name", each) for kind, all_of in kinds for k, each in enumerate(all_of))
         carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
@@ -269,19 +277,13 @@ class Robot(NotebookMixin, Frozen):
         checks.instance("uncertainty", uncertainty, Uncertainty | None, "Uncertainty or nothing")
         with checks.inside("uncertainty"):
             unsure = 0.0 if uncertainty is None else each_segment("bound", uncertainty.bound, names)
-        needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
-        own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
+        of_rows = (each_row(rigid, each) for each in (away, unsure, apart))
+        needed, own = _widths(radii, *of_rows)
         curvatures = curvature_limits(chain, own, self_collision == "avoid")
-        if actuators is not None and given_joints:
-            wanted = "tendons, chambers and stages of segments, where the robot has joints"
-            raise InputError("actuators", "cannot be combined with joints", actuators, wanted)
-        if isinstance(away, tuple) or isinstance(apart, tuple):
-            for key, value in (("clearance", away), ("self_clearance", apart)):
-                if isinstance(value, tuple) and given_joints:
-                    raise InputError(key, "one for each segment, with joints", value, "one number")
-        drive = Actuation(chain, actuators, curvatures)
+        coupling = None if actuators is None else on_rows(rigid, actuators, len(chain))
+        drive = Actuation(chain, coupling, curvatures)
         held = drive.coordinates
-        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, held)
+        coupled = () if coupling is None else coupled_rows(coupling, drive.linear_scales, held)
         actuation = packing.actuator_table([*drive.limit_rows(), *coupled])
         homes = find_home(held, actuation)
         rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
@@ -291,6 +293,7 @@ class Robot(NotebookMixin, Frozen):
             joints=given_joints,
             rows=chain,
             _rigid=rigid,
+            row_names=row_names,
             segment_names=names,
             self_collision=self_collision,
             curvatures=curvatures,
@@ -349,7 +352,7 @@ class Robot(NotebookMixin, Frozen):
         checks.instance("coordinates", coordinates, Mapping, "a mapping from segments to (bend_x, bend_y, length)")
         segments = list(self.segments)
         for which, held in coordinates.items():
-            number = segment_number("coordinates", which, self.segment_names[len(self._rigid.rows) :])
+            number = segment_number("coordinates", which, self.segment_names)
             with checks.inside(f"coordinates.{which}"):
                 segments[number - 1] = segments[number - 1].changed(locked=held)
         return self.changed(segments=segments)
@@ -385,9 +388,20 @@ class Robot(NotebookMixin, Frozen):
         return self.longest_up_to(len(self))
 
     def longest_up_to(self, last: int) -> float:
-        """Return how far the end of segment `last` (1 = first) is from the base at most."""
+        """Return how far the end of row `last` (1 = first) is from the base at most."""
         links = float(self.limits[:last, tables.TAIL_LENGTH].sum())
         return sum(row.length[1] for row in self.rows[:last]) + links
+
+    def end_row(self, segment: int | str | None) -> int:
+        """Return the row (1 = first) of a segment (1 = first), or of a joint of this name; the last one for `None`."""
+        if isinstance(segment, str):
+            return self.row_names.index(segment) + 1
+        return len(self) if segment is None else len(self._rigid.rows) + segment
+
+    @cached_property
+    def labels(self) -> tuple[int | str, ...]:
+        """What answers call each row: the number of a segment, 1 = first, the name of a joint, or of that of a link."""
+        return *(row.owner for row in self._rigid.rows), *range(1, len(self.segments) + 1)
 
     @property
     def largest_bends(self) -> tuple[float, ...]:
@@ -437,15 +451,20 @@ class Robot(NotebookMixin, Frozen):
     @property
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments too thick for their own limits, what `coordinate_notes` say, notes of joints."""
-        thick = held_back(self.rows, self.self_radii, self.curvatures)
-        return (*thick, *self.coordinate_notes, *self.joint_notes)
+        return (*self.thick_notes, *self.coordinate_notes, *self.joint_notes)
+
+    @property
+    def thick_notes(self) -> list[str]:
+        """Which segments may bend less than their own limits allow, because they are too thick."""
+        before = len(self._rigid.rows)
+        return held_back(self.segments, self.self_radii[before:], self.curvatures[before:])
 
     @cached_property
     def joint_notes(self) -> tuple[str, ...]:
         """What was decided where joints were read from a file, by joint; and which links overlap nearly everywhere."""
         pairs = zip(joint_names(self.joints), self.joints, strict=True)
         read = (f"{name}: {note}" for name, joint in pairs for note in joint.notes)
-        return (*read, *overlap_notes(self._rigid, self.joints, self.joint_names, self._begins))
+        return (*read, *overlap_notes(self._rigid, self.joint_names, self._begins))
 
     def _begins(self, joints: Floats) -> Floats:
         """Poses (m, r, 4, 4) in which rows of joints and links begin, at these values (m, j)."""
@@ -455,7 +474,7 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def held_notes(self) -> tuple[str, ...]:
         """What is locked or bends in one plane, and why: what results say of it."""
-        return tuple(self.drive.coordinates.notes(self.segment_names))
+        return tuple(self.drive.coordinates.notes(self.row_names))
 
     @cached_property
     def coordinate_notes(self) -> tuple[str, ...]:
@@ -471,7 +490,7 @@ class Robot(NotebookMixin, Frozen):
         if not self.drive.jacobian.reshape(-1, len(self), 3)[..., :2].any():
             return ()
         lengths = {f"length of {name} (" for name in self._loose_lengths}
-        own = tuple(f"joint {name}" for name in self.joint_names)
+        own = tuple(f"joint {name!r}" for name in self.joint_names)
         left = [each for each in self.undetermined if not each.startswith((*lengths, *own))]
         return (f"actuators alone do not determine {some_of(left)}",) if left else ()
 
@@ -486,7 +505,7 @@ class Robot(NotebookMixin, Frozen):
             moved[self.drive.coordinates.owner[own]] = True
         low, high = self.drive.coordinates.lengths.T
         moved[: len(self._rigid.rows)] = True
-        return tuple(self.segment_names[k] for k in np.flatnonzero((low < high) & ~moved))
+        return tuple(self.row_names[k] for k in np.flatnonzero((low < high) & ~moved))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the robot as a problem file says it: plain values that make an equal robot."""
@@ -571,6 +590,11 @@ class Robot(NotebookMixin, Frozen):
             key, joined(self._rigid, len(self.segments), key, given) if self.joints else given, (len(self), 3)
         )
 
+    def _one_velocity(self, key: str, given: Any) -> Floats:
+        """Check how fast a configuration changes (rows, 3), or a pair of what joints (j,) and segments (n, 3) do."""
+        still = np.zeros((len(self.segments), 3)), np.zeros(len(self.joint_names))
+        return np.asarray(self._one_configuration(key, given) - (self.with_joints(*still) if is_pair(given) else 0.0))
+
     def arm_at(self, configuration: Batch) -> tuple["Robot", Floats]:
         """Return the segments alone, on the joints as they stand in a configuration (rows, 3), and their q (n, 3)."""
         whole = self._one_configuration("configuration", configuration)
@@ -606,7 +630,7 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints that move, in the order of their values; by default `j1`, `j2`, ..."""
-        return tuple(self.segment_names[row] for row in self._rigid.values)
+        return tuple(self.row_names[row] for row in self._rigid.values)
 
     def forward(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
         """Poses (..., rows, 4, 4) of the ends of all rows in the world; the tool is not applied.
@@ -639,17 +663,25 @@ class Robot(NotebookMixin, Frozen):
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
 
-    def jacobian(self, q: Batch, segment: Which | None = None) -> Floats:
-        """Geometric Jacobian (..., 6, 3 n) of the end of a segment.
+    def jacobian(self, q: JointsAndBatch | None, segment: Which | None = None, joints: Stack | None = None) -> Floats:
+        """Geometric Jacobian (..., 6, j + 3 n) of the end of a segment.
 
         `segment` is its number, 1 = first, or its name; the last one, which is the default, means the tool.
         Rows 0 to 2 are the angular velocity, rows 3 to 5 the velocity of that point, both in world axes; columns are
-        `bend_x, bend_y, length` of the first segment, of the second, and so on.
+        the values of the joints, then `bend_x, bend_y, length` of the first segment, of the second, and so on.
         """
+        number = None if segment is None else segment_number("segment", segment, self.segment_names)
+        return self._of_values(self._row_jacobian(q, self.end_row(number), joints))
+
+    def _of_values(self, of_rows: Floats) -> Floats:
+        """Return the columns of joints, then of segments (..., j + 3 n), of columns (..., 3 rows)."""
+        return of_rows[..., self._rigid.flat(len(self))] if self._rigid.rows else of_rows
+
+    def _row_jacobian(self, q: JointsAndBatch | None, end: int, joints: Stack | None = None) -> Floats:
+        """Geometric Jacobian (..., 6, 3 rows) of the end of a row (1 = first)."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
-        end = len(self) if segment is None else segment_number("segment", segment, self.segment_names)
-        flat, frames, lead = self._frames(q)
+        flat, frames, lead = self._frames(q, joints)
         out = np.zeros((len(flat), 6, 3 * len(self)))
         batch.jacobians_of(
             self.limits.copy(), flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out
@@ -726,14 +758,14 @@ class Robot(NotebookMixin, Frozen):
         if (actuators is None) == (tensions is None):
             raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
         if tensions is not None:
-            q = None if initial is None else checks.array("initial", initial, (len(self), 3))
+            q = None if initial is None else self._one_configuration("initial", initial)
             names = [each.name for each in self.actuators]
             ordered = in_order("tensions", tensions, names) if isinstance(tensions, Mapping) else tensions
             pulled = checks.array("tensions", ordered, (len(self.drive),))
             return self._rest(loads, "tensions", pulled, q)
         self.from_actuators(actuators, initial)  # values that contradict each other are told
         given: Any = actuators
-        values, reference = fitting(given, initial, [each.name for each in self.actuators], len(self))
+        values, reference = self._fitting(given, initial)
         return self._rest(loads, "actuators", values, reference)
 
     def _rest(
@@ -752,9 +784,9 @@ class Robot(NotebookMixin, Frozen):
         """
         return self.limit_set.excess(self.configuration("q", q))
 
-    def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
+    def within_tensions(self, q: JointsAndBatch) -> NDArray[np.bool_]:
         """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
-        return self.limit_set.held(q)
+        return self.limit_set.held(self.configuration("q", q))
 
     def clamp(self, q: Batch) -> Floats:
         """Return the configurations (..., n, 3) within all limits that are nearest to these.
@@ -771,13 +803,14 @@ class Robot(NotebookMixin, Frozen):
         shapes = [self.limit_set.clamp(one) for one in given.reshape(-1, len(self), 3)]
         return np.array(shapes).reshape(given.shape)
 
-    def violations(self, q: Rows) -> list[Violation]:
+    def violations(self, q: Any) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
-        `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
-        what the curvature allows at this length.
+        Instead of a segment stands the name of a joint. `length` and `actuator` count in the length unit, `bend` and
+        `curvature` in rad: the latter is the bend beyond what the curvature allows at this length.
         """
-        return self.limit_set.violations(checks.array("q", q, (len(self), 3)))
+        found = self.limit_set.violations(self._one_configuration("q", q))
+        return [(kind, self.labels[row - 1], amount) for kind, row, amount in found]
 
     @cached_property
     def limit_set(self) -> LimitSet:
@@ -828,14 +861,18 @@ class Robot(NotebookMixin, Frozen):
             When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named. When
             values contradict each other by more than `tolerance`, or a name is missing or unknown.
         """
-        names = [actuator.name for actuator in self.actuators]
-        values, reference = fitting(actuators, initial, names, len(self))
+        values, reference = self._fitting(actuators, initial)
         if reference is None and self.undetermined:
             expected = f"a configuration for what no actuator determines: {some_of(self.undetermined)}"
             raise InputError("initial", "missing", None, expected)
         found = self.without_load(self.drive.motors.displacements(values), reference)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
         return found
+
+    def _fitting(self, actuators: ActuatorValues | None, initial: Any) -> tuple[Floats, Floats | None]:
+        """Check values (..., m) of actuators, and a reference (..., rows, 3) or none."""
+        near = initial if initial is None or not self.joints else self.configuration("initial", initial)
+        return fitting(actuators, near, [actuator.name for actuator in self.actuators], len(self))
 
     def without_load(self, displacements: Floats, reference: Floats | None) -> Floats:
         """Configurations (..., n, 3) that displacements (..., m) of all actuators make; see `from_actuators`."""
@@ -849,7 +886,7 @@ class Robot(NotebookMixin, Frozen):
         of force of `stiffness`.
         """
         q = self.from_actuators(actuators, initial)
-        values, _ = fitting(actuators, initial, [actuator.name for actuator in self.actuators], len(self))
+        values, _ = self._fitting(actuators, initial)
         return self.drive.tensions(q, self.drive.motors.displacements(values))
 
     def slack(self, actuators: ActuatorValues, initial: Batch | None = None) -> tuple[str, ...]:
@@ -859,24 +896,30 @@ class Robot(NotebookMixin, Frozen):
             raise InputError("actuators", f"shape {tensions.shape}", actuators, f"{len(self.drive)} values")
         return tuple(each.name for each, own in zip(self.actuators, tensions, strict=True) if own == 0.0)
 
-    def actuator_jacobian(self, q: Batch) -> Floats:
-        """Derivative (..., m, 3 n) of the values of all actuators, read-only.
+    def actuator_jacobian(self, q: JointsAndBatch) -> Floats:
+        """Derivative (..., m, j + 3 n) of the values of all actuators, read-only.
 
-        Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
+        Columns are those of `jacobian`. It is the same for every
         configuration, because all actuators are linear; of elastic ones the stretch is left out.
         """
         lead = self.configuration("q", q).shape[:-2]
-        jacobian = self.drive.value_jacobian
+        jacobian = self._of_values(self.drive.value_jacobian)
         return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
 
     @cached_property
     def undetermined(self) -> tuple[str, ...]:
         """What no actuator determines, like `length of s2 (segment 2)`: `from_actuators` takes it from `initial`."""
-        return tuple(self._inverse.named(self.segment_names, len(self._rigid.rows)))
+        return tuple(self._inverse.named(self.row_names, len(self._rigid.rows)))
 
     @cached_property
     def _inverse(self) -> Inverse:
         return Inverse(self.drive)
+
+
+def _widths(radii: Sequence[float], away: OneEach, unsure: OneEach, apart: OneEach) -> tuple[tuple[float, ...], ...]:
+    """Radii that the backbone needs free of obstacles, and of other places of the body."""
+    needed, own = np.add(np.add(radii, away), unsure), np.add(radii, np.multiply(0.5, apart))
+    return tuple(needed.tolist()), tuple(own.tolist())
 
 
 def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payload, ...]) -> Floats:

@@ -79,12 +79,12 @@ def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
 
 def violated_by(robot: Robot, q: Floats) -> Worst | None:
     """Return the limit that a configuration (n, 3) violates most; `None` when it is within all of them."""
-    limits, violations = robot.limit_set, robot.violations(q)
+    limits, violations = robot.limit_set, robot.limit_set.violations(q)
     if not violations and (pulls := pulls_at(robot, q)) is not None:
         violations = limits.tension_violations(pulls)
     found = [(amount / limits.unit_of(limit), limit, segment, amount) for limit, segment, amount in violations]
     relative, limit, segment, amount = max(found, default=(0.0, "length", 0, 0.0), key=lambda each: each[0])
-    return None if relative <= SLACK else Worst(limit, segment, None, amount)
+    return None if relative <= SLACK else Worst(limit, robot.labels[segment - 1], None, amount)
 
 
 def settle(robot: Robot, key: str, q: Floats) -> tuple[Floats, tuple[str, ...]]:

@@ -41,7 +41,9 @@ def explain_motion(motion: "Motion", sentence: str, time: Number) -> Explanation
     short = f"the time was too short to try everything: explain(time={max(1.0, 5.0 * seconds):.2g}) gives it more"
     untried = short if not complete else "" if known else UNTRIED
     held = () if worst is None or motion.status is not Status.BLOCKED else (_held_by(motion, worst),)
-    return Explanation(motion.status, sentence, None, "", held, (), tuple(remedies), untried, True, len(motion.robot))
+    return Explanation(
+        motion.status, sentence, None, "", held, (), tuple(remedies), untried, True, len(motion.robot.segments)
+    )
 
 
 def _held_by(motion: "Motion", worst: Worst) -> Binding:
@@ -69,7 +71,7 @@ def _make_clear(motion: "Motion", worst: Worst, end: float) -> tuple[list[Remedy
             found.append(Remedy(f"obstacle {worst.obstacle}", worst.obstacle, None, where))
     if work_time() > end:
         return found, False
-    thickest = max(motion.robot.radii)
+    thickest = max(motion.robot.body_radii)
     if thickest > 0.0 and not motion.robot.has_external_load and _proved(motion, _thinner(motion.robot, 0.0), None):
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
@@ -83,9 +85,10 @@ def _make_clear(motion: "Motion", worst: Worst, end: float) -> tuple[list[Remedy
 
 def _thinner(robot: Robot, share: float) -> Robot:
     """The robot with a share of its thickness."""
-    return robot.changed(
-        segments=[own.changed(radius=share * radius) for own, radius in zip(robot.segments, robot.radii, strict=True)]
-    )
+    thin = [own.changed(radius=share * own.radius) for own in robot.segments]
+    bodies = [[(*own[:2], share * own.radius) for own in joint.body if share > 0.0] for joint in robot.joints]
+    joints = [joint.changed(body=body) for joint, body in zip(robot.joints, bodies, strict=True)]
+    return robot.changed(segments=thin, joints=joints)
 
 
 def _proved(motion: "Motion", robot: Robot, obstacles: list[Obstacle] | None) -> bool:

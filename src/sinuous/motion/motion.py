@@ -140,7 +140,7 @@ class Motion(NotebookMixin, Frozen):
         times: Vector | None = None,
     ) -> None:
         checks.instance("robot", robot, Robot, "a Robot")
-        knots = checks.rows("q", q, len(robot), 3)
+        knots = checks.rows("q", robot.configuration("q", q) if robot.joints else q, len(robot), 3)
         if len(knots) < 2:
             raise InputError("q", "", q, "at least two configurations")
         settled = [check_limits(robot, f"q[{i}]", knot) for i, knot in enumerate(knots)]

@@ -61,13 +61,14 @@ def pace_motion(motion: Motion, rates: Rates | None, duration: float | None = No
 
 def _slower(robot: Robot, q: Floats, durations: Floats, rates: Rates) -> float:
     """By which factor all durations (T - 1,) have to be longer for the accelerations."""
-    if rates.acceleration is None:
+    accelerations = rates.further(robot)
+    if accelerations is None:
         return 1.0
     still = np.zeros((1, *q.shape[1:]))
     speeds = np.concatenate([still, np.diff(q, axis=0) / durations[:, None, None], still])
     beside = np.concatenate([[0.0], durations, [0.0]])
     means = 0.5 * (beside[1:] + beside[:-1])
-    most = largest(robot, rates.acceleration.spread(robot), np.diff(speeds, axis=0) / means[:, None, None])
+    most = largest(robot, accelerations, np.diff(speeds, axis=0) / means[:, None, None])
     return float(np.sqrt(max(1.0, (1.0 / most).max())))
 
 

@@ -206,7 +206,7 @@ class Planner:
         lever_metric(robot)
 
     def __repr__(self) -> str:
-        sizes = [f"{len(self._robot)} segments", f"{len(self._scene)} obstacles"]
+        sizes = [f"{len(self._robot.segments)} segments", f"{len(self._scene)} obstacles"]
         return call("Planner", [*sizes, f"time={self._options.time:g}"])
 
     def plan(self, start: Initial, goal: Goal) -> Motion:

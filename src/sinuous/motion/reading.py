@@ -86,7 +86,8 @@ def _read_table(text: str, robot: Robot) -> tuple[Floats, Floats]:
     if table.names is None:
         raise InputError("columns", "no names", "numbers alone", "a line with names: time, s1.bend_x, ... or actuators")
     own = [name.lower() for name in table.names]
-    shapes, motors = coordinate_names(robot.segment_names), [actuator.name for actuator in robot.actuators]
+    shapes = [*robot.joint_names, *coordinate_names(robot.segment_names)]
+    motors = [actuator.name for actuator in robot.actuators]
     read = shapes if shapes[0].lower() in own or not motors else motors
     missing = [name for name in read if name.lower() not in own]
     when = next((name for name in TIME if name in own), None)
@@ -107,7 +108,8 @@ def _read_table(text: str, robot: Robot) -> tuple[Floats, Floats]:
 def _knots(robot: Robot, values: Floats, shapes: bool) -> Floats:
     """Configurations (T, n, 3) of rows of coordinates, or of values of all actuators."""
     if shapes:
-        return values.reshape(len(values), len(robot), 3)
+        moving = len(robot.joint_names)
+        return robot.with_joints(values[:, moving:].reshape(len(values), -1, 3), values[:, :moving])
     q: Floats = robot.from_actuators(values)
     return q
 

@@ -157,7 +157,7 @@ def _null_space(robot: Robot, knot: Knot) -> Floats:
 def _rows(robot: Robot, target: Target, q: Floats) -> Floats:
     """Return the derivative (r, 3 n) of what one target asks, in the units of `_units`."""
     units = _units(robot)
-    jacobian = robot.jacobian(q, target.segment) * units
+    jacobian = robot._row_jacobian(q, robot.end_row(target.segment)) * units
     rows = [] if target.position is None else [jacobian[3:] / units[2]]
     if target.rotation is not None:
         rows.append(jacobian[:3])

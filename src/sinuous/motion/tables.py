@@ -35,7 +35,7 @@ def sample_times(times: Floats, rate: float) -> Floats:
 
 def columns(robot: Robot) -> list[str]:
     """Names of the numbers: joints, `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, then all actuators."""
-    own = robot.segment_names[len(robot) - len(robot.segments) :]
+    own = robot.segment_names
     return [*robot.joint_names, *coordinate_names(own), *(actuator.name for actuator in robot.actuators)]
 
 
@@ -106,7 +106,8 @@ def write_npz(file: str | Path, robot: Robot, times: Floats, q: Floats, proved: 
         When the file cannot be written.
     """
     values = {
-        "q": q,
+        "q": robot.segments_of(q),
+        **({"joints": robot.joints_of(q)} if robot.joints else {}),
         "times": times,
         "actuators": robot.to_actuators(q),
         "actuator_names": np.array([actuator.name for actuator in robot.actuators], np.str_),
@@ -122,7 +123,9 @@ def read_npz(file: str | Path, robot: Robot) -> tuple[Floats, Floats]:
         try:
             with np.load(file, allow_pickle=False) as values:
                 q, times = (values[key] for key in ("q", "times"))
+                joints = values.get("joints")
         except (ValueError, KeyError, BadZipFile):
             raise InputError("file", "holds no motion", str(file), "arrays q and times in NPZ") from None
     with checks.in_file(file):
-        return checks.rows("q", q, len(robot), 3), times
+        whole = q if joints is None else robot.configuration("q", q, joints)
+        return checks.rows("q", whole, len(robot), 3), times

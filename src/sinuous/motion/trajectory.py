@@ -197,7 +197,7 @@ class Trajectory(NotebookMixin, Frozen):
 
     def __repr__(self) -> str:
         stops = [f"{self.stops} stops in corners"] if self.stops else []
-        return call("Trajectory", [f"{self.duration:.4g} s", *stops, f"{len(self.robot)} segments"])
+        return call("Trajectory", [f"{self.duration:.4g} s", *stops, f"{len(self.robot.segments)} segments"])
 
     def _through(self, times: Floats) -> "Motion":
         """Return the motion through configurations at these times, proved."""
@@ -225,10 +225,7 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     checks.instance("rates", rates, Rates, "Rates")
     if motion.scene.moves:
         raise InputError("motion", "obstacles move", motion, "one among obstacles that stand still: it has other times")
-    limits, accelerations = rates.spread(motion.robot), None
-    if rates.acceleration is not None:
-        with checks.inside("acceleration"):
-            accelerations = rates.acceleration.spread(motion.robot)
+    limits, accelerations = rates.spread(motion.robot), rates.further(motion.robot)
     most = checks.number("blend", blend, low=0.0)
     if most > 0.0 and accelerations is None:
         raise InputError("blend", "rates have no acceleration, and so no corner asks for one", most, "0")

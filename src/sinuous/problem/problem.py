@@ -137,7 +137,7 @@ class Problem(Frozen, _Open):
         check_sizes(robot, place)
 
     def _shown(self) -> Iterator[str]:
-        yield f"{len(self.robot)} segments"
+        yield f"{len(self.robot.segments)} segments"
         yield text(self.targets[0]) if len(self.targets) == 1 else f"{len(self.targets)} targets"
         yield f"{len(self.scene)} obstacles"
 
@@ -201,8 +201,8 @@ class BodyQuestion(NamedTuple):
     arcs : ndarray (N, 3)
         Its configuration.
     targets : tuple of Target
-    owners : list of int (N)
-        Which segment of the robot each arc belongs to, 1 = first.
+    owners : sequence of int or str (N)
+        Which segment of the robot each arc belongs to, 1 = first; see `Robot.labels`.
     shape : Equilibrium or None
         Under load.
     """
@@ -210,18 +210,18 @@ class BodyQuestion(NamedTuple):
     body: Robot
     arcs: Floats
     targets: tuple[Target, ...]
-    owners: list[int]
+    owners: Sequence[int | str]
     shape: Equilibrium | None = None
 
-    def segment(self, arc: int | None) -> int | None:
-        """Segment of the robot that an arc (1 = first) belongs to."""
+    def segment(self, arc: Any) -> int | str | None:
+        """Segment of the robot that an arc (1 = first) belongs to; see `Robot.labels`."""
         return None if arc is None else self.owners[arc - 1]
 
 
 def ask_body(robot: Robot, q: Floats, targets: Sequence[Target]) -> BodyQuestion:
     """Return the question of targets in a configuration (n, 3) of the drive."""
     if not robot.has_external_load:
-        return BodyQuestion(robot, q, tuple(targets), list(range(1, len(robot) + 1)))
+        return BodyQuestion(robot, q, tuple(targets), robot.labels)
     own, found = body_of(robot), robot.shape(q)
     rolls = np.cumsum(found.states[:, t.TWIST])
     asked = [_turned(target, robot, int(own.ends[(target.segment or 1) - 1]), rolls) for target in targets]

@@ -10,7 +10,6 @@ from functools import lru_cache
 import numpy as np
 
 from sinuous.base import words
-from sinuous.model.limits import held_back
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
 from sinuous.scene.mesh import Mesh
@@ -57,7 +56,7 @@ def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[T
 @lru_cache(maxsize=KEPT)
 def _of_robot(robot: Robot) -> tuple[str, ...]:
     """What is suspicious of a robot alone."""
-    thick = held_back(robot.rows, robot.self_radii, robot.curvatures)
+    thick = robot.thick_notes
     return *_of_angles(robot), *_of_lengths(robot), *_of_loads(robot), *thick
 
 
@@ -66,11 +65,11 @@ def _longest(robot: Robot) -> float:
 
 
 def _of_angles(robot: Robot) -> Iterator[str]:
-    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.rows, 1) if not s.rigid}):
+    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.segments, 1)}):
         if most > FULL_TURN * (1.0 + 1e-9):
-            which = words.segments(numbers, len(robot))
+            which = words.segments(numbers, len(robot.segments))
             yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
-    for k, segment in enumerate(robot.rows, 1):
+    for k, segment in enumerate(robot.segments, 1):
         if float(np.hypot(*segment.rest)) > FULL_TURN * (1.0 + 1e-9):
             yield f"rest of segment {k} is more than a full turn; is it in degrees?"
         for key in ("tendons", "chambers"):
@@ -98,13 +97,13 @@ def _of_lengths(robot: Robot) -> Iterator[str]:
     segment_length = max((segment.length[1] for segment in robot.segments), default=length)
     if tool > LONG_TOOL * length or segment_length / NO_TOOL < tool < segment_length / SHORT_TOOL:
         yield f"the tool is {tool:.4g} long, the robot {length:.4g}; {ask}"
-    for k, segment in enumerate(robot.rows, 1):
+    for k, segment in enumerate(robot.segments, 1):
         if segment.tendons is None or segment.max_bend == 0.0:
             continue
         limits = np.abs(segment.tendons.displacements)
         most = float(limits[np.isfinite(limits)].max(initial=0.0))
         needed = segment.tendons.radius * segment.max_bend
-        if 0.0 < most * TIGHT < needed or most > SLACK * needed * len(robot):
+        if 0.0 < most * TIGHT < needed or most > SLACK * needed * len(robot.segments):
             yield f"tendons of segment {k} move by at most {most:.4g}, its largest bend takes {needed:.4g}; {ask}"
 
 

@@ -14,6 +14,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels.packing import read_only, target_parts, target_row, target_rows
+from sinuous.kernels.tables import TARGET_SEGMENT
 from sinuous.model.names import any_segment, segment_number
 from sinuous.model.poses import any_rotation, any_rotations, as_pose, is_pose
 from sinuous.model.robot import Robot
@@ -300,7 +301,13 @@ def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
     """Rows (t, 15) of all targets, for this robot; laid out as `sinuous.kernels.tables` says."""
     if len(targets) == 1 and targets[0].segment is None:  # most are: what a solve asks first
         return targets[0]._table
-    return np.concatenate([target._table for target in _numbered("targets", targets, robot)])
+    return on_rows(robot, np.concatenate([target._table for target in _numbered("targets", targets, robot)]))
+
+
+def on_rows(robot: Robot, table: Floats) -> Floats:
+    """Return a new table (..., 15) that counts rows of a robot, of one that counts its segments."""
+    table[..., TARGET_SEGMENT] += (table[..., TARGET_SEGMENT] >= 0.0) * (len(robot) - len(robot.segments))
+    return table
 
 
 RELATIVE_POSITION = 1e-4

@@ -21,6 +21,7 @@ from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARG
 from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import MEET_TARGETS, MOVE_POSE, MOVE_POSITION
+from sinuous.model.joints import is_pair
 from sinuous.model.limits import LIMIT_ROUNDING
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot, robot_group
@@ -89,7 +90,7 @@ class ControlLoop:
         self._wish, self._time = options.prefer.clearance, options.time
         self._group = None if robot.has_external_load else robot_group(robot)
         self._settings = settings_group(robot, tolerance)
-        self._free = self._limits = RateLimits(robot, Changes())
+        self._free = self._limits = RateLimits(robot, Rates())
         self._local = threading.local()
 
     def step(
@@ -131,7 +132,15 @@ class ControlLoop:
         wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
         checks.instance("rates", rates, Rates | None, "Rates")
         limits = self._limits_of(rates)
-        before = None if velocity is None else _numbers("velocity", velocity, shape)
+        if velocity is None and isinstance(q, Step) and limits.accelerates:
+            velocity = q.velocity
+        before = (
+            None
+            if velocity is None
+            else _numbers(
+                "velocity", self._robot._one_velocity("velocity", velocity) if is_pair(velocity) else velocity, shape
+            )
+        )
         if limits.accelerates and before is None:
             raise InputError("velocity", "missing", None, "that of the step before, for rates with an acceleration")
         scene = self._scene.snapshot()

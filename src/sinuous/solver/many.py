@@ -17,6 +17,7 @@ from sinuous.methods.method import Prepared, as_outcomes
 from sinuous.model.joints import is_pair
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
+from sinuous.problem.target import on_rows
 from sinuous.problem.target_sets import ManyProblems
 from sinuous.solver.attempts import UNDECIDED
 from sinuous.solver.strategy import Strategy
@@ -75,7 +76,7 @@ class Many:
 
         def begin(chunk: tuple[int, int]) -> None:
             first, last = chunk
-            rows = self._questions.target_sets.chunk(first, last)
+            rows = on_rows(self._questions.robot, self._questions.target_sets.chunk(first, last))
             initial = np.array(self._questions.initial[first:last], order="C")
             answers = self._answers[first:last]
             if initial.shape[1]:
@@ -141,7 +142,8 @@ def read_initial(robot: Robot, count: int, initial: Any) -> Floats:
     n = len(robot)
     if initial is None:
         return np.broadcast_to(np.empty((1, 0, n, 3)), (count, 0, n, 3))
-    given = _listed(robot, robot.configuration("initial", initial) if is_pair(initial) else initial)
+    listed = is_pair(initial) or (isinstance(initial, list) and any(map(is_pair, initial)))
+    given = _listed(robot, robot.configuration("initial", initial) if listed else initial)
     if given.ndim == 2:
         return np.broadcast_to(checks.array("initial", given, (n, 3)), (count, 1, n, 3))
     each = checks.rows("initial", given, n, 3)

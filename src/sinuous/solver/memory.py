@@ -182,7 +182,7 @@ class Memory(ShortRepr):
             self._shapes.add(q, np.stack([numbers[:-1], numbers[1:]], axis=1))
 
     def _shown(self) -> Iterator[str]:
-        yield f"{len(self.robot)} segments"
+        yield f"{len(self.robot.segments)} segments"
         yield f"{len(self)} shapes"
         if len(edges := self.edges):
             yield f"{len(edges)} motions"

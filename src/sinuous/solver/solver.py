@@ -536,11 +536,13 @@ class Solver:
         target : Target or list of Target
             To go to instead: all the way in this tick where nothing holds it back.
         rates : Rates, optional
+            Rates and accelerations of joints hold without them, too.
         clearance : float, optional
             The body is pushed away from obstacles until it has this clearance, before anything else that is asked for.
             By default that of `prefer`, or just more than none.
-        velocity : array_like (n, 3), optional
-            Of the tick before: what an acceleration starts from. Limits, rates and obstacles come first.
+        velocity : array_like (rows, 3), optional
+            Of the tick before, by default of `q` where that is a step: what an acceleration starts from. Limits, rates
+            and obstacles come first.
 
         measured : array_like (3,), (4, 4), (n, 2) or (k, 3), optional
             Where the real robot is: the position or pose of its tool, the bends of its segments (from a fibre), or
@@ -568,7 +570,7 @@ class Solver:
         return self._control.step(q, twist, dt, target=target, **limits, **seen)
 
     def __repr__(self) -> str:
-        parts = f"{len(self.robot)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"
+        parts = f"{len(self.robot.segments)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"
         return call(type(self).__name__, [*parts, f"time={self.options.time:g}"])
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -40,8 +40,8 @@ class RateLimits:
     def __init__(self, robot: Robot, most: Rates | Changes) -> None:
         self.most = most
         n, own = len(robot), most.spread(robot)
-        further = most.acceleration if isinstance(most, Rates) else None
-        turns = (further or Changes()).spread(robot)
+        further = most.further(robot) if isinstance(most, Rates) else None
+        turns = further or Changes().spread(robot)
         self.segments = np.zeros((n, a.STEP_RATES_WIDTH))
         self.segments[:, a.BEND_CHANGE], self.segments[:, a.LENGTH_CHANGE] = own.bend, own.length
         self.segments[:, a.BEND_SECOND], self.segments[:, a.LENGTH_SECOND] = turns.bend, turns.length

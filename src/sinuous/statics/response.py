@@ -238,7 +238,7 @@ def _of_drive(question: EquilibriumQuestion) -> Iterator[Column]:
     names, arm = [each.name for each in robot.actuators], 0.05 * robot.mean_length
     scale: float | Floats = softest(robot) / arm
     if drive == "q":
-        names, scale = coordinate_names(robot.segment_names), np.tile([1.0, 1.0, robot.mean_length], len(robot))
+        names, scale = coordinate_names(robot.row_names), np.tile([1.0, 1.0, robot.mean_length], len(robot))
     elif drive == "actuators":
         scale = arm * float(np.abs(robot.drive.motors.gain).max(initial=1.0))
     return _entries(names, question.values, scale, lambda other: question._replace(values=other))

@@ -99,7 +99,7 @@ class Derivative:
         rows = (
             self._rows.about[self._rows.targets :, [a.ROW_KIND, a.ROW_SEGMENT, a.ROW_OTHER]].astype(np.int64).tolist()
         )
-        return tuple(dict.fromkeys(Active.of(row, self._problem.scene, limited) for row in rows))
+        return tuple(dict.fromkeys(Active.of(row, self._problem.robot, self._problem.scene, limited) for row in rows))
 
     @property
     def weak(self) -> tuple[Active, ...]:
@@ -249,7 +249,7 @@ def direct_motion(plan: DerivativePlan) -> Floats:
 def tip_twist(problem: Problem, q: Floats, changes: Mapping[Parameter, Floats], name: Parameter) -> Floats:
     """Twist (6, p) of the tool for a group of parameters, where that of the configuration is among `changes`."""
     robot = problem.robot
-    twist: Floats = robot.jacobian(q) @ _flat(changes[name])
+    twist: Floats = robot._row_jacobian(q, len(robot)) @ _flat(changes[name])
     if name == "base":
         arm = robot.tip(q)[:3, 3] - robot.base[:3, 3]
         twist[:3, :3] += np.eye(3)
@@ -274,7 +274,7 @@ def actuator_change(robot: Robot, q: Floats, changes: Mapping[Parameter, Floats]
     if name == "tendons":
         for i, (kind, k, radius) in enumerate(circles_of(robot)):
             for j, actuator in enumerate(robot.actuators):
-                if f"{actuator.kind}s" == kind and actuator.segment == k + 1:
+                if f"{actuator.kind}s" == kind and robot.end_row(actuator.segment) == k + 1:
                     bends = drive.jacobian[j].reshape(-1, 3)[:, :2]
                     change[j, i] += float((bends * q[:, :2]).sum()) / radius
     if drive.elastic is not None:

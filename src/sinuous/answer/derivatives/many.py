@@ -20,7 +20,7 @@ from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target, TipGoals
+from sinuous.problem.target import Target, TipGoals, on_rows
 from sinuous.problem.target_sets import ManyProblems
 
 
@@ -175,7 +175,7 @@ def derivatives_of(
     rows = []
     for first, last in runs:
         own = plan if first == 0 else DerivativePlan(problems.problem(first), wrt)
-        rows.append(problems.target_sets.chunk(first, last))
+        rows.append(on_rows(problems.robot, problems.target_sets.chunk(first, last)))
         tables = own.group, group, own.settings, rows[-1], own.asked, own.lines
         workspace = np.empty(own.workspace.size + own.answer)
         derive_many(*tables, q[first:last], workspace, moved[first:last], status[first:last])

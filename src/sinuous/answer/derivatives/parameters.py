@@ -155,14 +155,14 @@ class DerivativePlan:
         numbers = {(kind, k): i for i, (kind, k, _) in enumerate(self.circles)}
         for row, number in zip(table, self.limited, strict=True):
             actuator = robot.drive.actuators[number]
-            i = numbers.get((f"{actuator.kind}s", actuator.segment - 1), -1)
+            i = numbers.get((f"{actuator.kind}s", robot.end_row(actuator.segment) - 1), -1)
             row[CIRCLE], row[ACTUATOR_NUMBER] = i, number
             row[RADIUS_OF] = self.circles[i][2] if i >= 0 else 1.0
         return table
 
     def labels(self, name: Parameter, problem: Problem) -> tuple[str, ...]:
         """What the columns of a group are called."""
-        robot, names = self.robot, self.robot.segment_names
+        robot, names = self.robot, self.robot.row_names
         listed: dict[Parameter, Iterable[str]] = {
             "target": (label for label, asked in _target_labels(problem) if asked),
             "base": (f"base.{each}" for each in TWIST),
@@ -214,7 +214,7 @@ def _limited(robot: Robot) -> tuple[int, ...]:
         seen = coordinates.moving(robot.drive.jacobian[number].reshape(-1, 3))
         if actuator.kind != "linear":
             if coordinates.sees(robot.drive.jacobian[number]):
-                found.append((actuator.segment - 1, number))
+                found.append((robot.end_row(actuator.segment) - 1, number))
         elif seen[:, :2].any() or (seen.any() and not coordinates.free):
             # Otherwise straight robots have all its values, and kernels see no limit.
             found.append((int(np.flatnonzero(seen.any(axis=1))[-1]), number))

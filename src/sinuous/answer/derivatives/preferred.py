@@ -189,7 +189,7 @@ class _System:
             segments = np.arange(len(robot))
             change[3 * segments + 2, asked[a.LENGTHS] + segments] = -2.0 * self._pull_back[:, 2] / size
         if asked[a.TOOL] >= 0:
-            turning = robot.jacobian(self._q)[:3]
+            turning = robot._row_jacobian(self._q, len(robot))[:3]
             rotation = robot.forward(self._q)[-1, :3, :3]
             tangent = rotation @ robot.tool[:3, 2]
             own = slice(asked[a.TOOL], asked[a.TOOL] + 3), slice(asked[a.TOOL] + 3, asked[a.TOOL] + 6)
@@ -220,7 +220,7 @@ class _System:
             placed = np.abs(wrench[:, 3:]).max(axis=1) > 0.0
             force = self._forces[own[placed]] @ wrench[placed, 3:]
             torque = self._forces[own[~placed]] @ wrench[~placed, :3]
-            end = len(robot) if target.segment is None else target.segment
+            end = robot.end_row(target.segment)
             along = np.zeros(3)
             if target.direction is not None:
                 along, torque = np.cross(torque, self._tangents(self._q, end)), np.zeros(3)
@@ -240,7 +240,7 @@ class _System:
         places = self._q + np.concatenate([np.diag(steps), -np.diag(steps)]).reshape(-1, *self._q.shape)
         total = np.zeros((2 * size, size))
         for pull in self._pulls:
-            jacobian = robot.jacobian(places, pull.end)
+            jacobian = robot._row_jacobian(places, pull.end)
             torque = pull.torque + np.cross(self._tangents(places, pull.end), pull.along)
             total += np.einsum("kc,kci->ki", torque, jacobian[:, :3]) + pull.force @ jacobian[:, 3:]
         change = (total[:size] - total[size:]) / (2.0 * steps[:, None])

@@ -133,7 +133,7 @@ class Network(Frozen):
         return np.concatenate([_packed(layers) for layers in self.layers])
 
     def _shown(self) -> Iterator[str]:
-        yield f"{len(self.robot)} segments"
+        yield f"{len(self.robot.segments)} segments"
         yield hashlib.sha256(self.table().tobytes()).hexdigest()[:12]
         yield "-".join(str(each.shape[1]) for each in self.layers[0][:-1]) + " units"
 

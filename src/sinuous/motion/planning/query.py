@@ -221,9 +221,9 @@ class TimedQuery(Query):
     rates: Rates | None
 
     @property
-    def accelerations(self) -> Rates | None:
+    def accelerations(self) -> Spread | None:
         """How fast rates may change; `None` where nothing limits it."""
-        return None if self.rates is None else self.rates.acceleration
+        return self._spreads[1]
 
     def speeds(self, moves: Floats) -> Floats:
         """How many times straight moves (m, n, 3) can be made in a unit of time (m,), by the rates."""
@@ -235,10 +235,8 @@ class TimedQuery(Query):
 
     @cached_property
     def _spreads(self) -> tuple[Spread | None, Spread | None]:
-        """Rates and accelerations of every segment and actuator."""
-        both = self.rates, self.accelerations
-        rates, accelerations = (None if each is None else each.spread(self.robot) for each in both)
-        return rates, accelerations
+        """Rates and accelerations of every row and actuator."""
+        return (None, None) if self.rates is None else (self.rates.spread(self.robot), self.rates.further(self.robot))
 
     def least(self, moves: Floats) -> Floats:
         """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound for any path."""

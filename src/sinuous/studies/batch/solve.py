@@ -126,7 +126,7 @@ def solve_batch(
     elif part is not None:
         raise InputError("shard", "needs a file of results", part, "out=, too")
     solver = Solver(robot, scene, **only_reading(given))
-    begun = None if initial is None else checks.array("initial", initial, (len(robot), 3))
+    begun = None if initial is None else robot._one_configuration("initial", initial)
     work = ChunkSolver(solver, begun, near)
     with closing(open_source(targets)) as source:
         fingerprint = source.fingerprint()

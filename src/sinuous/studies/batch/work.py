@@ -58,7 +58,7 @@ class ChunkSolver:
         rows, goals = valid(raw)
         if not len(rows):
             return block
-        for part, initial in self._parts(goals, block["q"], rows):
+        for part, initial in self._parts(goals, block, rows):
             found, own = self._solver._solve_sets(goals[part], initial), rows[part]
             self.layout.fill(block, slice(None) if len(own) == count else own, found, self._solver.robot)
         return block
@@ -69,17 +69,17 @@ class ChunkSolver:
 
         solver, (rows, goals) = self._solver, valid(raw)
         answers, derived = self.layout.records(block, solver.robot), []
-        for part, initial in self._parts(goals, block["q"], rows):
+        for part, initial in self._parts(goals, block, rows):
             own = rows[part]
             given = read_initial(solver.robot, len(own), initial)
             asked = ManyProblems(solver.robot, goals[part], solver.scene.snapshot(), solver.tolerance, given)
             derived.append((own, Solutions(asked, answers[own], solver._resolver).derivative(wrt)))
         return Derivatives.of_parts(len(answers), derived)
 
-    def _parts(self, goals: TipGoals, q: Floats, rows: Whole) -> Iterator[tuple[Whole | slice, Floats | None]]:
+    def _parts(self, goals: TipGoals, block: Arrays, rows: Whole) -> Iterator[tuple[Whole | slice, Floats | None]]:
         """Which targets are solved first, then which others; and where these solves begin.
 
-        `q` holds the answers (m, n, 3) of the chunk, and `rows` says which of them are those of targets.
+        `block` holds the answers of the chunk, and `rows` says which of them are those of targets.
         """
         if not self._warm or not len(goals):
             yield slice(None), self._initial
@@ -87,7 +87,7 @@ class ChunkSolver:
         early, late, near = halves(goals)
         yield early, self._initial
         if len(late):
-            yield late, q[rows[early[near]]]
+            yield late, self.layout.configurations(block, self._solver.robot)[rows[early[near]]]
 
 
 def valid(raw: Raw) -> tuple[NDArray[np.int64], TipGoals]:

@@ -137,7 +137,7 @@ def _point(robot: Robot, q: Floats, place: Place) -> Point:
     cut = q.copy()
     cut[:, k] *= place.share
     frames = robot.forward(cut)[:, k]
-    jacobian = robot.jacobian(cut, k + 1)
+    jacobian = robot._row_jacobian(cut, k + 1)
     jacobian[:, :, 3 * k : 3 * k + 3] *= place.share
     arm = (frames[:, :3, :3] @ place.offset[..., None])[..., 0]
     slope = jacobian[:, 3:] + np.cross(jacobian[:, :3], arm[:, :, None], axis=1)

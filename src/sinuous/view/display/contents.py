@@ -82,10 +82,10 @@ class Arm(NamedTuple):
 
     def end(self, segment: int | None) -> Floats:
         """Where a segment of its robot ends (3,), 1 = first; the point of the tool for the last one, and for None."""
-        own = self.segments
-        if segment is None or segment > own[-1]:
+        own, row = self.segments, (self.owner or self.robot).end_row(segment)
+        if row > own[-1]:
             return np.asarray(self.robot.tip(self.q)[:3, 3])
-        return np.asarray(self.robot.forward(self.q)[np.searchsorted(own, segment) - 1, :3, 3])
+        return np.asarray(self.robot.forward(self.q)[np.searchsorted(own, row) - 1, :3, 3])
 
 
 class MovingArm(NamedTuple):
@@ -166,8 +166,8 @@ def forces_of(robot: Robot, q: Floats, shape: Equilibrium | None = None) -> list
 def _thicker(robot: Robot) -> Robot:
     """The robot with a body that has the room in which it may be."""
     assert robot.uncertainty is not None
-    bounds = np.broadcast_to(robot.uncertainty.bound, len(robot))
-    pairs = zip(robot.rows, bounds.tolist(), strict=True)
+    bounds = np.broadcast_to(robot.uncertainty.bound, len(robot.segments))
+    pairs = zip(robot.segments, bounds.tolist(), strict=True)
     return robot.changed(segments=[each.changed(radius=each.radius + bound) for each, bound in pairs], uncertainty=None)
 
 

@@ -173,15 +173,18 @@ class Curves(NamedTuple):
 
 def bends_of(motion: Motion) -> Curves:
     """How much each segment is bent."""
-    values = np.hypot(motion.configuration[..., 0], motion.configuration[..., 1])
+    values = np.hypot(motion.q[..., 0], motion.q[..., 1])
     return Curves("bends of the segments", motion.times, values, motion.robot.segment_names, "rad")
 
 
 def lengths_of(motion: Motion) -> Curves:
     """How long each segment is."""
-    return Curves(
-        "lengths of the segments", motion.times, motion.configuration[..., 2], motion.robot.segment_names, "length unit"
-    )
+    return Curves("lengths of the segments", motion.times, motion.q[..., 2], motion.robot.segment_names, "length unit")
+
+
+def joints_of(motion: Motion) -> Curves:
+    """Values of the joints."""
+    return Curves("joints", motion.times, motion.joints, motion.robot.joint_names, "rad, or length unit")
 
 
 def actuators_of(motion: Motion) -> Curves:

@@ -117,7 +117,7 @@ def make_obstacle(kind: str, center: Floats, size: float) -> Obstacle:
 
 def least_rates(rates: Rates | None) -> Floats:
     """The least speeds of bends, lengths and actuators (3,) that rates allow at most; 0 without a limit."""
-    return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS])
+    return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS[:3]])
 
 
 def with_least(rates: Rates, wanted: Floats) -> tuple[Kept, Kept, Kept]:

@@ -365,11 +365,11 @@ class PageModel:
     def target_frame(self, index: int) -> Floats:
         """Pose (4, 4) that stands for a target; what it does not ask for is that of the shape on the page."""
         target, robot = self._target(index), self.robot
-        place, shape = None if target.segment == len(robot) else target.segment, under_load(robot, self.q)
+        place, shape = None if target.segment == len(robot.segments) else target.segment, under_load(robot, self.q)
         if place is None:
             frame = np.array(robot.tip(self.q) if shape is None else shape.tip)
         else:
-            frame = np.array((robot.forward(self.q) if shape is None else shape.poses)[place - 1])
+            frame = np.array((robot.forward(self.q) if shape is None else shape.poses)[robot.end_row(place) - 1])
         if target.position is not None:
             frame[:3, 3] = target.position
         if target.direction is not None:
@@ -492,10 +492,10 @@ class PageModel:
 
     def remove_segment(self, segment: int | None) -> None:
         """Take a segment away (0 = first; None: the last)."""
-        count, before = len(self.robot.segments), len(self.robot.rows) - len(self.robot.segments)
+        count = len(self.robot.segments)
         k = count - 1 if segment is None else checks.integer("segment", segment, 0, count - 1)
-        if any(target.segment == before + k + 1 for targets in self.job.waypoints for target in targets):
-            name = self.robot.segment_names[before + k]
+        if any(target.segment == k + 1 for targets in self.job.waypoints for target in targets):
+            name = self.robot.segment_names[k]
             raise InputError("segment", "a target asks for its end", name, "another segment")
         self._rebuild([i for i in range(count) if i != k])
 
@@ -506,7 +506,7 @@ class PageModel:
             segments[new] = segments[new].changed(name=None)
         before = len(self.robot.rows) - len(self.robot.segments)
         rows = [*range(before), *(before + i for i in chosen)]
-        place = {old: i for i, old in reversed([*enumerate(rows)])}
+        place = {old: i for i, old in reversed([*enumerate(chosen)])}
 
         def moved(target: Target) -> Target:
             return target if target.segment is None else target.changed(segment=place[target.segment - 1] + 1)
@@ -527,8 +527,9 @@ class PageModel:
         A motion among obstacles that stand still goes the same way as fast as they allow.
         """
         own = self.job.rates
-        gains = Rates(*edits.with_least(own.acceleration or Rates(), acceleration), None)
-        rates = Rates(*edits.with_least(own, most), gains or None)
+        further = own.acceleration or Rates()
+        gains = Rates(*edits.with_least(further, acceleration), joint=further.joint)
+        rates = Rates(*edits.with_least(own, most), gains or None, own.joint)
         rates.check(self.robot)
         self.job = edits.change_job(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:

@@ -10,6 +10,7 @@ from sinuous.answer.binding import in_words
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.base.words import labelled
 from sinuous.measures.body import segment_ends
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import Violation
@@ -77,7 +78,7 @@ class Judgement:
     position_error, angle_error : float or None
         Largest over the targets; None where none is asked for.
     violations : tuple
-        Limits that it is beyond: which, segment (1 = first), by how much.
+        Limits that it is beyond: which, segment (1 = first) or joint, by how much.
     """
 
     position_error: float | None
@@ -175,7 +176,7 @@ def missed_distance(answer: Solution) -> float | None:
 
 
 def _of_search(solution: Solution) -> dict[str, str]:
-    binding = in_words(solution.binding, len(solution.problem.robot), values=True)[:MOST_NAMED]
+    binding = in_words(solution.binding, len(solution.problem.robot.segments), values=True)[:MOST_NAMED]
     rows = {
         "proof": "" if solution.reason is None else str(solution.reason),
         "held by": "; ".join(binding),
@@ -185,7 +186,7 @@ def _of_search(solution: Solution) -> dict[str, str]:
 
 
 def _of_judgement(judged: Judgement) -> Rows:
-    beyond = [f"{kind} of segment {k} by {amount:.3g}" for kind, k, amount in judged.violations]
+    beyond = [f"{kind} of {labelled([k])} by {amount:.3g}" for kind, k, amount in judged.violations]
     rows = {
         "position error": format_number(judged.position_error),
         "angle error": format_number(judged.angle_error, " rad"),

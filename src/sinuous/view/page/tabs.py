@@ -4,7 +4,7 @@ Every tab is a function that puts fields into the panel.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, get_args
@@ -15,11 +15,19 @@ from viser.transforms import SO3
 from sinuous.base.checks import Floats
 from sinuous.kernels.packing import BendLine
 from sinuous.methods.method import METHODS
-from sinuous.model.joints import Fixed, RigidRow
+from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Tolerance
-from sinuous.view.display.results import Curves, actuators_of, bends_of, describe_solutions, lengths_of, speeds_of
+from sinuous.view.display.results import (
+    Curves,
+    actuators_of,
+    bends_of,
+    describe_solutions,
+    joints_of,
+    lengths_of,
+    speeds_of,
+)
 from sinuous.view.display.style import Colouring, largest_bends
 from sinuous.view.page.edits import KINDS, least_rates, sizes_of
 from sinuous.view.page.model import ASKED, MOST_SECONDS, motion_table, problem_text
@@ -90,7 +98,7 @@ def _target_fields(session: Session, fields: Fields, i: int) -> None:
     model = session.model
     target = model.targets[i]
     whose = "" if len(model.targets) == 1 else f" {i + 1}"
-    if target.segment is not None and target.segment < len(model.robot):
+    if target.segment is not None and target.segment < len(model.robot.segments):
         whose += f" of {model.robot.segment_names[target.segment - 1]}"
 
     def frame() -> Floats:
@@ -182,6 +190,8 @@ def plot_fields(session: Session, fields: Fields) -> None:
         "bends": partial(bends_of, motion),
         "lengths": partial(lengths_of, motion),
     }
+    if motion.robot.joint_names:
+        curves["joints"] = partial(joints_of, motion)
     if motion.robot.actuators:
         curves["actuators"] = partial(actuators_of, motion)
     if rates:
@@ -201,11 +211,13 @@ def shape_tab(session: Session, fields: Fields) -> None:
     fields.button("Solve from here", model.solve_from_here, "Ask for the target again, from this shape.")
     if model.robot.actuators:
         fields.choice("sliders", get_args(Sliders), lambda: session.sliders, partial(setattr, session, "sliders"))
-    last = len(model.robot) - SEGMENTS_AT_ONCE
+    count, before = len(model.robot.segments), len(model.robot) - len(model.robot.segments)
+    last = count - SEGMENTS_AT_ONCE
     if last > 0:
         show = lambda value: setattr(session, "first_segment", value - 1)  # noqa: E731
         fields.slider("from segment", (1, last + 1), lambda: session.first_segment + 1, show, 1)
-    seen = range(session.first_segment, min(len(model.robot), session.first_segment + SEGMENTS_AT_ONCE))
+    arcs = range(session.first_segment, min(count, session.first_segment + SEGMENTS_AT_ONCE))
+    seen = [*range(before), *(before + k for k in arcs)]
     sliders = _of_segments if session.sliders == "bends and lengths" else _of_actuators
     for label, ends, get, put in sliders(session, seen):
         if ends[0] < ends[1]:
@@ -216,10 +228,10 @@ Slider = tuple[str, tuple[float, float], Callable[[], Any], Callable[[float], ob
 """A label, both ends, and how a value is told and changed."""
 
 
-def _of_segments(session: Session, seen: range) -> Iterator[Slider]:
-    """Yield sliders for joints, and for bends and lengths of segments (0 = first)."""
+def _of_segments(session: Session, seen: Sequence[int]) -> Iterator[Slider]:
+    """Yield sliders for joints, and for bends and lengths of segments, by their rows (0 = first)."""
     for k in seen:
-        name, segment = session.model.robot.segment_names[k], session.model.robot.rows[k]
+        name, segment = session.model.robot.row_names[k], session.model.robot.rows[k]
         if isinstance(segment, RigidRow):
             yield from _of_joint(session, k, segment)
             continue
@@ -240,12 +252,11 @@ def _of_joint(session: Session, k: int, row: RigidRow) -> Iterator[Slider]:
     """Yield the slider of a joint; links have none."""
     robot, i = session.model.robot, row.joint
     if i >= 0:
-        moving = [joint for joint in robot.joints if not isinstance(joint, Fixed)][i]
         column, shift = int(robot._rigid.columns[i]), float(robot._rigid.shifts[i])
         get = partial(lambda i: robot.split(session.model.shown)[0][i], i)
         yield (
             f"joint {robot.joint_names[i]}",
-            moving.limits,
+            robot._rigid.moving[i].limits,
             get,
             lambda value: _bend(session, k, column, value + shift),
         )
@@ -260,12 +271,12 @@ def _bend_along(session: Session, k: int, line: BendLine, value: float) -> None:
         _bend(session, k, c, bend)
 
 
-def _of_actuators(session: Session, seen: range) -> Iterator[Slider]:
-    """Yield sliders for the actuators that end at these segments (0 = first)."""
+def _of_actuators(session: Session, seen: Sequence[int]) -> Iterator[Slider]:
+    """Yield sliders for the actuators that end at these rows (0 = first)."""
     model = session.model
     ends = value_ranges(model.robot).tolist()
     for i, actuator in enumerate(model.robot.actuators):
-        if actuator.segment - 1 in seen:
+        if model.robot.end_row(actuator.segment) - 1 in seen:
             unit = f", {actuator.unit}" if actuator.unit else ""
             get, put = partial(lambda i: model.actuators[i], i), partial(model.drive, i)
             yield actuator.name + unit, (ends[i][0], ends[i][1]), get, put
@@ -322,8 +333,7 @@ def robot_tab(session: Session, fields: Fields) -> None:
     model = session.model
     if not model.robot.segments:
         return
-    before = len(model.robot.rows) - len(model.robot.segments)
-    names = (ALL, *model.robot.segment_names[before:])
+    names = (ALL, *model.robot.segment_names)
     hint = "Of which limits are changed; of all, the first one's are shown."
     which = fields.gui.add_dropdown("segment", names, hint=hint)
     fields.field(which, lambda: which.value, lambda _: None)

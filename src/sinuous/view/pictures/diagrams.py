@@ -215,7 +215,8 @@ def _limit(axes: Any, clearance: Floats) -> None:
 def _draw_map(axes: Any, answer: Motion) -> None:
     moments, q = _moments(answer)
     clearance = clearances_along(answer.robot, answer.scene, q, PLACES_PER_SEGMENT, moments)
-    places = np.linspace(0.0, len(answer.robot), clearance.shape[-1])
+    count = len(answer.robot.segments)  # joints and links are below 0
+    places = np.linspace(count - len(answer.robot), count, clearance.shape[-1])
     known = np.where(np.isfinite(clearance), clearance, np.nan)
     most = float(np.nanquantile(known, 0.9))
     drawn = axes.pcolormesh(

@@ -43,17 +43,18 @@ class Layout:
     ----------
     segments : tuple of str
         Names of the segments.
-    actuators : tuple of str
-        Names of the actuators.
+    actuators, joints : tuple of str
+        Names of the actuators, and of the joints.
     """
 
     segments: tuple[str, ...]
     actuators: tuple[str, ...]
+    joints: tuple[str, ...]
 
     @classmethod
     def of(cls, robot: Robot) -> "Layout":
         """Return that of a robot."""
-        return cls(tuple(robot.segment_names), tuple(actuator.name for actuator in robot.actuators))
+        return cls(robot.segment_names, tuple(actuator.name for actuator in robot.actuators), robot.joint_names)
 
     @property
     def shapes(self) -> dict[str, tuple[np.dtype[Any], tuple[int, ...]]]:
@@ -62,6 +63,7 @@ class Layout:
         return {
             "row": (np.dtype(np.int64), ()),
             "status": (np.dtype(np.uint8), ()),
+            **({"joints": (real, (len(self.joints),))} if self.joints else {}),
             "q": (real, (len(self.segments), 3)),
             "actuators": (real, (len(self.actuators),)),
             **dict.fromkeys(ERRORS, (real, ())),
@@ -71,12 +73,14 @@ class Layout:
     @property
     def names(self) -> list[str]:
         """Names of the columns of a table."""
-        return ["row", "status", *coordinate_names(self.segments), *self.actuators, *ERRORS, *EFFORTS]
+        moving = *self.joints, *coordinate_names(self.segments), *self.actuators
+        return ["row", "status", *moving, *ERRORS, *EFFORTS]
 
     def flat(self, block: Arrays) -> Iterator[NDArray[Any]]:
         """Yield the columns of a table, in the order of `names`; statuses are words."""
         yield block["row"]
         yield np.array(STATUSES)[block["status"]]
+        yield from block["joints"].T if self.joints else ()
         yield from block["q"].reshape(len(block["row"]), -1).T
         yield from block["actuators"].T
         yield from (block[name] for name in (*ERRORS, *EFFORTS))
@@ -94,19 +98,25 @@ class Layout:
     def fill(self, block: Arrays, rows: Any, found: Solutions, robot: Robot) -> None:
         """Put what was found into rows of a block, by their numbers or all of them (a slice)."""
         block["status"][rows] = places_of(found._answers)
-        block["q"][rows] = found.configuration
+        block["q"][rows] = found.q
+        if self.joints:
+            block["joints"][rows] = found.joints
         if self.actuators:
             block["actuators"][rows] = _actuators(robot, found.configuration)
         for name in (*ERRORS, *EFFORTS):
             block[name][rows] = getattr(found, name)
 
+    def configurations(self, block: Arrays, robot: Robot) -> Floats:
+        """Configurations (m, rows, 3) of a block, NaN where there is none."""
+        return robot._rigid.with_joints(block["q"], block["joints"]) if self.joints else block["q"]
+
     def records(self, block: Arrays, robot: Robot) -> Floats:
         """What `Solutions` of the rows hold, as far as a table says it: whether, where, how clear of obstacles."""
         solved, clear = block["status"] == CODES["solved"], block["clearance"] - robot._least_clearances[0]
-        answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(self.segments)))
+        answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(robot)))
         answers[:, CODE] = np.where(solved, SOLVED, FAILED)
         answers[:, CLEARANCE] = np.where(np.isnan(clear), np.inf, clear)
-        answers[:, RECORD_WIDTH:] = block["q"].reshape(len(solved), -1)
+        answers[:, RECORD_WIDTH:] = self.configurations(block, robot).reshape(len(solved), -1)
         return answers
 
 
@@ -125,6 +135,7 @@ def write_npz(file: Path, blocks: Callable[..., Iterable[Arrays]], layout: Layou
     `blocks` is called with the name of each array and yields that array of all blocks: one is written after the other.
     """
     texts = {"statuses": STATUSES, "segment_names": layout.segments, "actuator_names": layout.actuators}
+    texts |= {"joint_names": layout.joints} if layout.joints else {}
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         for name, words in texts.items():
             _write(archive, name, iter([np.array(words, np.str_)]))

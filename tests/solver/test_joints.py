@@ -436,7 +436,9 @@ def test_targets_of_segments_count_segments() -> None:
         assert found.solved
         assert found.verify().ok
         for k in (1, 2):
-            miss = robot.forward(found.q, found.joints)[k - 4, :3, 3] - targets[k - 1].position
+            goal = targets[k - 1].position
+            assert goal is not None
+            miss = robot.forward(found.q, found.joints)[k - 4, :3, 3] - goal
             assert np.linalg.norm(miss) <= 1e-4 * robot.mean_length * 1.001
     many = sn.Solver(robot).solve_many([targets] * 2)
     assert many.solved.all()

@@ -90,13 +90,13 @@ class Binding(ShortRepr):
     """
 
     constraint: Constraint
-    segment: int | str | None
+    segment: Any
     obstacle: str | None
     value: float
     limit: float
     actuator: str | None = None
     key: str | None = None
-    other_segment: int | str | None = None
+    other_segment: Any = None
     fixed: bool = False
     inside: bool = False
     motor: Actuator | None = None

@@ -52,10 +52,10 @@ class Active(ShortRepr):
     """
 
     constraint: StepConstraint
-    segment: int | str | None
+    segment: Any
     obstacle: str | None = None
     actuator: str | None = None
-    other_segment: int | str | None = None
+    other_segment: Any = None
 
     @classmethod
     def of(cls, row: Sequence[int], robot: Robot, scene: Snapshot, limited: Sequence[Actuator]) -> "Active":

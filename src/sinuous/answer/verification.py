@@ -73,10 +73,10 @@ class Verification(ShortRepr):
     angle_error: float
     excess: float
     clearance: float
-    segment: int | str | None
+    segment: Any
     obstacle: str | None
     self_clearance: float
-    self_segments: tuple[int | str, int | str] | None
+    self_segments: tuple[Any, Any] | None
     place: BodyPlace | None = None
     self_place: BodyPlace | None = None
 
@@ -211,7 +211,7 @@ def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> 
 
 
 def _seen(
-    robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[int | str], scene: Snapshot, when: Floats
+    robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[Any], scene: Snapshot, when: Floats
 ) -> Verification:
     """Judge shapes `q` (T, N, 3) of a body, whose segments belong to these `owners` of the robot, at times (T,)."""
     if scene.moves:

@@ -227,10 +227,10 @@ class Worst(ShortRepr):
     """
 
     constraint: WorstKind
-    segment: int | str | None
+    segment: Any
     obstacle: str | None
     amount: float
-    other_segment: int | str | None = None
+    other_segment: Any = None
     place: BodyPlace | None = None
     step: int | None = None
     time: float | None = None

@@ -46,7 +46,10 @@ Batch = HasArray | Sequence[Entry]
 Stack = HasArray | Sequence[Number | Entry]
 """An array with at least one axis."""
 
-JointsAndBatch = Batch | tuple[Stack, Batch | None]
+Pair = tuple[Stack, Batch | None]
+"""Values (..., j) of the joints of a robot, and q (..., n, 3) of its segments."""
+
+JointsAndBatch = Batch | Pair
 """Configurations of all rows of a robot, or a pair of values of its joints and q of its segments."""
 
 ActuatorValues = Stack | Mapping[str, Number | Stack]

@@ -30,16 +30,16 @@ class BodyPlace(ShortRepr):
     """
 
     position: tuple[float, float, float]
-    segment: int | str | None = None
+    segment: Any = None
     share: float | None = None
 
     @classmethod
-    def of(cls, position: Floats, segment: int | str | None = None, share: float | None = None) -> "BodyPlace":
+    def of(cls, position: Floats, segment: Any = None, share: float | None = None) -> "BodyPlace":
         """Make it of a position (3,), the number of a segment (1 = first), and a share of that."""
         x, y, z = np.asarray(position, np.float64).tolist()
         return cls((x, y, z), segment, None if share is None else float(share))
 
-    def on_robot(self, owners: Sequence[int | str], lengths: Floats) -> "BodyPlace":
+    def on_robot(self, owners: Sequence[Any], lengths: Floats) -> "BodyPlace":
         """Return it by segments of the robot, where it is on a body of arcs with these owners (N) and lengths (N,)."""
         if not isinstance(self.segment, int) or self.share is None:
             return self

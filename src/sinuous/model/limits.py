@@ -70,7 +70,7 @@ def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: S
     return notes
 
 
-Violation = tuple[LimitKind, int | str, float]
+Violation = tuple[LimitKind, Any, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated.
 
 Instead of a segment the name of a joint. A `LimitSet` has the number of the row, 1 = first.

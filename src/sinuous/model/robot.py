@@ -399,7 +399,7 @@ class Robot(NotebookMixin, Frozen):
         return len(self) if segment is None else len(self._rigid.rows) + segment
 
     @cached_property
-    def labels(self) -> tuple[int | str, ...]:
+    def labels(self) -> tuple[Any, ...]:
         """What answers call each row: the number of a segment, 1 = first, the name of a joint, or of that of a link."""
         return *(row.owner for row in self._rigid.rows), *range(1, len(self.segments) + 1)
 
@@ -566,9 +566,7 @@ class Robot(NotebookMixin, Frozen):
         door("files.mjcf").write_mjcf(file, driven)
         return driven
 
-    def configuration(
-        self, key: str, q: Batch | tuple[Stack, Batch | None] | None, joints: Stack | None = None
-    ) -> Floats:
+    def configuration(self, key: str, q: Any, joints: Stack | None = None) -> Floats:
         """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
         Parameters
@@ -595,7 +593,7 @@ class Robot(NotebookMixin, Frozen):
         still = np.zeros((len(self.segments), 3)), np.zeros(len(self.joint_names))
         return np.asarray(self._one_configuration(key, given) - (self.with_joints(*still) if is_pair(given) else 0.0))
 
-    def arm_at(self, configuration: Batch) -> tuple["Robot", Floats]:
+    def arm_at(self, configuration: JointsAndBatch) -> tuple["Robot", Floats]:
         """Return the segments alone, on the joints as they stand in a configuration (rows, 3), and their q (n, 3)."""
         whole = self._one_configuration("configuration", configuration)
         if not self.joints:
@@ -623,7 +621,7 @@ class Robot(NotebookMixin, Frozen):
         """Return the values (..., j) of the joints, of configurations (..., rows, 3)."""
         return checks.closed(self._rigid.split(configuration)[0])
 
-    def split(self, configuration: Batch) -> tuple[Floats, Floats]:
+    def split(self, configuration: JointsAndBatch) -> tuple[Floats, Floats]:
         """Values (..., j) of the joints and q (..., n, 3) of the segments, of configurations (..., rows, 3)."""
         return self._rigid.split(self.configuration("configuration", configuration))
 
@@ -699,7 +697,7 @@ class Robot(NotebookMixin, Frozen):
         batch.frames_of(self.limits.copy(), flat, packing.pose_row(self.base), frames)
         return flat, frames, lead
 
-    def shape(self, q: Batch, load: Loads = ()) -> "sn.answer.Equilibrium":
+    def shape(self, q: JointsAndBatch, load: Loads = ()) -> "sn.answer.Equilibrium":
         """Shape of the body under gravity, its payload and other loads, whose configuration without any would be `q`.
 
         Tendons and chambers keep their lengths, or stretch where they have a stiffness, and tendons that would have to
@@ -730,7 +728,7 @@ class Robot(NotebookMixin, Frozen):
         forces: Loads = (),
         *,
         tensions: ActuatorValues | None = None,
-        initial: Batch | None = None,
+        initial: JointsAndBatch | None = None,
     ) -> "sn.answer.Equilibrium":
         """Shape of the body under load at these values of the actuators (m,), or at these tensions (m,).
 
@@ -776,7 +774,7 @@ class Robot(NotebookMixin, Frozen):
         found: sn.answer.Equilibrium = statics.find_equilibrium(question)
         return found
 
-    def excess(self, q: Batch) -> float:
+    def excess(self, q: JointsAndBatch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
         Bends and lengths count in their own units (rad, length unit), actuators in the length unit: by their
@@ -788,7 +786,7 @@ class Robot(NotebookMixin, Frozen):
         """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
         return self.limit_set.held(self.configuration("q", q))
 
-    def clamp(self, q: Batch) -> Floats:
+    def clamp(self, q: JointsAndBatch) -> Floats:
         """Return the configurations (..., n, 3) within all limits that are nearest to these.
 
         Bends count in rad, lengths in mean lengths of a segment. Limits of tensions under load are not looked at; where
@@ -803,7 +801,7 @@ class Robot(NotebookMixin, Frozen):
         shapes = [self.limit_set.clamp(one) for one in given.reshape(-1, len(self), 3)]
         return np.array(shapes).reshape(given.shape)
 
-    def violations(self, q: Any) -> list[Violation]:
+    def violations(self, q: JointsAndBatch) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
         Instead of a segment stands the name of a joint. `length` and `actuator` count in the length unit, `bend` and
@@ -822,7 +820,7 @@ class Robot(NotebookMixin, Frozen):
         """All actuators: segment by segment tendons, chambers, the stage; at the end those of `Actuators`."""
         return self.drive.actuators
 
-    def to_actuators(self, q: Batch) -> Floats:
+    def to_actuators(self, q: JointsAndBatch) -> Floats:
         """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
         They are those of the motors: gain x displacement + offset. Without a gain, a tendon's value is its displacement
@@ -834,7 +832,7 @@ class Robot(NotebookMixin, Frozen):
     def from_actuators(
         self,
         actuators: ActuatorValues | None,
-        initial: Batch | None = None,
+        initial: JointsAndBatch | None = None,
         tolerance: Number | Vector | None = None,
     ) -> Floats:
         """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
@@ -879,7 +877,7 @@ class Robot(NotebookMixin, Frozen):
         found = self._inverse.configuration(displacements, reference)
         return found if self.drive.elastic is None else self.drive.elastic.shape(displacements, found)
 
-    def tensions(self, actuators: ActuatorValues, initial: Batch | None = None) -> Floats:
+    def tensions(self, actuators: ActuatorValues, initial: JointsAndBatch | None = None) -> Floats:
         """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
 
         Parameters as for `from_actuators`. Positive pulls; a chamber that pushes has a negative tension. In the unit
@@ -889,7 +887,7 @@ class Robot(NotebookMixin, Frozen):
         values, _ = self._fitting(actuators, initial)
         return self.drive.tensions(q, self.drive.motors.displacements(values))
 
-    def slack(self, actuators: ActuatorValues, initial: Batch | None = None) -> tuple[str, ...]:
+    def slack(self, actuators: ActuatorValues, initial: JointsAndBatch | None = None) -> tuple[str, ...]:
         """Names of the elastic tendons that are slack at these values (m,)."""
         tensions = self.tensions(actuators, initial)
         if tensions.ndim != 1:
@@ -916,7 +914,7 @@ class Robot(NotebookMixin, Frozen):
         return Inverse(self.drive)
 
 
-def _widths(radii: Sequence[float], away: OneEach, unsure: OneEach, apart: OneEach) -> tuple[tuple[float, ...], ...]:
+def _widths(radii: Sequence[float], away: Any, unsure: Any, apart: Any) -> tuple[tuple[float, ...], ...]:
     """Radii that the backbone needs free of obstacles, and of other places of the body."""
     needed, own = np.add(np.add(radii, away), unsure), np.add(radii, np.multiply(0.5, apart))
     return tuple(needed.tolist()), tuple(own.tolist())

@@ -83,7 +83,9 @@ def violated_by(robot: Robot, q: Floats) -> Worst | None:
     if not violations and (pulls := pulls_at(robot, q)) is not None:
         violations = limits.tension_violations(pulls)
     found = [(amount / limits.unit_of(limit), limit, segment, amount) for limit, segment, amount in violations]
-    relative, limit, segment, amount = max(found, default=(0.0, "length", 0, 0.0), key=lambda each: each[0])
+    if not found:
+        return None
+    relative, limit, segment, amount = max(found, key=lambda each: each[0])
     return None if relative <= SLACK else Worst(limit, robot.labels[segment - 1], None, amount)
 
 

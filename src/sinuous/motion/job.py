@@ -6,7 +6,7 @@ from typing import Any, Self, TypeVar, Unpack, overload
 
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
-from sinuous.base.arguments import OneEach, Reconfigure, Rows, Vector
+from sinuous.base.arguments import JointsAndBatch, OneEach, Reconfigure, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
@@ -98,10 +98,10 @@ class Job(Frozen):
         scene: SceneLike | None = None,
         *,
         path: Iterable[Targets] | None = None,
-        goal: Rows | None = None,
+        goal: JointsAndBatch | None = None,
         times: Vector | None = None,
         tolerance: Tolerance | None = None,
-        start: Rows | None = None,
+        start: JointsAndBatch | None = None,
         prefer: Preferences | None = None,
         rates: Rates | None = None,
         reconfigure: Reconfigure = "refuse",

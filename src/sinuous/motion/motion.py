@@ -13,7 +13,7 @@ from sinuous.answer.solution import Solution, demanded
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base import checks
-from sinuous.base.arguments import Number, Reconfigure, Rows, Stack, Vector, Whole
+from sinuous.base.arguments import Number, Pair, Reconfigure, Rows, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.documents import described, result_of, result_value, write_document
 from sinuous.base.entrance import door
@@ -135,7 +135,7 @@ class Motion(NotebookMixin, Frozen):
     def __init__(
         self,
         robot: Robot,
-        q: Stack,
+        q: "Stack | Pair | list[Pair]",
         scene: SceneLike | Snapshot | None = None,
         times: Vector | None = None,
     ) -> None:

@@ -210,10 +210,10 @@ class BodyQuestion(NamedTuple):
     body: Robot
     arcs: Floats
     targets: tuple[Target, ...]
-    owners: Sequence[int | str]
+    owners: Sequence[Any]
     shape: Equilibrium | None = None
 
-    def segment(self, arc: Any) -> int | str | None:
+    def segment(self, arc: Any) -> Any:
         """Segment of the robot that an arc (1 = first) belongs to; see `Robot.labels`."""
         return None if arc is None else self.owners[arc - 1]
 

@@ -13,7 +13,7 @@ from sinuous.answer.observer import GAIN, correct_targets, update_observer
 from sinuous.answer.solution import Solution
 from sinuous.answer.step import Step, WantedStep
 from sinuous.base import checks
-from sinuous.base.arguments import Number, Rows, Stack, Vector, Whole
+from sinuous.base.arguments import JointsAndBatch, Number, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.body.proof import CLEAR
@@ -95,14 +95,14 @@ class ControlLoop:
 
     def step(
         self,
-        q: Solution | Step | Rows,
+        q: Solution | Step | JointsAndBatch,
         twist: Vector | None = None,
         dt: Number | None = None,
         *,
         target: Targets | None = None,
         rates: Rates | None = None,
         clearance: Number | None = None,
-        velocity: Rows | None = None,
+        velocity: JointsAndBatch | None = None,
         measured: Stack | None = None,
         places: Vector | None = None,
         gain: Number = GAIN,

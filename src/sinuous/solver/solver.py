@@ -16,7 +16,7 @@ from sinuous.answer.solutions import Solutions
 from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.step import Step
 from sinuous.base import checks
-from sinuous.base.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
+from sinuous.base.arguments import Entry, HasArray, JointsAndBatch, Number, Stack, Truth, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError, warn_of
@@ -57,7 +57,7 @@ from sinuous.solver.thread_pool import share_jobs
 FEW = 10
 """Starts under load where the robot without load is proved to have no solution, which says nothing of the other."""
 
-Initial = Solution | Rows
+Initial = Solution | JointsAndBatch
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
 
 FEW_TARGETS = 32
@@ -501,14 +501,14 @@ class Solver:
 
     def step(
         self,
-        q: Solution | Step | Rows,
+        q: Solution | Step | JointsAndBatch,
         twist: Vector | None = None,
         dt: Number | None = None,
         *,
         target: Targets | None = None,
         rates: Rates | None = None,
         clearance: Number | None = None,
-        velocity: Rows | None = None,
+        velocity: JointsAndBatch | None = None,
         measured: Stack | None = None,
         places: Vector | None = None,
         gain: Number = GAIN,

@@ -24,22 +24,22 @@ from sinuous.solver.solver import Solver
 Goals = dict[str, Any]
 
 
-def _called(solver: Solver, initial: Any, unsolved: str, goals: Goals) -> tuple[Any, Any]:
+def _called(solver: Solver, initial: Any, unsolved: str, lead: bool, goals: Goals) -> tuple[Any, Any]:
     """Configurations (..., n, 3) and derivatives (..., n, 3, p), as host arrays of the type of the goals."""
     arrays = {key: np.asarray(value, np.float64) for key, value in goals.items()}
-    q, change = solved(solver, HostGoals(**arrays), initial, unsolved)
+    q, change = solved(solver, HostGoals(**arrays), initial, unsolved, lead)
     kind = next(iter(goals.values())).dtype
     return q.astype(kind), change.astype(kind)
 
 
-def _answering(solver: Solver, initial: Any, unsolved: str) -> Any:
+def _answering(solver: Solver, initial: Any, unsolved: str, lead: bool) -> Any:
     """Return a function of goals with a derivative of its own."""
 
     def answer(goals: Goals) -> tuple[Any, Any]:
-        lead = lead_of(*(goals.get(key) for key in ("positions", "directions", "rotations")))
+        front = lead_of(*(goals.get(key) for key in ("positions", "directions", "rotations")))
         n, kind = len(solver.robot), next(iter(goals.values())).dtype
-        shapes = tuple(jax.ShapeDtypeStruct((*lead, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
-        called = partial(_called, solver, initial, unsolved)
+        shapes = tuple(jax.ShapeDtypeStruct((*front, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
+        called = partial(_called, solver, initial, unsolved, lead)
         return jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
 
     @jax.custom_jvp
@@ -74,11 +74,13 @@ def solve(
     rotations: Any = None,
     initial: Any = None,
     unsolved: str = "raise",
+    lead: bool = True,
 ) -> Any:
     """Solve goals of the tip; `jax.grad`, `jax.jvp`, `jax.jit` and `jax.vmap` go through the answers.
 
-    Gradients are those of the nearest answer, see `sinuous.answer.derivatives.derivative.Derivative`. At a kink
-    whatever is active stays as it is.
+    An answer is the nearest one to `initial`, and gradients are its own. At a kink, and in contact
+    with an obstacle, whatever is active stays as it is, and a warning says so. A solver with `prefer` has the answers
+    that it prefers.
 
     Parameters
     ----------
@@ -88,11 +90,14 @@ def solve(
         Of the tangent; any length but zero.
     rotations : array (..., 3, 3), optional
         Instead of `directions`.
-    initial : array_like (n, 3), optional
-        Constant.
+    initial : array_like (n, 3) or (..., n, 3), optional
+        Constant; by default the straight shape, or what limits leave nearest to it.
     unsolved : str
         `raise`: an answer that is not solved is refused. `best`: its best configuration is returned, and its gradient
         is zero.
+    lead : bool
+        False: some microseconds an answer instead of 2 ms. Answers are those that the solver ends at, and gradients are
+        those of the answers nearest to these, which is not how they change, unless the arm has no motion to spare.
 
     Returns
     -------
@@ -109,4 +114,4 @@ def solve(
     lead_of(positions, directions, rotations)
     given = {"positions": positions, "directions": directions, "rotations": rotations}
     goals = {key: jnp.asarray(value) for key, value in given.items() if value is not None}
-    return _answering(solver, initial, check_unsolved(unsolved))(goals)
+    return _answering(solver, initial, check_unsolved(unsolved), lead)(goals)

@@ -33,12 +33,13 @@ class _Solve(torch.autograd.Function):
         solver: Solver,
         initial: Any,
         unsolved: str,
+        lead: bool,
     ) -> tuple[Tensor, Tensor]:
         """Return configurations (..., n, 3) and derivatives (..., n, 3, p)."""
         given = positions, directions, rotations
         kind = next(each for each in given if each is not None)
         goals = HostGoals(*(None if each is None else _array(each) for each in given))
-        q, change = solved(solver, goals, None if initial is None else _array(initial), unsolved)
+        q, change = solved(solver, goals, None if initial is None else _array(initial), unsolved, lead)
         own = {"dtype": kind.dtype, "device": kind.device}
         return torch.as_tensor(q, **own), torch.as_tensor(change, **own)
 
@@ -62,13 +63,13 @@ class _Solve(torch.autograd.Function):
         whole = torch.einsum("...kc,...kcp->...p", cotangents[0], change)
         first = whole[..., :3] if ctx.placed else None
         if ctx.kind is None:
-            return first, None, None, None, None, None
+            return first, None, None, None, None, None, None
         omega = whole[..., -3:]
         if ctx.kind == "directions":
             size = torch.linalg.vector_norm(turned, dim=-1, keepdim=True)
-            return first, torch.linalg.cross(omega, turned) / size**2, None, None, None, None
+            return first, torch.linalg.cross(omega, turned) / size**2, None, None, None, None, None
         columns = torch.linalg.cross(omega[..., None, :].expand(turned.shape), turned.transpose(-1, -2))
-        return first, None, 0.5 * columns.transpose(-1, -2), None, None, None
+        return first, None, 0.5 * columns.transpose(-1, -2), None, None, None, None
 
     @staticmethod
     def jvp(ctx: Any, *tangents: Tensor | None) -> Any:
@@ -115,11 +116,13 @@ def solve(
     rotations: Tensor | None = None,
     initial: Any = None,
     unsolved: str = "raise",
+    lead: bool = True,
 ) -> Tensor:
     """Solve goals of the tip; gradients, forward mode and `torch.func.vmap` go through the answers.
 
-    Gradients are those of the nearest answer, see `sinuous.answer.derivatives.derivative.Derivative`. At a kink
-    whatever is active stays as it is.
+    An answer is the nearest one to `initial`, and gradients are its own. At a kink, and in contact
+    with an obstacle, whatever is active stays as it is, and a warning says so. A solver with `prefer` has the answers
+    that it prefers.
 
     Parameters
     ----------
@@ -130,10 +133,13 @@ def solve(
     rotations : Tensor (..., 3, 3), optional
         Instead of `directions`.
     initial : array_like (n, 3) or (..., n, 3), optional
-        Constant.
+        Constant; by default the straight shape, or what limits leave nearest to it.
     unsolved : str
         `raise`: an answer that is not solved is refused. `best`: its best configuration is returned, and its gradient
         is zero.
+    lead : bool
+        False: some microseconds an answer instead of 2 ms. Answers are those that the solver ends at, and gradients are
+        those of the answers nearest to these, which is not how they change, unless the arm has no motion to spare.
 
     Returns
     -------
@@ -148,5 +154,5 @@ def solve(
         When a goal is not solved.
     """
     lead_of(positions, directions, rotations)
-    q, _ = _Solve.apply(positions, directions, rotations, solver, initial, check_unsolved(unsolved))
+    q, _ = _Solve.apply(positions, directions, rotations, solver, initial, check_unsolved(unsolved), lead)
     return q

@@ -7,22 +7,69 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.answer.derivatives.layers import HostGoals, solved
 from sinuous.base.errors import NotSolvedError
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit:DeprecationWarning")  # PyTorch calls it itself
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0)
 
 
+GOALS = np.array([[1.0, 0.4, 3.0], [0.5, -1.0, 2.8], [-0.7, 0.2, 3.1]])
+DIRECTIONS = np.array([[0.5, 0.1, 2.0], [0.2, -0.6, 1.0], [-0.3, 0.1, 0.9]])
+
+STIFF = sn.Robot([sn.Segment((0.8, 1.2), 2.0), sn.Segment(1.0, 2.0)])
+"""Position and direction leave it no motion to spare."""
+
+REACHED = STIFF.tip([[[0.9, 0.3, 1.1], [-0.4, 0.8, 1.0]], [[-0.5, 0.6, 0.9], [0.7, 0.2, 1.0]]])
+CASES = {
+    "spare": (ROBOT, GOALS, None),
+    "spare, turned": (ROBOT, GOALS, DIRECTIONS),
+    "none to spare": (STIFF, REACHED[:, :3, 3], REACHED[:, :3, 2]),
+}
+"""Robots, positions and directions."""
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_gradients_are_those_of_the_function_that_ran(case: str) -> None:
+    """From a cold start, at the tolerance that solvers have: differences of answers agree."""
+    robot, goals, directions = CASES[case]
+    solver = sn.Solver(robot)
+
+    def answers(positions: Floats) -> tuple[Floats, Floats]:
+        return solved(solver, HostGoals(positions, directions), None, "raise", True)
+
+    q, change = answers(goals)
+    assert np.linalg.norm(robot.tip(q)[:, :3, 3] - goals, axis=1).max() < 1e-8
+    for c, step in enumerate(1e-5 * np.eye(3)):
+        differences = (answers(goals + step)[0] - answers(goals - step)[0]) / 2e-5
+        np.testing.assert_allclose(change[..., c], differences, atol=1e-5 * np.abs(change).max())
+
+
+def test_no_answer_is_nearer_to_where_a_solve_begins() -> None:
+    q, _ = solved(exact_solver(), HostGoals(GOALS), None, "raise", True)
+    begin = np.array([[0.0, 0.0, 1.0]] * 4)
+    for way in np.random.default_rng(0).normal(size=(20, 4, 3)):
+        other = exact_solver().solve_many(positions=GOALS, initial=q + 0.05 * way).q
+        sizes = [np.linalg.norm((each - begin).reshape(3, -1), axis=1) for each in (q, np.array(other))]
+        assert (sizes[0] <= sizes[1] + 1e-9).all()
+
+
+def test_answers_keep_clear_and_kinks_are_said() -> None:
+    """Near a ball that is in the way the answer stays proved, and a warning says that its gradient is one-sided."""
+    ball = [sn.Sphere((0.25, 0.1, 1.4), 0.55)]
+    solver = sn.Solver(ROBOT, ball)
+    with pytest.warns(sn.SuspiciousInput, match="1 of 1 answers touch"):
+        q, change = solved(solver, HostGoals(np.array([[0.5, 0.2, 2.9]])), None, "raise", True)
+    assert sn.Motion(ROBOT, np.stack([q[0], q[0]]), ball).verify().ok
+    assert change.any()
+
+
 @cache
 def exact_solver() -> sn.Solver:
     """Not made when tests are collected, since that compiles."""
     return sn.Solver(ROBOT, tolerance=sn.Tolerance(1e-12, 1e-12))
-
-
-GOALS = np.array([[1.0, 0.4, 3.0], [0.5, -1.0, 2.8], [-0.7, 0.2, 3.1]])
-DIRECTIONS = np.array([[0.5, 0.1, 2.0], [0.2, -0.6, 1.0], [-0.3, 0.1, 0.9]])
 
 
 def torch_tip(torch: Any, q: Any) -> Any:
@@ -35,35 +82,30 @@ def torch_tip(torch: Any, q: Any) -> Any:
     return torch.cat([pose[:3, 3], pose[:3, 2]])
 
 
-def nearest(jacobian: Any) -> Any:
-    """The motion (3 n, p) of least size, bends in rad and lengths relative to their mean, with J dq = 1."""
-    weights = np.tile([1.0, 1.0, 1.0], len(ROBOT))
-    return (weights[:, None] * jacobian.T) @ np.linalg.inv(jacobian @ (weights[:, None] * jacobian.T))
-
-
 def test_torch_agrees_with_its_own_gradients_of_free_kinematics() -> None:
     torch = pytest.importorskip("torch")
     import sinuous.torch as layer
 
-    goal = torch.tensor(GOALS[0], requires_grad=True)
-    change = torch.autograd.functional.jacobian(lambda p: layer.solve(exact_solver(), p), goal).reshape(12, 3)
-    q = layer.solve(exact_solver(), goal).detach()
+    q = torch.tensor(np.random.default_rng(0).uniform((-0.5, -0.5, 0.9), (0.5, 0.5, 1.1), (4, 3)))
+    goal = torch_tip(torch, q)[:3].requires_grad_()
+    change = torch.autograd.functional.jacobian(lambda p: layer.solve(exact_solver(), p, initial=q), goal)
     own = torch.autograd.functional.jacobian(lambda x: torch_tip(torch, x)[:3], q).reshape(3, 12)
-    np.testing.assert_allclose(own.numpy() @ change.numpy(), np.eye(3), atol=1e-9)
-    np.testing.assert_allclose(change.numpy(), nearest(own.numpy()), atol=1e-9)
+    np.testing.assert_allclose(change.reshape(12, 3), np.linalg.pinv(own.numpy()), atol=1e-9)  # the least motion
 
 
-def test_torch_checks_itself_in_both_modes() -> None:
+@pytest.mark.parametrize("case", CASES)
+def test_torch_checks_itself_in_both_modes_from_a_cold_start(case: str) -> None:
     torch = pytest.importorskip("torch")
     import sinuous.torch as layer
 
-    start = np.array(exact_solver().solve_many(positions=GOALS, directions=DIRECTIONS).q)
-    goals, ways = (torch.tensor(each, requires_grad=True) for each in (GOALS, DIRECTIONS))
+    robot, *goals = CASES[case]
+    solver = sn.Solver(robot)
+    given = [torch.tensor(each.copy(), requires_grad=True) for each in goals if each is not None]
 
-    def of(positions: Any, directions: Any) -> Any:
-        return layer.solve(exact_solver(), positions, directions=directions, initial=start)
+    def of(positions: Any, directions: Any = None) -> Any:
+        return layer.solve(solver, positions, directions=directions)
 
-    assert torch.autograd.gradcheck(of, (goals, ways), eps=1e-5, atol=1e-6, check_forward_ad=True)
+    assert torch.autograd.gradcheck(of, given, eps=1e-5, atol=1e-5, check_forward_ad=True)
 
 
 def test_torch_takes_rotations() -> None:
@@ -95,7 +137,7 @@ def test_torch_maps_over_batches() -> None:
     np.testing.assert_array_equal(mapped, together)
     rows = torch.func.vmap(torch.func.jacrev(lambda p: layer.solve(exact_solver(), p)))(goals)
     columns = torch.func.vmap(torch.func.jacfwd(lambda p: layer.solve(exact_solver(), p)))(goals)
-    own = exact_solver().solve_many(positions=GOALS).derivative().q["target"]
+    own = solved(exact_solver(), HostGoals(GOALS), None, "raise", True)[1]
     np.testing.assert_allclose(rows, own, atol=1e-12)
     np.testing.assert_allclose(columns, own, atol=1e-12)
 
@@ -121,7 +163,7 @@ def test_jax_has_both_modes_and_maps_over_batches() -> None:
     jax.config.update("jax_enable_x64", True)
     import sinuous.jax as layer
 
-    own = exact_solver().solve_many(positions=GOALS).derivative().q["target"]
+    own = solved(exact_solver(), HostGoals(GOALS), None, "raise", True)[1]
 
     def of(position: Any) -> Any:
         return layer.solve(exact_solver(), position)
@@ -142,7 +184,7 @@ def test_jax_takes_directions_and_rotations() -> None:
     own = found.vjp(weights)["target"]
 
     def of(position: Any, direction: Any) -> Any:
-        return (weights * layer.solve(exact_solver(), position, directions=direction)).sum()
+        return (weights * layer.solve(exact_solver(), position, directions=direction, lead=False)).sum()
 
     position, direction = jax.grad(of, (0, 1))(GOALS[0], DIRECTIONS[0])
     np.testing.assert_allclose(position, own[:3], atol=1e-12)

@@ -68,6 +68,11 @@ class Derivatives:
         return np.asarray(self._status == 0.0)
 
     @property
+    def configuration(self) -> Floats:
+        """The configurations (m, n, 3) that were derived: answers, or the minima that preferences have near them."""
+        return self._configurations
+
+    @property
     def q(self) -> Mapping[Parameter, Floats]:
         """Derivatives (m, n, 3, p) of the configurations."""
         return PerGroup(self.wrt, self._of_q)

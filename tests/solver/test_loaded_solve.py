@@ -194,3 +194,35 @@ def test_a_length_of_zero_beside_a_largest_curvature_warns_of_nothing() -> None:
     robot = sn.Robot(segments, stiffness=ROD, mass=0.05, arcs=2, gravity=GRAVITY)
     q = np.array([[0.0, 0.0, 0.0], [0.3, 0.1, 0.08]])
     assert sn.solve(robot, sn.Target(robot.shape(q).tip[:3, 3]), initial=q).solved
+
+
+JOINTS = [
+    sn.Revolute((0, 1, 0), (-1.5, 1.5), (0, 0, 0.05), name="tilt", body=[((0, 0, 0), (0, 0, 0.03), 0.02)]),
+    sn.Prismatic((0, 0, 1), (0, 0.1), sn.pose((0.01, 0, 0.05), direction=(0.2, 0.1, 1)), name="feed"),
+]
+
+
+@pytest.mark.parametrize("lines", [None, sn.Tendons(3, 0.004), sn.Tendons(3, 0.004, stiffness=900.0, tension=(0, 30))])
+def test_on_joints_the_body_hangs_as_it_does_on_the_base_that_they_make(lines: sn.Tendons | None) -> None:
+    segments = [sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=lines, stiffness=sn.Stiffness(0.02), mass=0.05)] * 2
+    robot = sn.Robot(segments, joints=JOINTS, arcs=3, gravity=GRAVITY, payload=sn.Payload(0.01))
+    q, joints, ends = Q[:2] * [0.5, 0.5, 1.0], np.array([0.7, 0.03]), np.array([0.5, 0.06])
+    alone, arcs = robot.arm_at((joints, q))
+    shape, other = robot.shape((joints, q)), alone.shape(arcs)
+    np.testing.assert_allclose(shape.tip, other.tip, atol=1e-12)
+    np.testing.assert_allclose(shape.tensions, other.tensions, atol=1e-9)
+    goal = robot.shape((ends, q * [0.8, 1.2, 1.0])).tip
+    target = sn.Target(goal[:3, 3], direction=goal[:3, 2])
+    balls = [sn.Sphere(goal[:3, 3] + [0.06, 0.05, 0.03], 0.02)]
+    solution = sn.solve(robot, target, balls, initial=(joints, q))
+    assert solution.solved
+    assert solution.verify().ok
+    alone, arcs = robot.arm_at(solution.configuration)
+    assert np.linalg.norm(alone.shape(arcs).tip[:3, 3] - goal[:3, 3]) <= 1e-4 * robot.mean_length * 1.01
+    made = sn.Solver(robot, balls).step((joints, q), (0.02, 0.01, 0.0), 0.1)
+    assert made.proved
+    moved = robot.shape(made.configuration).tip[:3, 3] - shape.tip[:3, 3]
+    np.testing.assert_allclose(moved, [0.002, 0.001, 0.0], atol=1e-4)
+    motion = sn.plan(robot, (joints, q), solution, balls)
+    assert motion.solved
+    assert all(each.ok for each in motion.verify())

@@ -27,7 +27,20 @@ RODS: dict[str, tuple[sn.Stiffness, dict[str, Any]]] = {
     "stretches": (sn.Stiffness(0.01, stretch=30.0), {}),
     "twists and stretches": (sn.Stiffness(0.01, 0.008, 30.0), {}),
     "tendons": (sn.Stiffness(0.01), {"tendons": sn.Tendons(3, 0.004, stiffness=400.0)}),
+    "joints": (sn.Stiffness(0.01, 0.008), {}),
 }
+
+JOINTS = [
+    sn.Revolute(
+        (0, 1, 0.2), (-2, 2), sn.pose((0.1, 0, 0.3), direction=(1, 2, 3)), body=[((0, 0, 0), (0, 0.1, 0), 0.02)]
+    ),
+    sn.Prismatic((1, 0, 1), (0.01, 0.2), (0.05, 0.0, 0.1)),
+    sn.Revolute((0, 0, 1), (-3, 3)),
+]
+"""They turn the arm about slanted axes, and shift it; a link has a body."""
+
+TURNED = np.array([0.5, 0.05, -0.3]), np.array([0.15, 0.02, 0.2])
+"""Their values, and by how much they move."""
 
 
 def arm(stiffness: sn.Stiffness, **more: Any) -> sn.Robot:
@@ -40,8 +53,11 @@ def arm(stiffness: sn.Stiffness, **more: Any) -> sn.Robot:
 @with_each("size", [0.1, 1.0])
 def test_equilibria_on_the_way_are_within_the_bound(kind: str, size: float) -> None:
     stiffness, more = RODS[kind]
-    robot = arm(stiffness, **more)
-    one, other = Rest(robot, Q), Rest(robot, Q + size * MOVED)
+    robot, q, moved = arm(stiffness, **more), Q, Q + size * MOVED
+    if kind == "joints":
+        robot = robot.changed(joints=JOINTS)
+        q, moved = robot.with_joints(Q, TURNED[0]), robot.with_joints(moved, TURNED[0] + size * TURNED[1])
+    one, other = Rest(robot, q), Rest(robot, moved)
     off, way = leave(one, other), Way(one, other)
     if size == 0.1:
         assert off.aside < 0.1 * robot.mean_length, "nothing is proved"
@@ -49,7 +65,7 @@ def test_equilibria_on_the_way_are_within_the_bound(kind: str, size: float) -> N
     for share in (0.2, 0.5, 0.7):
         rest = way.rest(share)
         assert imbalance(robot, rest.q, rest.found[0], rest.displacements) < 1e-7
-        body = robot.shape(Q).body
+        body = robot.shape(q).body
         both = np.stack([(1.0 - share) * one.arcs + share * other.arcs, rest.arcs])
         points = body.backbone(both)
         worst = max(worst, float(np.linalg.norm(points[0] - points[1], axis=1).max()))

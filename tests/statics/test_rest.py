@@ -36,6 +36,7 @@ ROBOTS = {
     "rigid sections": sn.Robot([*STIFF, *STIFF], arcs=3, gravity=(0.0, 1.0, -9.81), payload=sn.Payload(0.01)),
     "tendons": sn.Robot([pulled()] * 3, arcs=4, **ROD),
     "straight tendons": sn.Robot([pulled(straight=True)] * 3, arcs=4, **ROD),
+    "joints": sn.Robot([pulled()] * 2, arcs=3, joints=[sn.Revolute((0, 1, 0.3)), sn.Prismatic(limits=(0, 1))], **ROD),
     "elastic tendons": sn.Robot([ELASTIC] * 3, arcs=4, **{**ROD, "stiffness": sn.Stiffness(0.01)}),
 }
 
@@ -55,10 +56,11 @@ def test_a_stage_that_is_drawn_back_all_the_way_has_a_derivative(straight: bool)
 @with_each("size", [1.0, 1e-3])
 def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: float) -> None:
     robot = ROBOTS[name]
-    q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot), 3)) * (size, size, 1.0)
+    q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot.segments), 3)) * (size, size, 1.0)
+    q = robot.with_joints(q, [0.4, 0.1][: len(robot.joint_names)])
     rest = Rest(robot, q)
-    for i, slope in enumerate(rest.slopes):
-        step = np.zeros(q.size)
+    for i in np.flatnonzero(robot.drive.coordinates.unlocked):  # not the length of a joint that turns
+        slope, step = rest.slopes[i], np.zeros(q.size)
         step[i] = STEP
         ahead, back = (Rest(robot, q + side * step.reshape(q.shape), rest).found[0] for side in (1.0, -1.0))
         assert slope == pytest.approx((ahead - back) / (2.0 * STEP), abs=1e-6 * (1.0 + np.abs(slope).max()))
@@ -67,7 +69,8 @@ def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: flo
 @with_each("name", ROBOTS)
 def test_tables_say_the_same_derivative(name: str) -> None:
     robot = ROBOTS[name]
-    q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot), 3))
+    q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot.segments), 3))
+    q = robot.with_joints(q, [0.4, 0.1][: len(robot.joint_names)])
     rest = Rest(robot, q)
     ahead = [Rest(robot, q + step.reshape(q.shape), rest).tables for step in STEP * np.eye(q.size)]
     found = rest.answers(ahead, np.full(q.size, STEP))

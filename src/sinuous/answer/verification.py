@@ -195,7 +195,7 @@ def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verific
 def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
     """Look at a step of a loaded body: every shape of it has to be at rest, too, by other code than that found it."""
     one, other = Rest(robot, ends[0]), Rest(robot, ends[1])
-    body, owners = longest_body(robot), (body_of(robot).owners + 1).tolist()
+    body, owners = longest_body(robot), [robot.labels[k] for k in body_of(robot).owners]
     if one.states is None or other.states is None:
         raise InputError("q", "no equilibrium was found", ends.tolist(), "knots at which the robot holds its load")
     shares, way = shares_between(body, one.arcs, other.arcs), Way(one, other)

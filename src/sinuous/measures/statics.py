@@ -6,6 +6,7 @@ Arcs, their centers of gravity and the holes of tendons are put together from ro
 import numpy as np
 
 from sinuous.base.checks import Floats
+from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.statics.body import Body, body_of
 
@@ -87,15 +88,18 @@ def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats,
             long += np.where(through, np.where(lines.straight, chord, along), 0.0)
         if k == own.ends[segment]:
             for load in robot.payload:
-                if (load.segment or len(robot)) == segment + 1:
+                if robot.end_row(load.segment) == segment + 1:
                     total = total - load.mass * ((place + rotation @ load.position) @ gravity)
+        row = robot.rows[segment]
+        if isinstance(row, RigidRow):
+            place, rotation = place + rotation @ row.tail[:3, 3], rotation @ row.tail[:3, :3]
     return total, long
 
 
 def _strain(own: Body, q: Floats, states: Floats, length: Floats) -> Floats:
     """Energy (b,) of bending, twisting and stretching arcs (N,) of such lengths; what is rigid has none."""
     stiffness = own.stiffness[own.owners]
-    bend, twist, stretch = (np.where(np.isfinite(stiffness), stiffness, 0.0) / length[:, None]).T
+    bend, twist, stretch = (np.where(np.isfinite(stiffness), stiffness, 0.0) / np.maximum(length, 1e-300)[:, None]).T
     rest = np.where(own.pulled[:, None], own.rest, q[:, :2]) / own.counts[:, None]
     bent = states[..., :2] - _turned(_roll(0.5 * states[..., 2])[..., :2, :2], rest[own.owners])
     return 0.5 * (
@@ -108,7 +112,8 @@ def _tensions(own: Body, q: Floats, long: Floats, displacements: Floats | None) 
     lines = own.lines
     if displacements is None or not len(lines.actuators):
         return np.zeros(len(long))
-    moved, reach = displacements[lines.actuators], np.cumsum(q[:, 2])[lines.sections[:, 1]]
+    reaches = np.append(0.0, np.cumsum(q[:, 2]))
+    moved, reach = displacements[lines.actuators], reaches[lines.sections[:, 1] + 1] - reaches[lines.sections[:, 0]]
     held = np.where(lines.pushes, moved, reach - moved)
     if lines.straight.any():  # holes lie on chords of the arcs that nothing loads
         even = [(x, y, 0.0, z) for (x, y, z), count in zip(q, own.counts, strict=True) for _ in range(count)]

@@ -347,10 +347,15 @@ def _determined(
     for c in np.flatnonzero(pulled & driven):
         k, which = int(coordinates.owner[c]), int(np.argmax(np.abs(coordinates.basis[:, c]))) % 3
         problem = f"a rigid actuator moves {COORDINATES[which]}, which elastic ones pull at"
-        raise InputError(f"segments[{k}]", problem, segments[k], "stiffness for all tendons and chambers, or for none")
+        raise InputError(_key(segments, k), problem, segments[k], "stiffness for all tendons and chambers, or for none")
     resists = np.array([segment.stiffness is not None for segment in segments])[coordinates.owner]
     result: NDArray[np.bool_] = pulled | (~driven & resists & ~coordinates.stretches)
     return result
+
+
+def _key(segments: Sequence[Segment], k: int) -> str:
+    """What the problem file calls row `k`; joints and links are not counted."""
+    return f"segments[{k - sum(each.rigid for each in segments)}]"
 
 
 def _refuse_loose(segments: Sequence[Segment], springs: Springs, owner: NDArray[np.intp]) -> None:
@@ -361,7 +366,7 @@ def _refuse_loose(segments: Sequence[Segment], springs: Springs, owner: NDArray[
     loose = np.flatnonzero((np.abs(directions[sizes < RANK]) > RANK).any(axis=0))
     if len(loose):
         k = int(owner[loose[0]])
-        key, wanted = f"segments[{k}].stiffness", "the stiffness of what elastic lines bend, like {bend: EI}"
+        key, wanted = f"{_key(segments, k)}.stiffness", "the stiffness of what elastic lines bend, like {bend: EI}"
         raise InputError(key, "missing", segments[k].stiffness, wanted)
 
 

@@ -719,8 +719,8 @@ class Robot(NotebookMixin, Frozen):
         InputError
             When nothing has a stiffness, or no equilibrium was found for all of the load.
         """
-        arm, checked = self.arm_at(q)
-        return arm._rest(load_list("load", load, arm.segment_names), "q", checked, None)
+        checked = self._one_configuration("q", q)
+        return self._rest(load_list("load", load, self.segment_names), "q", checked, None)
 
     def equilibrium(
         self,

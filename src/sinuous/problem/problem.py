@@ -224,17 +224,18 @@ def ask_body(robot: Robot, q: Floats, targets: Sequence[Target]) -> BodyQuestion
         return BodyQuestion(robot, q, tuple(targets), robot.labels)
     own, found = body_of(robot), robot.shape(q)
     rolls = np.cumsum(found.states[:, t.TWIST])
-    asked = [_turned(target, robot, int(own.ends[(target.segment or 1) - 1]), rolls) for target in targets]
-    return BodyQuestion(found.body, found.arcs, tuple(asked), (own.owners + 1).tolist(), found)
+    asked = [_turned(target, robot, int(own.ends[robot.end_row(target.segment) - 1]), rolls) for target in targets]
+    return BodyQuestion(found.body, found.arcs, tuple(asked), [robot.labels[k] for k in own.owners], found)
 
 
 def _turned(target: Target, robot: Robot, end: int, rolls: Floats) -> Target:
     """The same target for the arc `end`, whose frame has not rolled; that of the tip is in the tool."""
-    if target.segment is None or target.segment == len(robot):
+    number = end + 1 - robot.drive.before
+    if target.segment is None or target.segment == len(robot.segments):
         return target.changed(segment=None)
     if target.rotation is None:
-        return target.changed(segment=end + 1)
-    return target.changed(segment=end + 1, rotation=target.rotation @ rolled(-float(rolls[end]))[:3, :3])
+        return target.changed(segment=number)
+    return target.changed(segment=number, rotation=target.rotation @ rolled(-float(rolls[end]))[:3, :3])
 
 
 ROUNDING = 1e-9

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
 from sinuous.kernels import packing
 from sinuous.kernels.statics import layout as t
 from sinuous.model.loads import Force, Load
@@ -52,7 +51,7 @@ class Tables(NamedTuple):
 
     Attributes
     ----------
-    arcs, loads, lines : ndarray (N, 9), (k, 10), (t, 10)
+    arcs, loads, lines : ndarray (N, 22), (k, 10), (t, 10)
     slopes : int
         Rows for the lengths of lines in arcs.
     of_lines : ndarray (t, 3 n + 1)
@@ -87,7 +86,7 @@ class Body(NamedTuple):
     Attributes
     ----------
     counts, ends : ndarray of int (n,)
-        Arcs of every segment; the number of its last.
+        Arcs of every segment; the number of its last. Joints and links are segments of one arc here, which never give.
     owners : ndarray of int (N,)
         The segment of every arc, 0 = first.
     stiffness : ndarray (n, 3)
@@ -95,7 +94,7 @@ class Body(NamedTuple):
     rest : ndarray (n, 2)
     pulled : ndarray of bool (n,)
         Whether tendons or chambers hold its bend, so that it has its own one without them.
-    sections : ndarray (n, 10)
+    sections : ndarray (n, 23)
         The same as kernels read it, and weights per length.
     lines : ElasticLines
     line_table : ndarray (t, 10)
@@ -123,7 +122,7 @@ class Body(NamedTuple):
     @property
     def weights(self) -> Floats:
         """Of segments, per length (n, 3)."""
-        return self.sections[:, t.HEAVY :]
+        return self.sections[:, t.HEAVY : t.SECTION_TAIL]
 
     @property
     def slopes(self) -> int:
@@ -133,16 +132,7 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=KEPT)
 def body_of(robot: "Robot") -> Body:
-    """Return the body of a robot.
-
-    Raises
-    ------
-    InputError
-        When it has joints.
-    """
-    if robot.joints:
-        wanted = "none, or robot.arm_at(configuration): the segments on the joints as they stand"
-        raise InputError("gravity", "shapes under load are not known here for a robot with joints", None, wanted)
+    """Return the body of a robot."""
     segments = robot.rows
     counts = np.array([segment.arcs for segment in segments], np.intp)
     gravity = np.zeros(3) if robot.gravity is None else robot.gravity
@@ -151,7 +141,10 @@ def body_of(robot: "Robot") -> Body:
     rest = np.array([segment.rest for segment in segments])
     pulled = np.isin(np.arange(len(segments)), lines.sections[:, 1])
     weights = np.array([segment.mass for segment in segments])[:, None] * gravity
-    ends = np.cumsum(counts) - 1
+    ends, tails = np.cumsum(counts) - 1, np.zeros((len(segments), t.TAIL_WIDTH))
+    tails[:, 0] = [segment.rigid for segment in segments]
+    for row, own in zip(tails, robot._rigid.rows, strict=False):
+        row[1:] = packing.pose_row(own.tail)[0]
     return Body(
         counts,
         ends,
@@ -159,7 +152,7 @@ def body_of(robot: "Robot") -> Body:
         stiffness,
         rest,
         pulled,
-        np.concatenate([counts[:, None], stiffness, rest, pulled[:, None], weights], axis=1),
+        np.concatenate([counts[:, None], stiffness, rest, pulled[:, None], weights, tails], axis=1),
         lines,
         _line_table(lines, counts, ends),
         _load_table(robot, ends, ()),
@@ -176,7 +169,7 @@ def _lines(robot: "Robot", bending: Floats) -> ElasticLines:
     rows, at = [], 0
     lengths = np.array([0.5 * sum(segment.length) for segment in robot.rows])
     for k, segment in enumerate(robot.rows):
-        for own, first in ((segment.tendons, 0), (segment.chambers, k)):
+        for own, first in ((segment.tendons, robot.drive.before), (segment.chambers, k)):
             for j in range(0 if own is None else len(own.angles)):
                 through = bending[first : k + 1]
                 if own is not None and np.isfinite(through).any():
@@ -225,7 +218,8 @@ def lengths_of_lines(body: Body, displacements: Floats | None, follow: Floats | 
         assert displacements is not None
         sides = np.where(own.pushes, 1.0, -1.0)
         result[:, -1] = sides * displacements[own.actuators]
-        result[:, 2:-1:3] = ~own.pushes[:, None] & (np.arange(count) <= own.sections[:, 1:])
+        through = (np.arange(count) >= own.sections[:, :1]) & (np.arange(count) <= own.sections[:, 1:])
+        result[:, 2:-1:3] = ~own.pushes[:, None] & through
         if follow is not None:
             result[:, :-1] += sides[:, None] * follow[own.actuators]
     return result
@@ -247,7 +241,7 @@ def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -
     listed = [*robot.payload, *loads]
     table = np.zeros((len(listed), t.LOAD_WIDTH))
     for row, load in zip(table, listed, strict=True):
-        row[t.LOAD_ARC] = ends[len(ends) - 1 if load.segment is None else load.segment - 1]
+        row[t.LOAD_ARC] = ends[robot.end_row(load.segment) - 1]
         row[t.LOAD_OFFSET :] = load.position
         if isinstance(load, Force):
             row[t.FORCE : t.MOMENT], row[t.MOMENT : t.LOAD_OFFSET] = load.force, load.moment

@@ -114,7 +114,7 @@ class Equilibrium(Frozen):
 
     @cached_property
     def poses(self) -> Floats:
-        """Poses (n, 4, 4) of the ends of all segments in the world, as `Robot.forward` gives those without load."""
+        """Poses (rows, 4, 4) of the ends of all rows in the world, as `Robot.forward` gives those without load."""
         ends = body_of(self.robot).ends
         frames = self.body.forward(self.arcs)[ends]
         rolls = np.cumsum(self.states[:, t.TWIST])[ends]
@@ -129,7 +129,7 @@ class Equilibrium(Frozen):
         """Yield where each force and payload pulls, and the force (3,), in world axes; weights of the body are not."""
         gravity = self.robot.gravity
         for load in (*self.robot.payload, *self.loads):
-            pose = self.poses[-1 if load.segment is None else load.segment - 1]
+            pose = self.poses[self.robot.end_row(load.segment) - 1]
             place = pose[:3, 3] + pose[:3, :3] @ load.position
             if isinstance(load, Force):
                 yield place, load.force
@@ -193,14 +193,18 @@ class Equilibrium(Frozen):
 
 
 def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
-    """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad)."""
-    owners = body_of(robot).owners
+    """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad).
+
+    Its joints stay.
+    """
+    own, before = body_of(robot).owners, robot.drive.before
+    owners = own[own >= before] - before  # segments alone: joints are what they are
     alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
     alone |= {"plane": None, "locked": None, "rest": (0.0, 0.0)}
     most = [2.0 * np.pi if each.max_bend > 0.0 or each.stiffness is not None else 0.0 for each in robot.segments]
     segments = [
         robot.segments[k].changed(length=float(length), max_bend=most[k], arcs=1, mass=0.0, **alone)
-        for k, length in zip(owners, lengths, strict=True)
+        for k, length in zip(owners, lengths[before:], strict=True)
     ]
     away: Any = {
         key: tuple(each[k] for k in owners) if isinstance(each := getattr(robot, key), tuple) else each
@@ -217,7 +221,7 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
 def longest_body(robot: "Robot") -> "Robot":
     """Return the body of a robot at its greatest lengths, straight: of its group, lengths and tool change."""
     own = body_of(robot)
-    longest = np.array([segment.length[1] for segment in robot.segments]) / own.counts
+    longest = np.array([segment.length[1] for segment in robot.rows]) / own.counts
     return body_robot(robot, longest[own.owners], 0.0)
 
 
@@ -270,7 +274,7 @@ def _pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], initial: Fl
     body = body_of(robot)
     own, q = body.lines, initial
     if q is None:
-        q = straight(robot.segments)
+        q = robot.drive.coordinates.project(straight(robot.rows)) if robot.joints else straight(robot.rows)
     tables = tables_of(robot, q, loads)
     tables.lines[:, t.HELD], tables.lines[:, t.LINE_VALUE] = 0.0, tensions[own.actuators]
     through = (np.arange(len(q)) >= own.sections[:, :1]) & (np.arange(len(q)) <= own.sections[:, 1:])

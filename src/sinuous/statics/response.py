@@ -139,7 +139,7 @@ def _beside(found: "Resting", question: EquilibriumQuestion) -> _State | None:
 
 def softest(robot: "Robot") -> float:
     """Moment that bends the softest segment by 1 rad."""
-    lengths = np.array([0.5 * sum(segment.length) for segment in robot.segments])
+    lengths = np.array([0.5 * sum(row.length) for row in robot.rows])
     own: float = (body_of(robot).stiffness[:, 0] / lengths).min()
     return own if np.isfinite(own) else 1.0
 

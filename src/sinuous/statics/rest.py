@@ -130,14 +130,15 @@ class Rest:
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         result = np.empty((1, len(self.arcs) + 1, 12))
-        batch.frames_of(packing.plain_rows(len(self.arcs)), self.arcs[None], packing.pose_row(self.robot.base), result)
+        rows = longest_body(self.robot).limits.copy() if self.robot.joints else packing.plain_rows(len(self.arcs))
+        batch.frames_of(rows, self.arcs[None], packing.pose_row(self.robot.base), result)
         return result
 
     def pose(self, segment: int | None) -> Floats:
         """Pose (4, 4) of the end of a segment (1 = first), or of the tool."""
         own = body_of(self.robot)
-        at_tip = segment is None or segment == len(self.robot)
-        end = own.ends[-1 if segment is None or at_tip else segment - 1]
+        last = self.robot.end_row(segment)
+        end, at_tip = own.ends[last - 1], last == len(self.robot)
         row, pose = self.frames[0, end + 1], np.eye(4)
         pose[:3, :3], pose[:3, 3] = row[:9].reshape(3, 3), row[9:]
         pose = pose @ rolled(float(self.rolls[end]))

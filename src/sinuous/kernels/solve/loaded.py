@@ -114,7 +114,7 @@ def correct(
 ) -> None:
     """Correct the drive `q` (n, 3) in place; `x` (N, 4) and `tensions` (t,) become those of its equilibrium.
 
-    `robot`, `settings` and `targets` (m, 15) as in `tables`; `sections` (n, 10), loads (k, 10) and lines (t, 10) as in
+    `robot`, `settings` and `targets` (m, 15) as in `tables`; `sections` (n, 23), loads (k, 10) and lines (t, 10) as in
     `statics.layout`; `of_lines` (t, 3 n + 1) see `statics.drive.lay_out`; `bounds` (a, 3 n + 2) and `pulls` (t, 2) see
     `Drive`. Where the record (6,) says that an equilibrium was found the search begins with it, else without load.
     `buffer` has `correction_size` numbers.

@@ -12,6 +12,7 @@ from sinuous.kernels.maths.vectors import (
     add,
     cross,
     dot,
+    get_mat,
     get_vec,
     mat_vec,
     put_vec,
@@ -31,6 +32,7 @@ from sinuous.kernels.statics.profile import (
     place,
     slopes,
 )
+from sinuous.kernels.tables import POSE_POSITION
 
 
 def assemble(
@@ -66,6 +68,9 @@ def assemble(
         put_vec(stages, k, t.TWIST_COLUMNS + 18, ZERO)
         put_vec(stages, k, t.TWIST_COLUMNS + 21, mat_vec(frame(frames, k)[0], stretch))
         rotation, position = compose(rotation, position, about_z(twist), ZERO)
+        if arcs[k, t.ARC_TAIL] != 0.0:
+            tail = get_mat(arcs, k, t.ARC_TAIL + 1), get_vec(arcs, k, t.ARC_TAIL + 1 + POSE_POSITION)
+            rotation, position = compose(rotation, position, tail[0], tail[1])
         put_frame(frames, k + 1, rotation, position)
 
 

@@ -29,6 +29,7 @@ from sinuous.kernels.statics.assembly import assemble
 from sinuous.kernels.statics.drive import fill
 from sinuous.kernels.statics.newton import Body, Workspace, carve, evaluate_state, workspace_size
 from sinuous.kernels.statics.sweeps import factorise, solve, stiffness_of
+from sinuous.kernels.tables import POSE_POSITION
 
 ASIDE, TURN, OFF = range(3)
 """Columns of a departure: by how much any place of the body leaves the way, and by how much its end is turned (rad);
@@ -59,7 +60,7 @@ Way = namedtuple("Way", ["q", "held", "x", "tensions"])
 (2, t)."""
 
 Departure = namedtuple("Departure", "sections carried lines bow q x tensions held states arcs bounds sizes")
-"""What bounds are made of. Sections (n, 10), loads (k, 10) and lines (t, 10) as in `layout`; how far a drive on a
+"""What bounds are made of. Sections (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; how far a drive on a
 parabola leaves the straight line (n, 3). Scratch: a drive (n, 3), its state (N, 4), tensions (t,), lengths of lines
 (t, 3 n + 1), states without load (N, 4), arcs (3, N, 9), `bounds` (N, 23), and the `SIZE` of each line (t,)."""
 
@@ -138,7 +139,7 @@ def measure_departure(
 ) -> None:
     """Fill `answer` (3,), infinite where nothing is bounded, and by how much `stretches` (t,) leave the way.
 
-    `base` (1, 12); `sections` (n, 10), loads (k, 10) and lines (t, 10) as in `layout`; the rest see `Way`; `bow`
+    `base` (1, 12); `sections` (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; the rest see `Way`; `bow`
     (n, 3). `buffer` has `measure_size` numbers.
     """
     space, rest = carve(buffer, x.shape[1], lines.shape[0], slopes)
@@ -156,7 +157,7 @@ def measure_size(segments: int, arcs: int, lines: int, slopes: int) -> int:
 
 
 def lay_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
-    """Fill arcs (N, 9), lines, and the state and tensions that are linear between both shapes, at a share of it."""
+    """Fill arcs (N, 22), lines, and the state and tensions that are linear between both shapes, at a share of it."""
     less = 1.0 - share
     for s in range(own.q.shape[0]):
         for j in range(3):
@@ -254,6 +255,7 @@ def _measure_changes(own: Departure, way: Way, k: int) -> None:
     row[RESTED] = rest + bend
     row[TWISTED] = max(abs(one[t.TWIST]), abs(other[t.TWIST]))
     row[LONG] = max(abs(one[t.LENGTH]), abs(other[t.LENGTH])) + length
+    row[LONG] += norm(get_vec(own.arcs, k, t.ARC_TAIL + 1 + POSE_POSITION))
     row[BENDING] = math.hypot(other[0] - one[0], other[1] - one[1]) + 2.0 * bend
     rested = math.hypot(b[t.REST_X] - a[t.REST_X], b[t.REST_X + 1] - a[t.REST_X + 1])
     row[RESTING] = rested + 2.0 * bend

@@ -20,9 +20,9 @@ SMALL = 1e-3
 
 @entry
 def lay_out(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
-    """Fill arcs (N, 9), the values of lines (t, 10) and the states (N, 4) without load of a drive `q` (n, 3).
+    """Fill arcs (N, 22), the values of lines (t, 10) and the states (N, 4) without load of a drive `q` (n, 3).
 
-    sections (n, 10) and lines as in `layout`. A row of `of_lines` (t, 3 n + 1): the derivative by the drive of the
+    sections (n, 23) and lines as in `layout`. A row of `of_lines` (t, 3 n + 1): the derivative by the drive of the
     length that a line is held at, and what that is for a drive of zero; both without chords.
     """
     fill(sections, of_lines, q, arcs, lines, states)
@@ -43,6 +43,8 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
                 arcs[k, t.REST_X + j], states[k, j] = fraction * rest, fraction * q[s, j]
             arcs[k, t.REST_LENGTH] = states[k, t.LENGTH] = own
             states[k, t.TWIST] = 0.0
+            for j in range(t.TAIL_WIDTH):
+                arcs[k, t.ARC_TAIL + j] = sections[s, t.SECTION_TAIL + j]
             k += 1
     for i in range(lines.shape[0]):
         if lines[i, t.HELD] > 0.0:
@@ -157,7 +159,7 @@ def _ask(
 
 def _lengthen(x: Array, arcs: Array, k: int, fraction: float, wanted: Array, given: Array) -> None:
     """Longer arcs are softer."""
-    over = fraction / arcs[k, t.REST_LENGTH]
+    over = fraction / arcs[k, t.REST_LENGTH] if arcs[k, t.REST_LENGTH] > 0.0 else 0.0
     bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TWIST_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
     if bend < t.RIGID:
         vx, vy = x[k, t.BEND_X], x[k, t.BEND_Y]

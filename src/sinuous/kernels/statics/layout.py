@@ -14,12 +14,15 @@ STATE_WIDTH = 4
 RIGID = math.inf
 """Stiffness of what does not give."""
 
-ARC_COUNT, BENDING, REST_BEND, PULLED, HEAVY = 0, 1, 4, 6, 7
-"""Columns of `sections` (n, 10), what a robot is made of whatever its drive `q` (n, 3) is. How many arcs; EI, GJ and
-EA, infinite for what does not give; bend at rest (2) of one whose bends are `PULLED`, 1, by lines, while others have
-that of the drive; weight per length (3)."""
+ARC_COUNT, BENDING, REST_BEND, PULLED, HEAVY, SECTION_TAIL = 0, 1, 4, 6, 7, 10
+"""Columns of `sections` (n, 23), what a robot is made of whatever its drive `q` (n, 3) is: joints and links, then
+segments. How many arcs; EI, GJ and EA, infinite for what does not give; bend at rest (2) of one whose bends are
+`PULLED`, 1, by lines, while others have that of the drive; weight per length (3). Of joints and links 1, and the pose
+in the frame of its end in which the next begins (12); of segments zeros."""
 
-SECTION_WIDTH = 10
+TAIL_WIDTH = 13
+
+SECTION_WIDTH = SECTION_TAIL + TAIL_WIDTH
 
 (
     BEND_STIFFNESS,
@@ -30,10 +33,13 @@ SECTION_WIDTH = 10
     REST_LENGTH,
     WEIGHT,
 ) = range(7)
-"""Columns of `arcs` (N, 9). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
-length without any load; weight (3, force in the world). Bends without load turn with half of the twist."""
+"""Columns of `arcs` (N, 22). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
+length without any load; weight (3, force in the world). Bends without load turn with half of the twist. What follows is
+the tail (`ARC_TAIL`), as of `sections`."""
 
-ARC_WIDTH = 9
+ARC_TAIL = 9
+
+ARC_WIDTH = ARC_TAIL + TAIL_WIDTH
 
 LOAD_ARC, FORCE, MOMENT, LOAD_OFFSET = 0, 1, 4, 7
 """Columns of `loads` (k, 10). Number of the arc at whose end it acts; force (3) and moment (3) in the world, which stay

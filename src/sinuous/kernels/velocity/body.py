@@ -60,7 +60,7 @@ RestingBody = namedtuple(
 )
 """A body in equilibrium.
 
-`problem`, `arcs`: of its N arcs as a robot, `Problem` and `Control`. `sections` (n, 10), `of_lines` (t, 3 n + 1) as in
+`problem`, `arcs`: of its N arcs as a robot, `Problem` and `Control`. `sections` (n, 23), `of_lines` (t, 3 n + 1) as in
 `statics.drive`; least and greatest `stretches` (t, 2). `body`, `space`, `record` (10,): of `statics.newton`. The drive
 `at` (n, 3) which the states `x` (N, 4) and tensions (t,) are those of; the same that are tried; and states without load
 (N, 4). Derivatives by the drive: `columns` (3 n, N, 4) of states, `pulls` (3 n, t) of tensions, `by_drive` (3 n, N, 3)

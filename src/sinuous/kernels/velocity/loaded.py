@@ -88,7 +88,7 @@ Proof = namedtuple("Proof", ["departure", "limits", "seen"])
 proof saw of it (2, 6)."""
 
 Tables = tuple[Array, Array, Array, Array, int]
-"""A robot as `statics.drive` has it, whatever its drive: sections (n, 10), least and greatest stretches of lines
+"""A robot as `statics.drive` has it, whatever its drive: sections (n, 23), least and greatest stretches of lines
 (t, 2), loads (k, 10), lines (t, 10), and rows for lengths of lines in arcs."""
 
 

@@ -318,10 +318,11 @@ class LimitSet:
         z, locked = float(own[:2] @ np.array(line.plane)), line.low == line.high
         key = "locked" if locked else "plane"
         there, off = np.array(line.at(line.low if locked else z)), np.array((-py, px))
-        value, limit = (own[:2] @ off, there @ off) if not locked else (math.hypot(*own[:2]), math.hypot(*there))
+        across = own[:2] @ off, np.array(line.at(0.0)) @ off  # anywhere on the line: exact at its beginning
+        value, limit = across if not locked else (math.hypot(*own[:2]), math.hypot(*there))
         for x, y in ((-py, px), (py, -px), *(((px, py), (-px, -py)) if locked else ())):
-            slack, across = float((there - own[:2]) @ (x, y)), gradient_at(count, number, (x, y, 0.0))
-            yield Limit("bend", number, None, key, float(value), float(limit), slack, across, True)
+            slack, gradient = float((there - own[:2]) @ (x, y)), gradient_at(count, number, (x, y, 0.0))
+            yield Limit("bend", number, None, key, float(value), float(limit), slack, gradient, True)
         own_key = "limits" if self._segments[number - 1].rigid else "max_bend"
         pair = isinstance(self._segments[number - 1].own_max_bend, tuple)
         for i, (side, cap) in enumerate(() if locked else ((-1.0, line.low), (1.0, line.high))):

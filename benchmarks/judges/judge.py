@@ -43,6 +43,11 @@ def target_errors(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats) -> t
     """Distances (m,) and angles (m,) of configurations (m, n, 3) to one target each; 0 where nothing is asked."""
     ends = segment_ends(robot, q)[:, 1:].copy()
     ends[:, -1] = ends[:, -1] @ robot.tool
+    return errors_at(ends, targets)
+
+
+def errors_at(ends: Floats, targets: Sequence[sn.Target]) -> tuple[Floats, Floats]:
+    """Distances (m,) and angles (m,) of ends of segments (m, n, 4, 4), the last with its tool, to one target each."""
     pairs = [(ends[i, -1 if t.segment is None else t.segment - 1], t) for i, t in enumerate(targets)]
     position = [0.0 if t.position is None else float(np.linalg.norm(p[:3, 3] - t.position)) for p, t in pairs]
     angle = [_angle(p[:3, :3], t) for p, t in pairs]

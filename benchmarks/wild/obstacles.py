@@ -30,8 +30,11 @@ SAMPLES = 12
 
 def scene_about(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Scene:
     """Draw a scene in which the bodies of configurations (m, n, 3) are clear, as far as samples of them say."""
-    points, radii = _bodies(robot, q)
-    unit = robot.mean_length
+    return scene_beside(*_bodies(robot, q), robot.mean_length, rng)
+
+
+def scene_beside(points: Floats, radii: Floats, unit: float, rng: Generator) -> sn.Scene:
+    """Draw a scene that is clear of balls of such radii (k,) about points (k, 3) of bodies about one `unit` large."""
     low, high = COUNTS[rng.choice(len(COUNTS), p=COUNT_SHARES)]
     count = int(rng.integers(low, high))
     drawn: list[Obstacle] = []

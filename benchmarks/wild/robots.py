@@ -34,7 +34,7 @@ def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = 
     """
     size = int(rng.integers(*SIZES[rng.choice(len(SIZES), p=SIZE_SHARES)]))
     unit = 10.0 ** rng.uniform(*scales)
-    segments = _segments(size, unit, rng)
+    segments = draw_segments(size, unit, rng)
     place: dict[str, Any] = {
         "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
         "base": sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
@@ -47,8 +47,8 @@ def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = 
     return robot, q
 
 
-def _segments(size: int, unit: float, rng: Generator) -> list[sn.Segment]:
-    """Segments all alike, or each of its own sort; at least one can bend."""
+def draw_segments(size: int, unit: float, rng: Generator) -> list[sn.Segment]:
+    """Draw segments all alike, or each of its own sort; at least one can bend."""
     thin = rng.random() < 0.1
     radius = 0.0 if thin else unit * 10.0 ** rng.uniform(-3.0, -0.6)
     widest = rng.choice([math.pi, rng.uniform(0.4, math.pi), rng.uniform(math.pi, 6.0)], p=[0.15, 0.35, 0.5])
@@ -85,7 +85,7 @@ def shapes_of(robot: sn.Robot, count: int, rng: Generator) -> Floats:
     found = np.empty((0, len(robot), 3))
     most = 1.0
     for _ in range(DRAWS):
-        drawn = _draw(robot, count - len(found), most, rng)
+        drawn = draw_shapes(robot, count - len(found), most, rng)
         found = np.concatenate([found, drawn[surely_clear(robot, drawn)]])
         if len(found) == count:
             break
@@ -93,7 +93,7 @@ def shapes_of(robot: sn.Robot, count: int, rng: Generator) -> Floats:
     return found
 
 
-def _draw(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
+def draw_shapes(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
     """Draw shapes that use `most` of the bends they may have; a few segments are at the limit of their length."""
     low, high = np.array([segment.length for segment in robot.segments]).T
     size = count, len(robot)

@@ -379,8 +379,12 @@ class Robot(NotebookMixin, Frozen):
 
     @cached_property
     def mean_length(self) -> float:
-        """Sum of the mean lengths of the segments: the unit of relative tolerances."""
-        return 0.5 * sum(sum(segment.length) for segment in self.segments) + mean_reach(self.joints)
+        """Sum of the mean lengths of segments and links: the unit of relative tolerances.
+
+        Of joints that all stand in one place it is how far the tool reaches, and 1 without a tool.
+        """
+        length = 0.5 * sum(sum(segment.length) for segment in self.segments) + mean_reach(self.joints)
+        return length or float(np.linalg.norm(self.tool[:3, 3])) or 1.0
 
     @cached_property
     def longest(self) -> float:

@@ -1,7 +1,7 @@
-"""Are joints, the links behind them and the segments where they may be? By rotations about axes, without the kernels."""
+"""Are joints, the links behind them and segments where they may be? By rotations about axes, without the kernels."""
 
 import math
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -92,7 +92,7 @@ def gaps(robot: sn.Robot, q: Floats, places: int = PLACES, below: float = 0.0) -
     bodies, own = body_places(robot, q, places), moving(robot.joints)
     links, least = len(own), np.full(len(q), math.inf)
     chain = sorted({link for link, _, _ in bodies if link <= links} | {links + 1})
-    free = {*zip(chain, chain[1:], strict=False)} | {(i, i + 1) for i in range(links + 1)} | _named(robot)
+    free = {*pairwise(chain)} | {(i, i + 1) for i in range(links + 1)} | _named(robot)
     for (one, first, r), (other, second, s) in combinations(bodies, 2):
         pair = min(one, other), max(one, other)
         if one == other or pair in free or pair[0] > links:

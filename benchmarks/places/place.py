@@ -12,7 +12,7 @@ import sinuous as sn
 from benchmarks.judges import judge, self_collision
 from benchmarks.judges.clearances import overlaps, prepared
 from benchmarks.judges.kinematics import segment_ends, tip_poses
-from benchmarks.judges.links import link_poses, tip_of, values_of, wrong_among
+from benchmarks.judges.links import link_poses, tip_of, wrong_among
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 
@@ -145,7 +145,7 @@ def right(place: Place, q: Floats) -> bool:
         return _at_targets(place, q) and not overlaps(place.robot, place.scene, q[None])[0]
     if wrong_among(place.robot, place.scene, q[None]):
         return False
-    robot = place.robot.changed(joints=(), base=link_poses(place.robot, values_of(place.robot, q[None]))[0, -1])
+    robot = place.robot.changed(joints=(), base=link_poses(place.robot, place.robot.split(q[None])[0])[0, -1])
     return right(replace(place, robot=robot), q[len(q) - len(robot) :])
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.harness.experiment import Divided, Experiment
 from benchmarks.harness.plan import Plan
-from benchmarks.wild import audit, calls, doors, motions, trials, worlds
+from benchmarks.wild import audit, calls, doors, jointed, motions, trials, worlds
 
 SECTION = "wild problems, each with a hidden solution that is clear of obstacles and of itself; budget 1 s"
 THICK = "thick arms (radius 10, segments of 100 to 120, bends to 3.1), targets near the base; budget 1 s"
@@ -50,7 +50,7 @@ def wild(plan: Plan) -> Experiment:
         work, summed = partial(trials.tallied, partial(make, seed)), partial(trials.lines_of, AUDIT, kind, math.inf)
         parts[kind] = Divided(shares(work, count(BLOCK, 10), count(AUDITED, 1) * rounds), summed)
     for kind, judge, lines_of in (
-        *((kind, judge, motions.lines_of) for kind, judge in motions.KINDS.items()),
+        *((kind, judge, motions.lines_of) for kind, judge in (motions.KINDS | jointed.KINDS).items()),
         ("public calls of odd robots", calls.called, calls.lines_of),
     ):
         parts[kind] = Divided(

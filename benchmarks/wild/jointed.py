@@ -1,7 +1,7 @@
 """Arms of all sorts with joints before the segments, or with joints alone: solved, planned and stepped, and judged."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,12 @@ from benchmarks.judges import links
 from benchmarks.judges.judge import IMPOSSIBLE, ROUNDING, errors_at
 from benchmarks.judges.motions import samples
 from benchmarks.problems import in_ball
+from benchmarks.wild import worlds
 from benchmarks.wild.motions import TICK, TICK_SAMPLES, TICKS, Judged
 from benchmarks.wild.obstacles import scene_beside
 from benchmarks.wild.robots import draw_segments, draw_shapes
 from benchmarks.wild.trials import CLEARANCE, LIMITS, OVERLAP, SELF_CLEARANCE, SELF_OVERLAP, TARGET
-from benchmarks.wild.worlds import CLEAR, KINDS, TOLERANCES, World
+from benchmarks.wild.worlds import CLEAR, TOLERANCES, World
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 from sinuous.model.segment import Segment
@@ -45,20 +46,21 @@ def make(seed: int, number: int) -> World:
         q = _shapes(robot, rng)
         if len(q) == 0:
             continue
-        bodies = [
-            (points, radius) for _, points, radius in links.body_places(robot, q) if radius > 0.0 or robot.segments
-        ]
-        scene = sn.Scene()
-        if bodies:
-            points = np.concatenate([points.reshape(-1, 3) for points, _ in bodies])
-            radii = np.concatenate([np.full(points.shape[0] * points.shape[1], radius) for points, radius in bodies])
-            scene = scene_beside(points, radii, robot.mean_length, rng)
+        scene = _scene(robot, links.body_places(robot, q), rng)
         if len(scene):
             q = q[links.clearances(robot, scene, q, PLACES) > CLEAR * robot.mean_length]
         if len(q):
             break
     position, angle = 10.0 ** rng.uniform(*TOLERANCES, 2)
     return World(robot, scene, sn.Tolerance(position * robot.mean_length, angle), _asked(robot, q, rng), q)
+
+
+def _scene(robot: sn.Robot, bodies: links.Bodies, rng: Generator) -> sn.Scene:
+    if not bodies:
+        return sn.Scene()
+    points = np.concatenate([points.reshape(-1, 3) for _, points, _ in bodies])
+    radii = np.concatenate([np.full(points[..., 0].size, radius) for _, points, radius in bodies])
+    return scene_beside(points, radii, robot.mean_length, rng)
 
 
 def _robot(unit: float, rng: Generator) -> sn.Robot:
@@ -113,7 +115,7 @@ def _ends(robot: sn.Robot, q: Floats) -> Floats:
 
 
 def _asked(robot: sn.Robot, q: Floats, rng: Generator) -> list[list[sn.Target]]:
-    kind = str(rng.choice(list(KINDS), p=list(KINDS.values())))
+    kind = str(rng.choice(list(worlds.KINDS), p=list(worlds.KINDS.values())))
     questions = []
     for tip in _ends(robot, q)[:, -1]:
         place = None if kind.endswith("alone") else tip[:3, 3]
@@ -126,7 +128,7 @@ def _asked(robot: sn.Robot, q: Floats, rng: Generator) -> list[list[sn.Target]]:
 def solved(seed: int, number: int) -> Judged:
     """Solve all problems of a world; nothing that is said of any may be false."""
     world = make(seed, number)
-    robot, size, right = world.robot, world.robot.mean_length, 0
+    robot, right = world.robot, 0
     solver = sn.Solver(robot, world.scene, tolerance=world.tolerance, time=BUDGET)
     for i, targets in enumerate(world.targets):
         found = solver.solve(targets)
@@ -147,23 +149,19 @@ def _false(world: World, found: sn.Solution, i: int) -> str:
     robot, q = world.robot, found.configuration[None]
     slack = links.ROUNDING * robot.mean_length
     position, angle = errors_at(_ends(robot, q), world.targets[i])
-    if position[0] > (world.tolerance.position or 0.0) + ROUNDING * robot.longest:
-        return TARGET
-    if angle[0] > world.tolerance.angle + ROUNDING:
-        return TARGET
-    if not links.keep_limits(robot, q).all():
-        return LIMITS
-    if len(world.scene):
-        seen = float(links.clearances(robot, world.scene, q, PLACES)[0])
-        if seen < -slack:
-            return OVERLAP
-        if found.clearance is not None and found.clearance > seen + slack:
-            return CLEARANCE
+    near = float(links.clearances(robot, world.scene, q, PLACES)[0])
     said = found.self_clearance or 0.0
-    seen = float(links.gaps(robot, q, PLACES, said)[0])
-    if seen < -slack:
-        return SELF_OVERLAP
-    return SELF_CLEARANCE if said > seen + slack else ""
+    gap = float(links.gaps(robot, q, PLACES, said)[0])
+    wrong = {
+        TARGET: position[0] > (world.tolerance.position or 0.0) + ROUNDING * robot.longest
+        or angle[0] > world.tolerance.angle + ROUNDING,
+        LIMITS: not links.keep_limits(robot, q).all(),
+        OVERLAP: near < -slack,
+        CLEARANCE: (found.clearance or 0.0) > near + slack,
+        SELF_OVERLAP: gap < -slack,
+        SELF_CLEARANCE: said > gap + slack,
+    }
+    return next((kind for kind, is_so in wrong.items() if is_so), "")
 
 
 def planned(seed: int, number: int) -> Judged:
@@ -198,3 +196,10 @@ def ticks(seed: int, number: int) -> Judged:
                 return Judged(True, false)
         q = np.array(step.configuration)
     return Judged(proved, "")
+
+
+KINDS: dict[str, Callable[[int, int], Judged]] = {
+    "arms with joints, solved": solved,
+    "arms with joints, planned": planned,
+    "arms with joints, ticks while an obstacle moves": ticks,
+}

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges import judge
+from benchmarks.judges import judge, links
 from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import audit, calls, doors, motions, odd, trials, worlds
+from benchmarks.wild import audit, calls, doors, jointed, motions, odd, trials, worlds
 from benchmarks.wild.calls import Called
 from benchmarks.wild.motions import Judged
 from benchmarks.wild.trials import (
@@ -170,6 +170,21 @@ def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: p
     for name in ("needed_body", "self_body"):
         monkeypatch.setattr(f"benchmarks.judges.motions.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
     assert any(made(0, number).false for number in range(4))
+
+
+@pytest.mark.parametrize("kind", jointed.KINDS)
+def test_arms_with_joints_are_judged(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = jointed.KINDS[kind]
+    kept = [jointed.make(0, number) for number in range(3)]
+    monkeypatch.setattr(jointed, "make", lambda _, number: kept[number])
+    found = [made(0, number) for number in range(3)]
+    assert all(each.false == "" for each in found)
+    assert any(each.proved for each in found)
+    own = links.body_places
+    monkeypatch.setattr(
+        links, "body_places", lambda *given: [(link, places, 9.0 * r) for link, places, r in own(*given)]
+    )
+    assert any(made(0, number).false for number in range(3))
 
 
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -285,3 +285,12 @@ def test_velocities_and_lists_of_pairs_are_taken() -> None:
     np.testing.assert_array_equal(LINKED.configuration("q", pairs), both)
     moved = LINKED._one_velocity("velocity", ([0.1, 0.2], 0.0 * q))
     np.testing.assert_allclose(moved, both[1] - both[0], atol=1e-15)
+
+
+def test_joints_that_stand_in_one_place_have_a_unit_of_length() -> None:
+    joints = [sn.Revolute((0, 0, 1)), sn.Revolute((0, 1, 0))]
+    assert sn.solve(sn.Robot(joints=joints), sn.Target(direction=(1.0, 0.0, 1.0))).solved
+    pointer = sn.Robot(joints=joints, tool=sn.pose((0.1, 0.0, 0.2)))
+    assert pointer.mean_length == pytest.approx(math.hypot(0.1, 0.2))
+    assert pointer.notes == ()
+    assert sn.solve(pointer, sn.Target((0.2, 0.0, -0.1))).solved

@@ -61,7 +61,7 @@ def _of_robot(robot: Robot) -> tuple[str, ...]:
 
 
 def _longest(robot: Robot) -> float:
-    return robot.longest
+    return robot.longest or robot.mean_length
 
 
 def _of_angles(robot: Robot) -> Iterator[str]:

@@ -186,7 +186,7 @@ def ticks(seed: int, number: int) -> Judged:
     goal, twist, q = world.targets[-1], rng.normal(size=6) * ([1.0] * 3 + [unit] * 3), world.hidden[0]
     for _ in range(TICKS):
         bodies: Sequence[Any] = links.body_places(robot, q[None]) or [(0, robot.base[None, None, :3, 3], 0.0)]
-        _, points, _ = bodies[rng.integers(len(bodies))]
+        _, points, _ = bodies[int(rng.integers(len(bodies)))]
         scene.move("ball", position=points[0, -1] + unit * rng.uniform(0.1, 0.6) * rng.normal(size=3) - far)
         step = solver.step(q, dt=TICK, target=goal) if rng.random() < 0.5 else solver.step(q, twist, TICK)
         if step.proved:

@@ -44,6 +44,8 @@ def test_all_rows_of_a_table_are_solved(run: Run) -> None:
     told = run(f"{BATCH} --out out.csv").out
     assert told.startswith("arm.yaml: 2 rows: 2 solved")
     assert "out.csv" in told
+    run(f"{BATCH} --out own.csv --columns s2.length,clearance")
+    assert Path("own.csv").read_text().splitlines()[0] == "row,status,s2.length,clearance"
     assert run(f"{BATCH} --out out.csv --json").results[0]["before"] == 2
     fast = "--out out.npz --max-starts 4 --no-routes"
     assert "invalid    rows 4" in run(f"batch arm.yaml --targets in.csv {fast}", 1).out

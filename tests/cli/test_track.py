@@ -77,6 +77,14 @@ def test_configurations_and_actuators_are_a_table(run: Run) -> None:
     assert header[-3:] == ["s3.t1", "s3.t2", "s3.t3"]
     assert [row[0] for row in rows] == ["0.0", "1.0", "2.0"]
     assert {len(row) for row in rows} == {1 + 9 + 9}
+    at = [header.index(name) for name in ("s3.t2", "s1.length")]
+    run("track driven.yaml --csv own.csv --columns s3.t2,s1.length")
+    assert table("own.csv") == [["time", "s3.t2", "s1.length"], *([row[0], *(row[k] for k in at)] for row in rows)]
+    run("solve easy.yaml --csv own.csv --columns s2.length,s1.length")
+    assert table("own.csv")[0] == ["solution", "status", "s2.length", "s1.length"]
+    said = run("solve easy.yaml --csv own.csv --columns s9", 2).err
+    assert "easy.yaml: --columns[0]: expected one of s1.bend_x" in said
+    assert "--columns: is for --csv" in run("solve easy.yaml --columns s1.length", 2).err
 
 
 def test_a_table_has_a_row_for_each_sample_and_lines_that_are_not_proved_are_noted(

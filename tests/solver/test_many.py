@@ -52,6 +52,12 @@ def test_motor_values_are_written_in_the_order_that_is_asked_for(tmp_path: Path)
         assert [float(row[place]) for row in rows] == many.actuators[name].tolist()
     many.to_csv(file)
     assert file.read_text().splitlines()[0].split(",") == ["target", "status", *many.actuators]
+    many.to_csv(file, columns=["s2.t3", "s1.length"])
+    head, first = file.read_text().splitlines()[:2]
+    assert head == "target,status,s2.t3,s1.length"
+    assert [float(each) for each in first.split(",")[2:]] == [many.actuators["s2.t3"][0], many.q[0, 0, 2]]
+    refused("columns[0]", lambda: many.to_csv(file, columns=["speed"]))
+    refused("columns", lambda: many.to_csv(file, names, columns=names), "cannot be combined")
     refused("actuators[0]", lambda: many.to_csv(file, ["s9.t1"]))
     refused("actuators[1]", lambda: many.to_csv(file, ["s1.t1", "s1.t1"]))
     refused("actuators", lambda: many.to_csv(file, "s1.t1"))

@@ -20,6 +20,8 @@ from sinuous.base.errors import InputError, NotSolvedError
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.kernels import tables as t
 from sinuous.kernels.tables import Outcome
+from sinuous.model.robot import Robot
+from sinuous.model.segment import coordinate_names
 from sinuous.problem.target_sets import ManyProblems
 
 if TYPE_CHECKING:
@@ -200,8 +202,10 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         names = [actuator.name for actuator in robot.actuators]
         return dict(zip(names, robot.to_actuators(self.configuration).T, strict=True)) if names else None
 
-    def to_csv(self, file: str | Path, actuators: Sequence[str] | None = None) -> None:
-        """Write the values of the motors as CSV: one row a target, in the order of the targets.
+    def to_csv(
+        self, file: str | Path, actuators: Sequence[str] | None = None, *, columns: Sequence[str] | None = None
+    ) -> None:
+        """Write the values of the motors, in their units, as CSV: one row a target, in the order of the targets.
 
         Columns: `target` (1 = first), `status`, then every actuator by its name. Rows that are not `solved` have the
         values of the best configuration that was found.
@@ -211,19 +215,24 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         file : path
         actuators : sequence of str, optional
             Names of actuators, in the order of the columns; by default all, in the order of the robot.
+        columns : sequence of str, optional
+            Instead, names of any columns that `Motion.to_csv` has, in this order.
 
         Raises
         ------
         InputError
-            When the robot has no actuators, or none of such a name, a name is given twice, or the file cannot be
-            written.
+            When the robot has no actuators and no columns are named, a name is not known or given twice, both are
+            given, or the file cannot be written.
         """
         robot = self._problems.robot
         own = [actuator.name for actuator in robot.actuators]
-        if not own:
-            raise InputError("robot", "has no actuators", robot, "one with tendons, chambers or actuators")
-        names = checks.names_of("actuators", actuators, own)
-        values = robot.to_actuators(self.configuration)[:, [own.index(name) for name in names]].tolist()
+        if columns is None:
+            if not own:
+                raise InputError("robot", "has no actuators", robot, "one that has some, or columns=")
+            columns = checks.names_of("actuators", actuators, own)
+        elif actuators is not None:
+            raise InputError("columns", "cannot be combined with actuators", columns, "one of the two")
+        names, values = chosen_columns(robot, self.configuration, columns)
         each = zip(self.status.tolist(), values, strict=True)
         rows = ([number, str(status), *row] for number, (status, row) in enumerate(each, 1))
         write_table(file, ["target", "status", *names], rows)
@@ -284,3 +293,23 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         counts = Counter(map(str, self.status.tolist()))
         told = ", ".join(f"{count:,} {status}" for status, count in counts.most_common())
         return f"Solutions: {len(self):,} of {len(self._problems.robot.segments)} segments{': ' if told else ''}{told}"
+
+
+def column_names(robot: Robot) -> list[str]:
+    """Names of the numbers in tables: joints, `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, all actuators."""
+    return [*robot.joint_names, *coordinate_names(robot.segment_names), *(actuator.name for actuator in robot.actuators)]
+
+
+def chosen_columns(robot: Robot, q: Floats, chosen: Sequence[str] | None) -> tuple[list[str], list[list[float]]]:
+    """Return the names of columns and their numbers (T, c) for configurations (T, n, 3), or of those that are chosen.
+
+    Raises
+    ------
+    InputError
+        When a name is not known, or given twice.
+    """
+    known = column_names(robot)
+    names = checks.names_of("columns", chosen, known)
+    own = robot.segments_of(q).reshape(len(q), 3 * len(robot.segments))
+    numbers = np.concatenate([robot.joints_of(q), own, robot.to_actuators(q)], axis=-1)
+    return names, numbers[:, [known.index(name) for name in names]].tolist()

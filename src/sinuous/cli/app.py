@@ -16,6 +16,7 @@ from sinuous import __version__
 from sinuous.base.errors import InputError, UnfinishedError
 from sinuous.cli.options import (
     BAD_INPUT,
+    COLUMNS,
     FILES,
     JSON,
     PLACE,
@@ -118,6 +119,7 @@ class Batch:
     file: str = argument(PLACE)
     targets: Path = opt("Targets, a row each: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
     out: Path = opt("Results, of the same kinds.", "TABLE", REQUIRED, show_default=False)
+    columns: str | None = opt(COLUMNS.format("--out", "row and status"), "NAME,...")
     solving: BatchSolving
     crew: Working
     chunk: int = opt("What is solved, and written, together.", "ROWS", 10_000)

@@ -66,6 +66,7 @@ def argument(help: str, metavar: str | None = "FILE", **look: Any) -> Any:
 FILES, PLACE = "Problem files, YAML or JSON.", "A problem file, whose targets are left alone."
 JSON = "Print one JSON object a line, and nothing else."
 STARTS, WORKERS = "Most starts of one solve.", "Threads or processes; by default one a core."
+COLUMNS = "Columns of {} after {}, in this order; by default all."
 ROUTES = "Search for routes through free space where the first starts fail."
 REMEMBERED = "Shapes to begin from, of earlier commands; what is solved is added."
 """What is said of options that several commands have."""
@@ -216,6 +217,11 @@ class Working:
         return {"engine": "dask" if self.dask == "local" else self.dask, "workers": self.workers}
 
 
+def names_in(typed: str | None) -> list[str] | None:
+    """Names that were typed with commas between them."""
+    return None if typed is None else [name.strip() for name in typed.split(",")]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Output:
     """Where answers go."""
@@ -226,6 +232,7 @@ class Output:
     )
     out: Path | None = opt("Write the results as JSON lines.", "FILE")
     csv: Path | None = opt("Write configurations and actuators as a table; several files are numbered.", "FILE")
+    columns: str | None = opt(COLUMNS.format("--csv", "the first"), "NAME,...")
 
     @property
     def file(self) -> Path | None:
@@ -241,6 +248,8 @@ class Output:
             That names the option.
         """
         check_outputs(files, out=self.out, plot=self.plot, csv=self.csv)
+        if self.columns is not None and self.csv is None:
+            raise InputError("--columns", "is for --csv", self.columns, "--csv FILE, too")
         if self.plot is not None and is_page(self.plot):
             from sinuous.view.page.show import check_page  # noqa: PLC0415
 

@@ -8,7 +8,7 @@ import typer
 from sinuous.base.documents import described
 from sinuous.base.errors import InputError
 from sinuous.cli.app import Batch, Explore, Reach, Train
-from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
+from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs, names_in
 from sinuous.cli.reading import interruptible, remembered, say, setting_of
 from sinuous.methods.learned.training import train
 from sinuous.solver.memory import Memory
@@ -25,7 +25,8 @@ def batch_file(asked: Batch) -> int:
     """Solve all rows of a table; return the exit code."""
     solving = asked.solving
     solving.arguments()
-    run = {"chunk": asked.chunk, "warm": asked.warm, "shard": read_shard(asked.shard), **asked.crew.arguments()}
+    chosen = {"columns": names_in(asked.columns), "shard": read_shard(asked.shard)}
+    run = {"chunk": asked.chunk, "warm": asked.warm, **chosen, **asked.crew.arguments()}
     with (
         interruptible(lambda: _kept_rows(asked.out, asked.chunk)),
         setting_of(asked.file) as setting,

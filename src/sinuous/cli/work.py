@@ -18,6 +18,7 @@ import typer
 from sinuous.answer.explanation import Explanation
 from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solution import Solution
+from sinuous.answer.solutions import column_names
 from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.checks import Floats
@@ -35,6 +36,7 @@ from sinuous.cli.options import (
     Remembering,
     Timed,
     is_page,
+    names_in,
     numbered,
 )
 from sinuous.cli.reading import ReadProblem, read_all, remembered, say_notes
@@ -135,7 +137,7 @@ class AnswerWriter:
     """
 
     def __init__(self, output: Output, files: int) -> None:
-        self._output, self._files = output, files
+        self._output, self._files, self._columns = output, files, names_in(output.columns)
         self._done = 0
         self._out: TextIO | None = None
         if output.out is not None:
@@ -180,18 +182,19 @@ class AnswerWriter:
 
     def _write_table(self, file: Path, answer: Answer) -> None:
         if isinstance(answer, Alternatives):
-            write_csv(file, answer.solutions or (answer.best,))
+            write_csv(file, answer.solutions or (answer.best,), self._columns)
         elif isinstance(answer, Motion):
-            _write_rows(file, answer, self._output.rate if isinstance(self._output, MotionOutput) else None)
+            rate = self._output.rate if isinstance(self._output, MotionOutput) else None
+            _write_rows(file, answer, rate, self._columns)
         else:
-            write_csv(file, (answer,))
+            write_csv(file, (answer,), self._columns)
 
 
-def _write_rows(file: Path, motion: Motion, rate: float | None) -> None:
+def _write_rows(file: Path, motion: Motion, rate: float | None, columns: list[str] | None) -> None:
     """Write a motion as a table; that lines between its rows are not proved is a note, on standard error."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", SuspiciousInput)
-        motion.to_csv(file, rate)
+        motion.to_csv(file, rate, columns)
     say_notes({str(file): tuple(str(each.message) for each in said)})
 
 
@@ -391,6 +394,9 @@ def _answer_all(
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     robots = {problem.file: problem.robot for problem in problems}
+    for file, robot in robots.items():
+        with checks.in_file(file):
+            checks.names_of("--columns", names_in(output.columns), column_names(robot))
     with _journal(problems, asked, typed) as journal, remembered(solving.memory, robots) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
         ready = partial(_prepare, solving, prepare, memory)

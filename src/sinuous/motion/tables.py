@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.answer.solution import Solution
+from sinuous.answer.solutions import chosen_columns
 from sinuous.base import checks
 from sinuous.base.arguments import Whole
 from sinuous.base.checks import Floats
@@ -15,7 +16,6 @@ from sinuous.base.documents import readable, write_archive, write_table
 from sinuous.base.errors import InputError
 from sinuous.files.ros import Of, joint_map, joint_trajectory, write_json
 from sinuous.model.robot import Robot
-from sinuous.model.segment import coordinate_names
 
 
 def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
@@ -33,24 +33,18 @@ def sample_times(times: Floats, rate: float) -> Floats:
     return np.append(times[0] + np.arange(count) / rate, times[-1]) if len(times) else times
 
 
-def columns(robot: Robot) -> list[str]:
-    """Names of the numbers: joints, `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, then all actuators."""
-    own = robot.segment_names
-    return [*robot.joint_names, *coordinate_names(own), *(actuator.name for actuator in robot.actuators)]
-
-
-def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:
-    """Write solutions of one robot, at least one, as CSV: their number from 1 on, status, configuration, actuators.
+def write_csv(file: str | Path, solutions: Sequence[Solution], chosen: Sequence[str] | None = None) -> None:
+    """Write solutions of one robot, at least one, as CSV: number from 1 on, status, configuration, actuators or chosen.
 
     Raises
     ------
     InputError
-        When the file cannot be written.
+        When a name is not known or given twice, or the file cannot be written.
     """
-    robot = solutions[0].problem.robot
-    numbers = _numbers(robot, np.stack([solution.configuration for solution in solutions]))
+    q = np.stack([solution.configuration for solution in solutions])
+    names, numbers = chosen_columns(solutions[0].problem.robot, q, chosen)
     rows = ([i, str(each.status), *row] for i, (each, row) in enumerate(zip(solutions, numbers, strict=True), 1))
-    write_table(file, ["solution", "status", *columns(robot)], rows)
+    write_table(file, ["solution", "status", *names], rows)
 
 
 def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats, chosen: Sequence[str] | None = None) -> None:
@@ -61,17 +55,9 @@ def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats, chose
     InputError
         When a name is not known or given twice, or the file cannot be written.
     """
-    known = columns(robot)
-    names = checks.names_of("columns", chosen, known)
-    at = [known.index(name) for name in names]
-    rows = ([time, *(row[k] for k in at)] for time, row in zip(times.tolist(), _numbers(robot, q), strict=True))
+    names, numbers = chosen_columns(robot, q, chosen)
+    rows = ([time, *row] for time, row in zip(times.tolist(), numbers, strict=True))
     write_table(file, ["time", *names], rows)
-
-
-def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
-    """Joints, segments and actuators (T, j + 3 n + m)."""
-    own = robot.segments_of(q).reshape(len(q), 3 * len(robot.segments))
-    return np.concatenate([robot.joints_of(q), own, robot.to_actuators(q)], axis=-1).tolist()
 
 
 def write_ros(

@@ -1,5 +1,6 @@
 """A batch is a loop, to the last bit, whatever it is read from, written to, cut into and solved by."""
 
+import csv
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -63,6 +64,19 @@ def test_the_file_is_the_same_whatever_engine_and_interrupts(ending: str, tmp_pa
     assert whole.before == COUNT - 40
     assert one.read_bytes() == other.read_bytes()
     assert not other.with_name(other.name + ".parts").exists()
+
+
+def test_tables_have_the_columns_that_are_chosen(tmp_path: Path) -> None:
+    names = [ROBOT.actuators[1].name, "s1.length", "position_error"]
+    for name, columns in (("whole", None), ("own", names)):
+        solve(points(8), tmp_path / f"{name}.csv", columns=columns)
+    texts = [(tmp_path / f"{name}.csv").read_text().splitlines() for name in ("whole", "own")]
+    whole, own = (list(csv.DictReader(text)) for text in texts)
+    assert list(own[0]) == ["row", "status", *names]
+    assert own == [{name: row[name] for name in own[0]} for row in whole]
+    for file, wrong in (("own.csv", ["s1.speed"]), ("own.npz", names), ("whole.csv", names)):  # one that has others
+        with pytest.raises(sn.InputError, match="columns"):
+            solve(points(8), tmp_path / file, columns=wrong)
 
 
 def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
@@ -144,6 +158,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     ("options", "key"),
     [
         ({"chunk": 0}, "chunk"),
+        ({"columns": ["s1.length"]}, "columns"),
         ({"workers": 0}, "workers"),
         ({"engine": "gpu"}, "engine"),
         ({"shard": (3, 2)}, "shard"),

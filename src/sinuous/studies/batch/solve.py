@@ -1,7 +1,7 @@
 """`solve_batch`: any number of targets, through files or in memory; the same call goes on after any interruption."""
 
 import time as clock
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -61,6 +61,7 @@ def solve_batch(
     scene: SceneLike | None = None,
     out: str | Path | None = None,
     *,
+    columns: Sequence[str] | None = None,
     initial: Rows | None = None,
     warm: Truth = False,
     chunk: Whole = DEFAULT_CHUNK,
@@ -85,6 +86,9 @@ def solve_batch(
     scene : Scene or list of obstacles, optional
     out : path, optional
         The table of results (`.csv`, `.npz`, `.parquet`); without it they stay in memory.
+    columns : sequence of str, optional
+        Names of the columns of a `.csv` or `.parquet` after `row` and `status`, in this order, such as those of the
+        motors; by default all.
     initial : array_like (n, 3), optional
         Where every solve begins.
     warm : bool
@@ -122,7 +126,9 @@ def solve_batch(
     count, part = read_workers(workers), None if shard is None else _shard(shard)
     shown, file = checks.truth("progress", progress), None if out is None else Path(out)
     if file is not None:
-        check_results("out", file)
+        check_results("out", file, columns)
+    elif columns is not None:
+        raise InputError("columns", "needs a file of results", columns, "out=, too")
     elif part is not None:
         raise InputError("shard", "needs a file of results", part, "out=, too")
     solver = Solver(robot, scene, **only_reading(given))
@@ -136,8 +142,9 @@ def solve_batch(
             "initial": f"{start}{', then near targets' if near else ''}",
             "targets": f"{source.rows} rows, {fingerprint}",
             "chunk": size,
+            **({} if columns is None else {"columns": list(columns)}),
         }
-        results = Results(work.layout, source.rows, size, file, {} if file is None else depends)
+        results = Results(work.layout.choosing(columns), source.rows, size, file, {} if file is None else depends)
         batch = results.finished()
         if batch is None:
             todo = [number for number in results.open() if owns(part, number)]

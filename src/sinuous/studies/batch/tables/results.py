@@ -2,8 +2,8 @@
 
 import csv
 import zipfile
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from sinuous.answer.solutions import Solutions
 from sinuous.answer.status import Status, places_of
+from sinuous.base import checks
 from sinuous.base.checks import Floats
+from sinuous.base.errors import InputError
 from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
@@ -45,11 +47,14 @@ class Layout:
         Names of the segments.
     actuators, joints : tuple of str
         Names of the actuators, and of the joints.
+    chosen : tuple of str or None
+        Of the columns of a table after `row` and `status`, in this order; None: all.
     """
 
     segments: tuple[str, ...]
     actuators: tuple[str, ...]
     joints: tuple[str, ...]
+    chosen: tuple[str, ...] | None = None
 
     @classmethod
     def of(cls, robot: Robot) -> "Layout":
@@ -73,17 +78,32 @@ class Layout:
     @property
     def names(self) -> list[str]:
         """Names of the columns of a table."""
-        moving = *self.joints, *coordinate_names(self.segments), *self.actuators
-        return ["row", "status", *moving, *ERRORS, *EFFORTS]
+        return ["row", "status", *(self._known if self.chosen is None else self.chosen)]
+
+    def choosing(self, columns: Sequence[str] | None) -> "Layout":
+        """Return that of tables with these columns.
+
+        Raises
+        ------
+        InputError
+            When a name is not known, or given twice.
+        """
+        return (
+            self if columns is None else replace(self, chosen=tuple(checks.names_of("columns", columns, self._known)))
+        )
+
+    @property
+    def _known(self) -> list[str]:
+        return [*self.joints, *coordinate_names(self.segments), *self.actuators, *ERRORS, *EFFORTS]
 
     def flat(self, block: Arrays) -> Iterator[NDArray[Any]]:
         """Yield the columns of a table, in the order of `names`; statuses are words."""
         yield block["row"]
         yield np.array(STATUSES)[block["status"]]
-        yield from block["joints"].T if self.joints else ()
-        yield from block["q"].reshape(len(block["row"]), -1).T
-        yield from block["actuators"].T
-        yield from (block[name] for name in (*ERRORS, *EFFORTS))
+        numbers = block["q"].reshape(len(block["row"]), -1).T, block["actuators"].T
+        own = [*(block["joints"].T if self.joints else ()), *numbers[0], *numbers[1]]
+        columns = own + [block[name] for name in (*ERRORS, *EFFORTS)]
+        yield from (columns[self._known.index(name)] for name in self.names[2:])
 
     def nothing(self, first: int, count: int, status: str) -> Arrays:
         """Make rows without an answer, from row `first` on, 0 = first of all."""
@@ -198,16 +218,19 @@ def _listed(column: np.ndarray) -> list[object]:
     return values
 
 
-def check_results(key: str, file: Path) -> None:
+def check_results(key: str, file: Path, columns: Sequence[str] | None = None) -> None:
     """Refuse a file of results that could not be written at the end.
 
     Raises
     ------
     InputError
-        When its ending is not known, or pyarrow is missing.
+        When its ending is not known or has no columns, or pyarrow is missing.
     """
-    if ending_of(key, file) == ".parquet":
+    ending = ending_of(key, file)
+    if ending == ".parquet":
         parquet(file)
+    elif ending != ".csv" and columns is not None:
+        raise InputError("columns", "arrays have none", str(file), "a table, .csv or .parquet")
 
 
 def write_results(file: Path, blocks: Callable[..., Iterable[Arrays]], layout: Layout, rows: int) -> None:

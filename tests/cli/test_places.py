@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.studies.designing.search import RobotCandidates
 from sinuous.studies.exploring.explore import _ExplorationRun
 from tests.cli.conftest import Run
 from tests.studies.batch.questions import BALL, ROBOT, points, write_csv
@@ -84,7 +85,9 @@ def test_a_memory_is_filled_and_a_plan_walks_in_it(run: Run, monkeypatch: pytest
     with monkeypatch.context() as patch:
         interrupt(patch, _ExplorationRun, "round")
         told = run(EXPLORE, 130).err
-    assert told == "sinuous: interrupted; rounds that were done are in arm.npz, the same command goes on\n"
+    found = sn.Memory.load("arm.npz")
+    kept = f"{len(found)} shapes and {len(found.edges)} motions are in arm.npz"
+    assert told == f"sinuous: interrupted; {kept}, the same command goes on\n"
     (values,) = run(f"{EXPLORE} --json --workers 1").results
     memory = sn.Memory.load("arm.npz")
     assert (values["rounds"], values["shapes"], values["motions"]) == (2, len(memory), len(memory.edges))
@@ -129,3 +132,17 @@ def test_a_file_says_what_a_map_asks_and_options_replace_it(run: Run) -> None:
     assert (values["spacing"], values["directions"], values["within"]) == (40.0, 3, 0.2)
     (values,) = run("reach asked.yaml --json --toward 1,0,0").results
     assert values["directions"] == 1
+
+
+def test_a_design_that_is_interrupted_says_how_many_robots_are_kept(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("tasks.yaml").write_text(NARROW.split("start")[0] + "tasks: {up: {target: {position: [-0.6, 0.2, 1.7]}}}\n")
+    with monkeypatch.context() as patch:
+        interrupt(patch, RobotCandidates, "joined")  # after the first generation
+        vary = "design tasks.yaml --vary segments.length=0.5:1.2 --minimise length --robots 400"
+        assert run(vary, 130).err.splitlines()[-1] == "sinuous: interrupted; nothing is written"
+        told = run(f"{vary} --csv robots.csv", 130).err.splitlines()[-1]
+    said = re.fullmatch(
+        r"sinuous: interrupted; what was judged is kept \((\d+) robots\), the same command goes on", told
+    )
+    assert said is not None
+    assert int(said[1]) > 0

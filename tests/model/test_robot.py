@@ -263,5 +263,5 @@ def test_limits_hold_to_the_same_share_in_every_unit(unit: float) -> None:
 
 
 def test_an_uncertainty_says_its_bound_and_its_level() -> None:
-    assert str(Uncertainty(2.5)) == "2.5 at 95 %"
-    assert str(Uncertainty([1.0, 2.0, 2.5], 0.9)) == "1, 2 and 2.5 at 90 %"
+    assert str(Uncertainty(2.5)) == "2.5, in the unit of the lengths, at 95 %"
+    assert str(Uncertainty([1.0, 2.0, 2.5], 0.9)) == "1, 2 and 2.5, in the unit of the lengths, at 90 %"

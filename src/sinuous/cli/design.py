@@ -11,6 +11,7 @@ from sinuous.cli.reading import interruptible, say, say_notes
 from sinuous.files.documents import parse
 from sinuous.studies.designing.find import design
 from sinuous.studies.designing.reading import read_design
+from sinuous.studies.runs.checkpoint import Checkpoint
 
 
 def design_file(asked: Design) -> int:
@@ -27,8 +28,7 @@ def design_file(asked: Design) -> int:
     own = None if asked.out is None else asked.out.with_name(asked.out.name + ".csv")
     kept = asked.csv or own
     run: dict[str, Any] = {"robots": asked.robots, "budget": asked.budget, "workers": asked.workers}
-    keeps = "nothing is written" if kept is None else "what was judged is kept, the same command goes on"
-    with interruptible(keeps), warnings.catch_warnings(), as_typed(*run, *solving.demands):
+    with interruptible(lambda: _kept(kept)), warnings.catch_warnings(), as_typed(*run, *solving.demands):
         warnings.simplefilter("ignore", SuspiciousInput)
         found = design(
             setting.robot,
@@ -51,6 +51,15 @@ def design_file(asked: Design) -> int:
         plot_design(found, asked.plot)
     say(asked.file, found, json=asked.json)
     return SOLVED if found.solved else UNSOLVED
+
+
+def _kept(out: Path | None) -> str:
+    """What is kept of a search that is interrupted."""
+    if out is None:
+        return "nothing is written"
+    done = Checkpoint(out, {}, "this design")
+    count = sum(int(done.read(number, "tried")["tried"].sum()) for number in done.done())
+    return f"what was judged is kept ({count:,} robots), the same command goes on"
 
 
 def read_field(text: str) -> tuple[str, Any]:

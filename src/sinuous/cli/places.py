@@ -56,7 +56,7 @@ def explore_file(asked: Explore) -> int:
     solving, run = asked.solving, {"rounds": asked.rounds, "spacing": asked.spacing, **asked.crew.arguments()}
     solving.arguments()
     with (
-        interruptible(f"rounds that were done are in {asked.memory}, the same command goes on"),
+        interruptible(lambda: _kept_shapes(asked.memory)),
         setting_of(asked.file) as setting,
         remembered(asked.memory, {asked.file: setting.robot}) as kept,
         as_typed("time", *run, *solving.demands),
@@ -100,6 +100,14 @@ def _kept_rows(out: Path, chunk: int) -> str:
     """What is kept of a batch that is interrupted."""
     count = len(Checkpoint(out, {}, "this batch").done())
     return f"{count} chunks of up to {chunk:,} rows are kept, the same command goes on"
+
+
+def _kept_shapes(file: Path) -> str:
+    """What is kept of an exploration that is interrupted."""
+    if not file.exists():
+        return "nothing is written"
+    memory = Memory.load(file)
+    return f"{len(memory):,} shapes and {len(memory.edges):,} motions are in {file}, the same command goes on"
 
 
 def _kept(out: Path | None) -> str:

@@ -87,7 +87,7 @@ class Uncertainty(Frozen):
 
     def __str__(self) -> str:
         bounds = self.bound if isinstance(self.bound, tuple) else (self.bound,)
-        return f"{listed(map(number, bounds))} {self.confidence}"
+        return f"{listed(map(number, bounds))}, in the unit of the lengths, {self.confidence}"
 
 
 if TYPE_CHECKING:

@@ -135,7 +135,9 @@ def test_a_file_says_what_a_map_asks_and_options_replace_it(run: Run) -> None:
 
 
 def test_a_design_that_is_interrupted_says_how_many_robots_are_kept(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("tasks.yaml").write_text(NARROW.split("start")[0] + "tasks: {up: {target: {position: [-0.6, 0.2, 1.7]}}}\n")
+    Path("tasks.yaml").write_text(
+        NARROW.partition("start")[0] + "tasks: {up: {target: {position: [-0.6, 0.2, 1.7]}}}\n"
+    )
     with monkeypatch.context() as patch:
         interrupt(patch, RobotCandidates, "joined")  # after the first generation
         vary = "design tasks.yaml --vary segments.length=0.5:1.2 --minimise length --robots 400"

@@ -297,7 +297,8 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
 
 def column_names(robot: Robot) -> list[str]:
     """Names of the numbers in tables: joints, `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, all actuators."""
-    return [*robot.joint_names, *coordinate_names(robot.segment_names), *(actuator.name for actuator in robot.actuators)]
+    own = robot.joint_names, coordinate_names(robot.segment_names), [actuator.name for actuator in robot.actuators]
+    return [name for names in own for name in names]
 
 
 def chosen_columns(robot: Robot, q: Floats, chosen: Sequence[str] | None) -> tuple[list[str], list[list[float]]]:

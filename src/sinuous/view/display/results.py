@@ -40,7 +40,7 @@ def caption_of(answers: Sequence[Solution | Motion]) -> str:
     if isinstance(answer, Solution) or not answer.solutions:
         return f"{status_in_words(answer.status)}{clear}, {duration(answer.seconds)}"
     begun = "" if answer.solved else f"{status_in_words(answer.status)}: "
-    return f"{begun}{reached_in_words(answer)}{clear}"
+    return f"{begun}{left_in_words(answer) or reached_in_words(answer)}{clear}"
 
 
 def confidence_of(answer: Solution | Motion) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import sinuous as sn
-from sinuous.motion.tables import columns
+from sinuous.answer.solutions import column_names
 from tests.helpers import refused
 
 ROBOT = sn.Robot(
@@ -29,12 +29,12 @@ def test_it_holds_every_number_to_the_last_digit(track: sn.Motion, tmp_path: Pat
     track.to_csv(tmp_path / "motors.csv")
     with (tmp_path / "motors.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["time", *columns(ROBOT)]
+    assert list(rows[0]) == ["time", *column_names(ROBOT)]
     assert [row["time"] for row in rows] == ["0.0", "1.0", "2.0"]
     for row, solution in zip(rows, track.solutions[:3], strict=True):
         assert solution.actuators is not None
         assert {name: float(row[name]) for name in solution.actuators} == pytest.approx(solution.actuators, abs=1e-15)
-        assert [float(row[name]) for name in columns(ROBOT)[:9]] == solution.q.ravel().tolist()
+        assert [float(row[name]) for name in column_names(ROBOT)[:9]] == solution.q.ravel().tolist()
 
 
 def test_a_motion_without_knots_is_a_table_without_rows(tmp_path: Path) -> None:

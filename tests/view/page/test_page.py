@@ -421,7 +421,7 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     np.testing.assert_allclose(page.model.shown, GOAL.goal)
     fresh.locator(".badge", has_text="proved clear here").wait_for()
     limits = sn.Rates(0.4, 0.4, acceleration=sn.Rates(0.4, 0.4))
-    for name in ("bend rate, rad/s", "length rate, per s", "bend acceleration, rad/s²", "length acceleration, per s²"):
+    for name in ("bend rate, rad/s", "length rate, per s", "bend accel., rad/s²", "length accel., per s²"):
         before = page.model.job
         inputs(fresh, name).fill("0.4")  # of two that come within 50 ms, viser sends the latter alone
         until(partial(changed, page, before), name)

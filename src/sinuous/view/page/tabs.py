@@ -167,7 +167,7 @@ def _rate_fields(session: Session, fields: Fields) -> None:
     fields.vector([f"{kind} rate, {unit}s" for kind, unit in kinds.items()], rates, partial(put, 0), hint)
     hint = "How fast this speed may change; 0: no limit."
     gains = lambda: least_rates(model.job.rates.acceleration)[: len(kinds)]  # noqa: E731
-    names = [f"{kind} acceleration, {unit}s²" for kind, unit in kinds.items()]
+    names = [f"{kind} accel., {unit}s²" for kind, unit in kinds.items()]
     fields.vector(names, gains, partial(put, 1), hint)
     blend = partial(setattr, session, "blend")
     hint = "How far any place of the body may leave the way to round a corner; 0: the robot stops in each."
@@ -239,10 +239,10 @@ def _of_segments(session: Session, seen: Sequence[int]) -> Iterator[Slider]:
         if isinstance(line, BendLine):
             if line.low < line.high:
                 put = partial(_bend_along, session, k, line)
-                yield f"{name} bend", (line.low, line.high), partial(_bend_in_plane, session, k, line), put
+                yield f"{name} bend, rad", (line.low, line.high), partial(_bend_in_plane, session, k, line), put
             bends: list[tuple[int, str, tuple[float, float]]] = []
         else:
-            bends = [(c, what, (-line, line)) for c, what in enumerate(("bend_x", "bend_y"))]
+            bends = [(c, what, (-line, line)) for c, what in enumerate(("bend_x, rad", "bend_y, rad"))]
         for c, what, ends in [*bends, (2, "length", segment.length)]:
             get = partial(lambda k, c: session.model.shown[k, c], k, c)
             yield f"{name} {what}", ends, get, partial(_bend, session, k, c)
@@ -255,7 +255,7 @@ def _of_joint(session: Session, k: int, row: RigidRow) -> Iterator[Slider]:
         column, shift = int(robot._rigid.columns[i]), float(robot._rigid.shifts[i])
         get = partial(lambda i: robot.split(session.model.shown)[0][i], i)
         yield (
-            f"joint {robot.joint_names[i]}",
+            f"joint {robot.joint_names[i]}{'' if column else ', rad'}",
             robot._rigid.moving[i].limits,
             get,
             lambda value: _bend(session, k, column, value + shift),

@@ -256,12 +256,15 @@ class LimitSet:
                         yield sign * slopes[i], float(sign * slopes[i] @ q.ravel() + end - sign * values[i])
 
     def _keeps_segments(self, q: Floats) -> bool:
-        """Whether a configuration (n, 3) is well within the limits of all segments, none of which bends in a plane."""
-        if self._planar:
-            return False
+        """Whether a configuration (n, 3) is within the limits of all segments, and exactly in the planes of some."""
+        for k, line in self._planar:
+            x, y = q[k, 0] - line.rest[0], q[k, 1] - line.rest[1]
+            z = x * line.plane[0] + y * line.plane[1]
+            if not (line.low <= z <= line.high and x == z * line.plane[0] and y == z * line.plane[1]):
+                return False
         for (x, y, length), (low, high, most, curvature) in zip(q.tolist(), self._rows, strict=True):
             bend = math.hypot(x, y)
-            if not (low <= length <= high and bend <= most and (bend == 0.0 or bend <= curvature * length)):
+            if not (low <= length <= high and bend <= most) or bend > curvature * length:  # NaN: no limit
                 return False
         return True
 

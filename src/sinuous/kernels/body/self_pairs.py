@@ -150,10 +150,10 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             if meets_itself(shape, i):
                 return i, i, low
             continue
+        if may_touch(limits, i, j):
+            continue
         needed = limits[i, SELF_RADIUS] + limits[j, SELF_RADIUS]
         if needed == 0.0 or spans[j + 1, TURNED] - spans[i, TURNED] < enough_between(shape, i, j):
-            continue
-        if may_touch(limits, i, j):
             continue
         sure = norm(sub(middle_of(shape, i), middle_of(shape, j))) - 0.5 * (q[i, 2] + q[j, 2]) - needed
         if sure < level:

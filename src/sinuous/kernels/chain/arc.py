@@ -64,8 +64,6 @@ def _pose(ux: float, uy: float, length: float, x: float, S: float, G: float) -> 
 def point(ux: float, uy: float, length: float) -> Vec:
     """Position of the end of an arc in the frame of its beginning."""
     x = ux * ux + uy * uy
-    if x == 0.0:
-        return 0.0, 0.0, length
     if x < SERIES_END:
         G = length * _series(x, SERIES_G)
         return G * ux, G * uy, length * (1.0 - x * _series(x, SERIES_H))

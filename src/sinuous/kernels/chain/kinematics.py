@@ -95,6 +95,8 @@ def forward(limits: Array, q: Array, frames: Array) -> None:
 def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
     """Position of the backbone at the fraction `s` of segment `k`."""
     rotation, position = frame(frames, k)
+    if q[k, 0] == 0.0 and q[k, 1] == 0.0:  # as every link is
+        return add(position, mat_vec(rotation, (0.0, 0.0, s * q[k, 2])))
     return add(position, mat_vec(rotation, point(s * q[k, 0], s * q[k, 1], s * q[k, 2])))
 
 

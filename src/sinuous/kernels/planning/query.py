@@ -22,6 +22,7 @@ from sinuous.kernels.planning.shortcuts import (
 from sinuous.kernels.planning.space import Space, measure_levers
 from sinuous.kernels.planning.trees import GONE, GrowthTerms, Trees, cut, grow, path_through, plant, prove_trees
 from sinuous.kernels.problem import Robot, read_robot
+from sinuous.kernels.tables import RIGID
 
 EDGE_LENGTH, NODE_SPACING, LEAST_EDGE, FINEST_GUESS, SETBACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
 """Of the trees, in robot lengths; see `GrowthTerms`."""
@@ -33,8 +34,9 @@ robot lengths, below which the proof of an edge of the path gives up."""
 FINEST_UNKNOWN = 1e-4
 """The same length for a proof that an edge is clear which is not known to be."""
 
-UNPROVED_DRAWS = 8
-"""Draws of trees in which edges are only examined, unless a path that was found turns out not to be clear."""
+UNPROVED_DRAWS, UNPROVED_DRAWS_OF_JOINTS = 8, 32
+"""Draws of trees in which edges are only examined, unless a path that was found turns out not to be clear; and of an
+arm with joints, whose trees are seldom there in fewer."""
 
 FOR_PROOF = 0.1
 """Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
@@ -101,6 +103,7 @@ def _grow_path(space: Space, trees: Trees, path: Path, asked: PlanRequest, exact
     """Let trees grow until there is a path between them that is clear; return how many knots it has, or 0."""
     _, unit, _, seed, at, last, _ = asked
     deadline, unproved = space.sweep.clock[DEADLINE], at == 0
+    examined = UNPROVED_DRAWS if space.robot.limits[0, RIGID] == 0.0 else UNPROVED_DRAWS_OF_JOINTS
     while at < last:
         terms = GrowthTerms(
             EDGE_LENGTH * unit,
@@ -111,7 +114,7 @@ def _grow_path(space: Space, trees: Trees, path: Path, asked: PlanRequest, exact
             seed,
             not unproved,
         )
-        one, other, at = grow(space, trees, terms, at, min(last, UNPROVED_DRAWS) if unproved else last)
+        one, other, at = grow(space, trees, terms, at, min(last, examined) if unproved else last)
         if one >= 0:
             count = path_through(trees, one, other, path.q)
             if count == 0:

@@ -21,6 +21,7 @@ from sinuous.kernels.tables import (
     MIN_LENGTH,
     PLANE,
     REST,
+    RIGID,
 )
 
 
@@ -146,7 +147,8 @@ def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: 
     count = 0
     for k in range(q.shape[0]):
         if bends_in_plane(limits, k):
-            count += _bind_in_plane(limits, q, k, step, root, mean, bound)
+            if limits[k, RIGID] == 0.0 or _leaves(limits, q, k, step):
+                count += _bind_in_plane(limits, q, k, step, root, mean, bound)
             continue
         aim = (q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2])
         length = min(max(aim[2], limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
@@ -160,6 +162,12 @@ def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: 
             _bind_one(limits, q, k, aim, root, mean, now)
             count += 1
     return count
+
+
+def _leaves(limits: Array, q: Array, k: int, step: Array) -> bool:
+    """Whether a step leaves the limits of a joint that turns, or nearly."""
+    z = q[k, 0] + step[k, 0]
+    return not limits[k, LOW_BEND] <= z <= limits[k, HIGH_BEND]
 
 
 @apart

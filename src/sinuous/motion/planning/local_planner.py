@@ -6,6 +6,7 @@ obstacle, for a proof or for a tree to leave it, is solved again with a thicker 
 
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -154,6 +155,10 @@ def roots_of(start: Chain, goals: list[Chain]) -> Floats:
 
 @lru_cache(maxsize=KEPT)
 def with_radii(robot: Robot, share: float) -> Robot:
-    """Return a robot whose segments have a share of their radii, less or more than all of it."""
+    """Return a robot whose segments and links have a share of their radii, less or more than all of it."""
     changed = {segment: segment.changed(radius=share * segment.radius) for segment in dict.fromkeys(robot.segments)}
-    return robot.changed(segments=[changed[segment] for segment in robot.segments])
+    given: dict[str, Any] = {"segments": [changed[segment] for segment in robot.segments]}
+    if robot.joints:
+        bodies = [[each._replace(radius=share * each.radius) for each in joint.body] for joint in robot.joints]
+        given["joints"] = [joint.changed(body=body) for joint, body in zip(robot.joints, bodies, strict=True)]
+    return robot.changed(**given)

@@ -92,8 +92,9 @@ CAPSULES = (
     (((0.0, 0.0, -0.07), (0.0, 0.0, 0.01), 0.05),),
     (((0.0, 0.0, -0.06), (0.0, 0.0, 0.08), 0.04), ((0.0389, 0.0389, 0.082), (0.046, 0.046, 0.082), 0.03)),
 )
-"""Of every link, in the frame after its joint: from, to and radius (m) of the capsules that its maker gives for it. What
-stands out from the flange does so half-way between its x and y axes."""
+"""Of every link, in the frame after its joint: from, to and radius (m) of the capsules that its maker gives for it.
+
+What stands out from the flange does so half-way between its x and y axes."""
 
 
 NEVER = 2, "j1"

@@ -128,11 +128,13 @@ longer to walk than to ask everyone."""
     HIERARCHY_ROUNDOFF,
     HIERARCHY_SPACING,
     HIERARCHY_CHANGES,
+    HIERARCHY_CELLS,
     HIERARCHY_HEADER,
-) = range(9)
+) = range(10)
 """First places of the store of many obstacles: their number; levels of the tree; how many boxes are in its leaves, one
 each at most; how many obstacles are beside it; work units of a query; the largest `ROUNDOFF` and the largest spacing of
-samples of all; and how many obstacles were changed since it was made.
+samples of all; how many obstacles were changed since it was made; and where cells begin that list who is near (0: there
+are none), see `kernels.fields.scene_cells`: last in the store, because they are left out where an obstacle changes.
 
 After this header follow the numbers of the obstacles that are beside the tree, because they have no end or move; the
 number of the obstacle of each box, which may have several; and the nodes."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
+from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 
 BOX_NUMBERS = 16
@@ -168,6 +169,45 @@ NONE = -1.0
 """The number of obstacles in the header of a scene whose hierarchy would not be worth while."""
 
 
+NEAR, FAR = 1.5, 4.0
+"""Distance up to which cells list all obstacles, and from which on they list none, in radii of the body."""
+
+MOST_CELLS, MOST_NUMBERS = 1 << 17, 1 << 21
+"""How many cells there are at most, and of how many numbers they and their lists are."""
+
+
+def with_cells(rows: Floats, store: Floats, box: Floats, radius: float) -> Floats:
+    """Return the store of a scene that has a hierarchy, with cells that list who is near, in a box (2, 3).
+
+    `radius` is that of the body, with which distances are compared.
+    """
+    from sinuous.kernels.fields.scene_cells import PENDING, list_near  # noqa: PLC0415
+
+    header = store[: t.HIERARCHY_HEADER]
+    own = store[: int(header[t.HIERARCHY_CELLS]) or len(store)]
+    first, count = t.HIERARCHY_HEADER + int(header[t.HIERARCHY_BESIDE]), int(header[t.HIERARCHY_BOXES])
+    owners = np.unique(own[first : first + count].astype(np.int64))
+    cell = np.append(box.mean(axis=0), 0.5 * (box[1] - box[0]).max())
+    reaches, pending, memory = np.array([NEAR, FAR]) * radius, np.empty((MOST_CELLS, PENDING)), np.empty(MOST_NUMBERS)
+    used = list_near(rows, own, owners, cell, reaches, pending, memory)
+    made = np.concatenate([own, memory[:used]])
+    made[t.HIERARCHY_CELLS] = len(own)
+    return made
+
+
+def bounds(store: Floats) -> Floats:
+    """Low and high corner (2, 3) of the tree of a scene that has a hierarchy: of all in it."""
+    root = t.HIERARCHY_HEADER + int(store[t.HIERARCHY_BESIDE] + store[t.HIERARCHY_BOXES]) + t.NODE_SIZE
+    return store[root : root + t.NODE_SIZE].reshape(2, 3)
+
+
+def without_cells(group: Floats) -> Floats:
+    """Return what kernels read of a scene without its cells, if it has any: they are the last in it; not a copy."""
+    rows, store = packing.scene_parts(group)
+    cells = int(store[t.HIERARCHY_CELLS]) if len(rows) >= t.MANY_OBSTACLES else 0
+    return group[: len(group) - len(store) + cells] if cells else group
+
+
 def is_worn(store: Floats, obstacles: int) -> bool:
     """Whether so many obstacles were changed that a new hierarchy is worth while."""
     return bool(store[t.HIERARCHY_CHANGES] >= max(t.MANY_OBSTACLES, obstacles // 8))
@@ -179,6 +219,7 @@ def refit(rows: Floats, store: Floats, index: int, box: Floats) -> bool:
     Returns whether that goes: not where it was in the tree and has no box now, or the other way round.
     """
     header = store[: t.HIERARCHY_HEADER]
+    header[t.HIERARCHY_CELLS] = 0.0
     if header[t.HIERARCHY_OBSTACLES] == NONE:
         return bool(rows[index, t.KIND] == t.SPHERE)
     first, count = t.HIERARCHY_HEADER + int(header[t.HIERARCHY_BESIDE]), int(header[t.HIERARCHY_BOXES])

@@ -18,7 +18,7 @@ from sinuous.base.progress import LATE, estimated
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.scene.grids import Field, evaluate
-from sinuous.scene.hierarchy import hierarchy, is_worn, refit
+from sinuous.scene.hierarchy import bounds, hierarchy, is_worn, refit, with_cells, without_cells
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive, rows_of
@@ -128,18 +128,19 @@ class Snapshot(Surroundings, Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_fields", "_group", "_kept_sizes", "_lock", "_moves", "_obstacles", "_parts")
+    __slots__ = ("_fields", "_group", "_kept_sizes", "_listed", "_lock", "_moves", "_obstacles", "_parts")
 
     _fields: dict[int, Field] | None
     _kept_sizes: tuple[dict[int, float], float] | None
     _group: Floats | None
     _lock: threading.Lock
     _moves: bool | None
+    _listed: Floats | None
     _obstacles: tuple[Obstacle, ...]
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        kept: dict[str, Any] = {"_group": None, "_fields": None, "_moves": None, "_kept_sizes": None}
+        kept: dict[str, Any] = {"_group": None, "_fields": None, "_moves": None, "_kept_sizes": None, "_listed": None}
         self._set(_obstacles=obstacles, _parts=parts, _lock=threading.Lock(), **kept)
 
     def snapshot(self) -> "Snapshot":
@@ -166,6 +167,25 @@ class Snapshot(Surroundings, Frozen):
             if self._group is None and not self.moves:
                 self._set(_group=group_of(parts))
         return parts
+
+    def list_near(self, place: Floats, reach: float, radius: float) -> None:
+        """Note who is near, in cells about a place (3,): what kernels find is the same, and found several times sooner.
+
+        Made once a snapshot, of a large scene, when a solve turns out to be hard: it takes as long as some hundred
+        scattered starts of a robot with this reach and radius. For another robot elsewhere it is made anew, of all.
+        """
+        rows, store = packing.scene_parts(self._kernel_group)
+        if len(rows) < t.MANY_OBSTACLES or store[t.HIERARCHY_OBSTACLES] != len(rows):
+            return
+        all_of_it = bounds(store)
+        box = np.clip(place + np.array([[-reach], [reach]]), *all_of_it)
+        with self._lock:
+            known = self._listed
+            if known is not None and (known[0] <= box[0]).all() and (known[1] >= box[1]).all():
+                return
+            box = box if known is None else all_of_it
+            made = np.concatenate([[float(len(rows))], rows.ravel(), with_cells(rows, store, box, radius)])
+            self._set(_group=made, _listed=box)
 
     def group_beside(self, beside: Collection[int]) -> Floats:
         """What the kernels read, an array of its own, where the rows of some obstacles may be written."""
@@ -286,7 +306,7 @@ class Snapshot(Surroundings, Frozen):
             or is_worn(packing.scene_parts(self._group)[1], len(self))
         ):
             return None
-        group = packing.with_row(self._group, index, (before.row, before.store), (now.row, now.store))
+        group = packing.with_row(without_cells(self._group), index, (before.row, before.store), (now.row, now.store))
         return group if group is not None and refit(*packing.scene_parts(group), index, now.box) else None
 
     def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
@@ -426,7 +446,7 @@ class Mover:
     def _begin(self, snapshot: Snapshot) -> None:
         snapshot.prepare()
         self._latest = snapshot
-        self._arrays: list[Floats] = [np.array(snapshot._kernel_group) for _ in range(2)]
+        self._arrays: list[Floats] = [np.array(without_cells(snapshot._kernel_group)) for _ in range(2)]
 
     def goes_on(self, snapshot: Snapshot, index: int) -> bool:
         """Whether this is the latest snapshot and the obstacle that moves."""

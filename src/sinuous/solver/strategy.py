@@ -280,6 +280,7 @@ def attempts_of(
     attempts = AttemptQueue(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
     query = None if searches is None else searches.query(question.problem)
     if searches is not None and query is not None:
+        searches.list_near(question.problem)
         joints = len(question.problem.robot.joints) > 0
         routes = None if joints else RouteAttempts(attempts, searches, question, query, passages)
         if leading_rows(segments_in(searches.groups(question.problem)[0])):

@@ -15,7 +15,7 @@ from sinuous.kernels.growing import guide
 from sinuous.kernels.roadmap import sight
 from sinuous.scene.hierarchy import is_worn
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.snapshot import Mover
+from sinuous.scene.snapshot import Mover, Snapshot
 from tests.helpers import Floats, kernel_scene, vec
 from tests.scene import shapes
 
@@ -63,9 +63,13 @@ def many(rng: np.random.Generator) -> list[Obstacle]:
     ]
 
 
-def both(scene: sn.Scene) -> tuple[distances.Scene, distances.Scene]:
-    """A scene as kernels take it, and the same without its hierarchy."""
-    own, plain = kernel_scene(scene), kernel_scene(scene)
+def both(scene: sn.Scene, cells: bool = False) -> tuple[distances.Scene, distances.Scene]:
+    """A scene as kernels take it, perhaps with cells that list who is near, and the same without its hierarchy."""
+    plain = kernel_scene(scene)
+    if cells:
+        scene.snapshot().list_near(np.full(3, 0.4 * SIDE), 0.4 * SIDE, 0.3)
+    own = kernel_scene(scene)
+    assert (own.store[t.HIERARCHY_CELLS] > 0.0) == cells
     plain.store[t.HIERARCHY_OBSTACLES] = -1.0
     assert distances.is_large(own)
     assert not distances.is_large(plain)
@@ -76,10 +80,11 @@ def places(count: int, rng: np.random.Generator) -> Floats:
     return rng.uniform(-1.0, SIDE + 1.0, (count, 3))
 
 
-def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close() -> None:
+@pytest.mark.parametrize("cells", [False, True])
+def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close(cells: bool) -> None:
     rng = np.random.default_rng(0)
     for obstacles in (some(80, rng), many(rng)):
-        own, plain = both(sn.Scene(obstacles))
+        own, plain = both(sn.Scene(obstacles), cells)
         for p in map(vec, places(15, rng)):
             for mode in (INTERPOLATED, LOWER_BOUND, EXACT, UPPER_BOUND):
                 for reach in (0.3, 1.0, math.inf):
@@ -90,9 +95,10 @@ def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close() -> None:
                         assert found[0] >= reach
 
 
-def test_upper_bounds_and_what_holds_for_all_are_the_same() -> None:
+@pytest.mark.parametrize("cells", [False, True])
+def test_upper_bounds_and_what_holds_for_all_are_the_same(cells: bool) -> None:
     rng = np.random.default_rng(1)
-    own, plain = both(sn.Scene(many(rng)))
+    own, plain = both(sn.Scene(many(rng)), cells)
     assert distances.coarseness(own) == distances.coarseness(plain) > 0.0
     assert distances.most_roundoff(own) == distances.most_roundoff(plain)
     for p in map(vec, places(40, rng)):
@@ -112,25 +118,29 @@ def test_one_obstacle_may_be_skipped() -> None:
         assert which != nearest
 
 
-def test_those_near_are_listed_in_their_order_and_once() -> None:
+@pytest.mark.parametrize("cells", [False, True])
+def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
     rng = np.random.default_rng(3)
-    own, plain = both(sn.Scene(many(rng)))
+    own, plain = both(sn.Scene(many(rng)), cells)
     listed, expected = np.full((2, own.table.shape[0]), -1, np.int64)
     for p in map(vec, places(40, rng)):
         for reach in (0.2, 1.0, 4.0):
             count, rest = pieces.near(own, p, reach, listed)
             wanted, _ = pieces.near(plain, p, reach, expected)
-            # One after the other, meshes are listed, too, that rounding puts before the reach.
+            # Meshes may be listed, too, that rounding puts before the reach.
             sure = [i for i in expected[:wanted] if distances.evaluate(plain, i, p, math.inf, LOWER_BOUND)[0] < reach]
-            assert listed[:count].tolist() == sure
+            among = listed[:count].tolist()
+            assert among == [i for i in expected[:wanted] if i in among]
+            assert set(sure) <= set(among)
             assert rest >= reach
             few, _ = pieces.few_near(own, p, reach, listed)
             assert few == (count if count <= pieces.FEW else pieces.MANY)
 
 
-def test_a_place_is_as_far_from_those_listed_as_from_all() -> None:
+@pytest.mark.parametrize("cells", [False, True])
+def test_a_place_is_as_far_from_those_listed_as_from_all(cells: bool) -> None:
     rng = np.random.default_rng(4)
-    own, plain = both(sn.Scene(some(80, rng)))
+    own, plain = both(sn.Scene(some(80, rng)), cells)
     everyone = np.arange(own.table.shape[0])
     for p in map(vec, places(20, rng)):
         for mode in (INTERPOLATED, LOWER_BOUND, EXACT):
@@ -204,6 +214,27 @@ def test_a_scene_of_which_a_part_changed_is_the_scene_made_anew() -> None:
         scene.update(SIDE * rng.random((count, 3)), 0.1, name=cloud.name)
         again = sn.Scene(scene.obstacles).distance(points)
         np.testing.assert_allclose(scene.distance(points), again, rtol=0.0, atol=1e-14)
+
+
+def test_cells_cover_what_is_asked_for_and_go_where_an_obstacle_changes() -> None:
+    rng = np.random.default_rng(9)
+    snapshot, points = sn.Scene(some(80, rng)).snapshot(), places(300, rng)
+    expected, place = snapshot.distance(points), np.full(3, 2.0)
+
+    def cells_of(own: Snapshot) -> float:
+        return float(packing.scene_parts(own._kernel_group)[1][t.HIERARCHY_CELLS])
+
+    for around, reach in ((place, 1.0), (place, 0.5), (place + 1.5, 1.0), (place + 9.0, 1.0)):
+        before = snapshot._kernel_group
+        snapshot.list_near(around, reach, 0.2)
+        assert (snapshot._kernel_group is before) == (reach == 0.5 or around[0] > 9.0)
+        assert cells_of(snapshot) > 0.0
+        np.testing.assert_array_equal(snapshot.distance(points), expected)
+    moved = Mover(snapshot, 3).moved(some(10, rng)[3])
+    changed = snapshot.replaced(2, some(10, rng)[2])
+    assert cells_of(moved) == cells_of(changed) == 0.0
+    assert moved._kernel_group.size == changed._kernel_group.size < snapshot._kernel_group.size
+    np.testing.assert_array_equal(changed.distance(points), sn.Scene(changed.obstacles).distance(points))
 
 
 def test_a_dragged_obstacle_is_found_where_it_is() -> None:

@@ -5,11 +5,20 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import inline, shared
 from sinuous.kernels.fields.distances import Scene, evaluate, is_large, search, work_of, work_of_all
-from sinuous.kernels.fields.hierarchy import LEAST_SQUARE, item_of, tree_over
+from sinuous.kernels.fields.hierarchy import (
+    ENTRY_SIZE,
+    LEAST_SQUARE,
+    LIST_BEYOND,
+    LIST_COUNT,
+    LIST_SIZE,
+    cell_of,
+    item_of,
+    tree_over,
+)
 from sinuous.kernels.fields.solids import INTERPOLATED, LOWER_BOUND
 from sinuous.kernels.fields.trees import next_leaf
 from sinuous.kernels.maths.vectors import Array, Vec
-from sinuous.kernels.tables import HIERARCHY_HEADER, KIND, RIGID, ROUNDOFF, TREE
+from sinuous.kernels.tables import HIERARCHY_HEADER, HIERARCHY_ROUNDOFF, HIERARCHY_SPACING, KIND, RIGID, ROUNDOFF, TREE
 
 MANY = -1
 """A number of obstacles: too many to be listed, or asked one after the other. The hierarchy is asked again."""
@@ -17,6 +26,10 @@ MANY = -1
 FEW, MOST_SORTED = 12, 256
 """Most obstacles of a large scene that are listed where the hierarchy may be asked again, and where it may not: of more
 than these everyone is asked."""
+
+SURELY, SAMPLED = 1e-6, 8.0
+"""What an obstacle that a cell lists may be farther than it says, as a share of the reach, and in what arithmetic and
+samples may be wrong by."""
 
 BEYOND = 1.0 + 1e-6
 """By how much farther a large scene is searched than matters: what is found to be beyond is so without rounding."""
@@ -62,6 +75,21 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     return count, rest
 
 
+def _surely_more(store: Array, cell: int, off: float, reach: float, most: int) -> bool:
+    """Whether more than `most` of those that a cell lists are closer than `reach` to a point, `off` from its middle."""
+    wrong = SURELY * reach + SAMPLED * (store[HIERARCHY_ROUNDOFF] + store[HIERARCHY_SPACING])
+    listed = store[cell + LIST_COUNT] > most
+    return bool(listed and store[cell + LIST_SIZE + ENTRY_SIZE * most + 1] + off + wrong < reach)
+
+
+def _place_for(among: Array, count: int, i: int) -> int:
+    """Place of a number among others in their order; -1: it is one of them."""
+    e = count
+    while e > 0 and among[e - 1] > i:
+        e -= 1
+    return -1 if e > 0 and among[e - 1] == i else e
+
+
 @shared
 def _list_near(scene: Scene, p: Vec, reach: float, among: Array, most: int) -> int:
     """The same in a large scene; MANY where they are more than `most`."""
@@ -69,10 +97,22 @@ def _list_near(scene: Scene, p: Vec, reach: float, among: Array, most: int) -> i
     count, beside, besides = 0, 0, tree.items - HIERARCHY_HEADER
     square = max(reach * reach, LEAST_SQUARE) if reach > 0.0 else LEAST_SQUARE
     node, due = 0, 1
+    cell, off = cell_of(store, p)
+    if cell > 0 and reach > store[cell + LIST_BEYOND] - off:
+        if _surely_more(store, cell, off, reach, most):
+            return MANY
+        cell = 0
+    entry = cell + LIST_SIZE
+    end = entry + ENTRY_SIZE * int(store[cell + LIST_COUNT]) if cell > 0 else 0
     while True:
         if beside < besides:
             at = HIERARCHY_HEADER + beside
             beside += 1
+        elif cell > 0:
+            if entry == end or store[entry + 1] - off >= reach:
+                return count
+            at = entry
+            entry += ENTRY_SIZE
         else:
             node, due = next_leaf(store, tree, node, due, p, square)
             if node == 0:
@@ -81,13 +121,9 @@ def _list_near(scene: Scene, p: Vec, reach: float, among: Array, most: int) -> i
             if at < 0:
                 continue
         i = int(store[at])
-        e = count
-        while e > 0 and among[e - 1] > i:
-            e -= 1
-        if e > 0 and among[e - 1] == i:
-            continue
+        e = _place_for(among, count, i)
         roundoff, mode = scene.table[i, ROUNDOFF], LOWER_BOUND if scene.table[i, KIND] >= TREE else INTERPOLATED
-        if evaluate(scene, i, p, reach + roundoff, mode)[0] - roundoff >= reach:
+        if e < 0 or evaluate(scene, i, p, reach + roundoff, mode)[0] - roundoff >= reach:
             continue
         if count == most:
             return MANY

@@ -77,6 +77,7 @@ PIECES = (
         (
             "kernels.fitting.lines.measure_line",
             "kernels.fitting.lines.respace_line",
+            "kernels.fields.scene_cells.list_near",
             "kernels.fitting.lines.distances_along",
             "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",

@@ -11,7 +11,16 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.clock import TREE_WORK
 from sinuous.kernels.compile import apart, entry, inline, shared
 from sinuous.kernels.fields import primitives, solids
-from sinuous.kernels.fields.hierarchy import LEAST_SQUARE, item_of, tree_over
+from sinuous.kernels.fields.hierarchy import (
+    ENTRY_SIZE,
+    LEAST_SQUARE,
+    LIST_BEYOND,
+    LIST_COUNT,
+    LIST_SIZE,
+    cell_of,
+    item_of,
+    tree_over,
+)
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, UPPER_BOUND
 from sinuous.kernels.fields.trees import lift, next_leaf
@@ -179,10 +188,21 @@ def search(scene: Scene, p: Vec, reach: float, mode: int, side: float, skipped: 
     store, tree = scene.store, tree_over(scene.store)
     least, most, which, beside, besides = reach, math.inf, -1, 0, tree.items - t.HIERARCHY_HEADER
     node, due = 0, 1
+    cell, off = cell_of(store, p)
+    entry = cell + LIST_SIZE
+    end = entry + ENTRY_SIZE * int(store[cell + LIST_COUNT]) if cell > 0 else 0
     while True:
         if beside < besides:
             at = t.HIERARCHY_HEADER + beside
             beside += 1
+        elif cell > 0:
+            if entry == end or store[entry + 1] - off >= least:
+                if least <= store[cell + LIST_BEYOND] - off:
+                    return least, most, which
+                cell = 0
+                continue
+            at = entry
+            entry += ENTRY_SIZE
         else:
             node, due = next_leaf_here(store, tree, node, due, p, max(lift(least), LEAST_SQUARE))
             if node == 0:

@@ -8,10 +8,18 @@ distance, is out of its boxes: so who is farther from all of them than from anot
 from sinuous.kernels import tables as t
 from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.trees import Tree
-from sinuous.kernels.maths.vectors import Array, Vec
+from sinuous.kernels.maths.vectors import Array, Vec, norm
 
 LEAST_SQUARE = 1e-300
 """Square of a distance that counts as none: who is in a box may be in the obstacle."""
+
+CELLS_MIDDLE, CELLS_HALF, CELLS_ROOT, CELLS_SIZE = 0, 3, 4, 5
+"""Numbers that the cells of a scene begin with: middle (3) and half edge of the largest, and its value. A value is the
+place in the store of the values of eight smaller cells, less the place of a list, or 0 where there is none."""
+
+LIST_COUNT, LIST_BEYOND, LIST_SIZE, ENTRY_SIZE = 0, 1, 2, 2
+"""Numbers that a list begins with, how many obstacles are in it and how far from the middle of its cell all others are
+at least; and numbers of an entry: the obstacle, and how far it is from there at least. The nearest come first."""
 
 
 def tree_over(store: Array) -> Tree:
@@ -19,6 +27,27 @@ def tree_over(store: Array) -> Tree:
     items = t.HIERARCHY_HEADER + int(store[t.HIERARCHY_BESIDE])
     count = int(store[t.HIERARCHY_BOXES])
     return Tree(items + count, int(store[t.HIERARCHY_LEVELS]), items, count, 0, 0.0)
+
+
+def cell_of(store: Array, p: Vec) -> tuple[int, float]:
+    """Where in the store the list of the cell of a point is (0: there is none), and how far `p` is from its middle."""
+    at = int(store[t.HIERARCHY_CELLS])
+    if at == 0:
+        return 0, 0.0
+    half, value = store[at + CELLS_HALF], store[at + CELLS_ROOT]
+    x, y, z = p[0] - store[at], p[1] - store[at + 1], p[2] - store[at + 2]
+    if not (abs(x) <= half and abs(y) <= half and abs(z) <= half):
+        return 0, 0.0
+    while value > 0.0:
+        half *= 0.5
+        octant = int(x > 0.0) + 2 * int(y > 0.0) + 4 * int(z > 0.0)
+        x, y, z = (
+            (x - half if x > 0.0 else x + half),
+            (y - half if y > 0.0 else y + half),
+            (z - half if z > 0.0 else z + half),
+        )
+        value = store[int(value) + octant]
+    return int(-value), norm((x, y, z))
 
 
 def item_of(tree: Tree, node: int) -> int:

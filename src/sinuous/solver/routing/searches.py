@@ -16,7 +16,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import MAX_LENGTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
+from sinuous.kernels.tables import MANY_OBSTACLES, MAX_LENGTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes import MOUTH
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
@@ -226,6 +226,10 @@ class Searches:
         plans = self.coarse, self.middle, self.fine, self.fine._replace(cells=many)
         return tuple(dict.fromkeys(plans))
 
+    def list_near(self, problem: Problem) -> None:
+        """Have it noted who is near, where there are very many obstacles: see `Snapshot.list_near`."""
+        problem.scene.list_near(self.robot.base[:3, 3], self._longest, self.radius)
+
     def query(self, problem: Problem) -> Floats | None:
         """Return what a route has to keep (27,); see `query_of`."""
         return query_of(self.groups(problem))
@@ -362,6 +366,8 @@ class Searches:
             problem_beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
             RouteCurves(self.robot, problem.scene).load()
+            row = tuple(Box((3.0 * i, 0.0, 0.0), (1.0, 1.0, 1.0)) for i in range(MANY_OBSTACLES))
+            Snapshot(row).list_near(np.zeros(3), 1.0, 1.0)
 
     def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""

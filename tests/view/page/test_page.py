@@ -209,6 +209,10 @@ def test_a_wrong_number_keeps_the_old_one_and_says_what_was_expected(page: Page,
     fresh.get_by_role("tab", name="Robot").click()
     inputs(fresh, "radius").fill("-1")
     fresh.get_by_text("radius: expected a number of at least 0").wait_for()
+    fresh.get_by_role("tab", name="Shape").click()
+    inputs(fresh, "").first.fill("5")  # beside a slider
+    fresh.get_by_text("s1 bend_x, rad: expected a number of at least -2, at most 2").wait_for()
+    assert not page.model.by_hand
     assert page.model.robot is ROBOT
 
 

@@ -141,8 +141,11 @@ class Scenery:
         self._missing.show(None if line is None else line[None])
         words = FIRST_WORDS if missed is None else f"{missed:.3g} away"
         told = frame is not None and (missed is not None or not self._session.dragged)
-        above = np.array([0.0, 0.0, 0.6 * GIZMO_SPANS * span])
-        self._said.show(frame[:3, 3] + above if told and frame is not None else None, span, words)
+        if told and frame is not None:  # above or below, wherever there is more room
+            side = 0.6 if frame[2, 3] < self.bounds.middle[2] else -0.8
+            self._said.show(frame[:3, 3] + (0.0, 0.0, side * GIZMO_SPANS * span), span, words)
+        else:
+            self._said.show(None, span)
 
     def _show_bodies(self) -> None:
         wanted = list(self._wanted_bodies())

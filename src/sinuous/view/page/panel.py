@@ -24,8 +24,8 @@ from sinuous.view.page.status import STYLE, block_html, notice_html, scale_html
 PLOT_PIXELS = 220
 """Height of a plot, in pixels."""
 
-FIELD_DIGITS = 7
-"""Digits of a number in a box."""
+FIELD_DIGITS, SLIDER_DIGITS = 7, 4
+"""Digits of a number in a box, and in one beside a slider."""
 
 TYPING_SECONDS = 1.5
 """Seconds after the last key in which a box is left to who types."""
@@ -33,6 +33,11 @@ TYPING_SECONDS = 1.5
 ROW_STYLE = """{0} {{ display: inline-block; width: {1:.2f}%; vertical-align: bottom; padding-right: 0; }}
 {0} > * {{ display: block; }} {0} > * > :first-child {{ width: auto !important; }}"""
 """Places boxes side by side, each below its label."""
+
+SLIDER_STYLE = """{0} {{ display: inline-block; width: 80%; padding-right: 0; }}
+{0} .mantine-NumberInput-root {{ display: none; }}
+{1} {{ display: inline-block; width: 20%; vertical-align: top; }} {1} > * > :first-child {{ display: none; }}"""
+"""Places the box beside a slider, in the place of the slider's own."""
 
 WRONG_STYLE = ":has(> * > {0}) + * input {{ border-color: #c92a2a; }}"
 """Marks a box with what was refused."""
@@ -78,23 +83,32 @@ class Fields:
 
         What is typed and is no number, or cannot be, changes nothing: after a while its box shows the old number again.
         """
-        row = [BoundBox(self.gui.add_text(box.label, "", hint=hint), box, self._session.turn_view) for box in boxes]
-        self._rows.append((row, self.gui.add_html("", visible=False)))
-        self._handles += [*(box.handle for box in row), self._rows[-1][1]]
+        row = [self._box(box, box.label, hint) for box in boxes]
         if len(row) > 1:
-            names = ", ".join(f":has(> * > * > * > {_label(box)})" for box in row)
-            self._handles.append(
-                self.gui.add_html(f"<style>{ROW_STYLE.format(f'div:is({names})', 100 / len(row))}</style>")
-            )
-        for box in row:
-            self._bound.append(box)
-
-            @box.handle.on_update  # type: ignore[untyped-decorator]
-            async def _(event: Any, box: BoundBox = box) -> None:
-                if event.client is not None:
-                    self._session.do(box, partial(box.put, box.hear()))
-
+            every = ", ".join(map(_around, (box.handle for box in row)))
+            self._style(ROW_STYLE.format(f":is({every})", 100 / len(row)))
+        self._line(row)
         return row[0].handle
+
+    def _box(self, box: "NumberBox", label: str, hint: str | None = None, digits: int = FIELD_DIGITS) -> "BoundBox":
+        bound = BoundBox(self.gui.add_text(label, "", hint=hint), box, self._session.turn_view, digits)
+        self._bound.append(bound)
+        self._handles.append(bound.handle)
+
+        @bound.handle.on_update  # type: ignore[untyped-decorator]
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                self._session.do(bound, partial(bound.put, bound.hear()))
+
+        return bound
+
+    def _style(self, style: str) -> None:
+        self._handles.append(self.gui.add_html(f"<style>{style}</style>"))
+
+    def _line(self, row: "list[BoundBox]") -> None:
+        """Add the line that says what was refused in a row."""
+        self._rows.append((row, self.gui.add_html("", visible=False)))
+        self._handles.append(self._rows[-1][1])
 
     def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
         """Add a box for a number; arguments of `NumberBox`, and `hint`. Return its handle."""
@@ -126,6 +140,10 @@ class Fields:
 
         handle = self.gui.add_slider(label, ends[0], ends[1], step, ends[0])
         self.field(handle, shown, put)
+        number = NumberBox(label, get, put, float(ends[0]), float(ends[1]), whole=isinstance(step, int))
+        box = self._box(number, "", digits=SLIDER_DIGITS)  # its own takes no number away, and says nothing
+        self._style(SLIDER_STYLE.format(_around(handle), _around(box.handle)))
+        self._line([box])
 
     def choice(
         self, label: str, options: Sequence[str], get: Callable[[], str], put: Any, hint: str | None = None
@@ -204,7 +222,7 @@ class Fields:
         for row, line in self._rows:
             wrong = [box for box in row if box in self._session.refused]
             said = [
-                f"<style>{WRONG_STYLE.format(_label(box))}</style>{notice_html(self._session.refused[box])}"
+                f"<style>{WRONG_STYLE.format(_label(box.handle))}</style>{notice_html(self._session.refused[box])}"
                 for box in wrong
             ]
             update_node(line, visible=bool(said), content=block_html(*said))
@@ -281,9 +299,9 @@ class NumberBox(NamedTuple):
 class BoundBox(_Bound):
     """A box for a number on the page: it takes text, and leaves what somebody types alone until that is done."""
 
-    def __init__(self, handle: Any, box: NumberBox, look_again: Callable[[], object]) -> None:
+    def __init__(self, handle: Any, box: NumberBox, look_again: Callable[[], object], digits: int) -> None:
         super().__init__(handle, box.get)
-        self._box, self._look_again, self._rests = box, look_again, 0.0
+        self._box, self._look_again, self._rests, self._digits = box, look_again, 0.0, digits
         self._show(box.get())
 
     def hear(self) -> str:
@@ -310,12 +328,17 @@ class BoundBox(_Bound):
             self._show(value)
 
     def _show(self, value: float) -> None:
-        self.handle.value, self.known = f"{value + 0.0:.{FIELD_DIGITS}g}", value
+        self.handle.value, self.known = f"{value + 0.0:.{self._digits}g}", value
 
 
-def _label(box: BoundBox) -> str:
-    """What selects the label of a box in a style."""
-    return f'label[for="{box.handle._impl.uuid}"]'
+def _label(handle: Any) -> str:
+    """What selects the label of a field in a style."""
+    return f'label[for="{handle._impl.uuid}"]'
+
+
+def _around(handle: Any) -> str:
+    """What selects a field with its label in a style."""
+    return f"div:has(> * > * > * > {_label(handle)})"
 
 
 def step_of(size: float) -> float:

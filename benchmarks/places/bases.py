@@ -24,7 +24,7 @@ COUNTS, MOST_BEND = (2, 3, 5, 8), 2.2
 LENGTH = (0.08, 0.25)
 """Range of the length of a segment, in m: on a stage, and on joints."""
 
-STAGE, PUSHED = (3.0, 20.0), (0.15, 0.9)
+STAGE, PUSHED = (3.0, 50.0), (0.15, 0.9)
 """Longest insertion of a stage, in lengths of a segment; and how far it is in, of that."""
 
 PORT, BEHIND_PORT = (0.05, 0.3), (0.4, 0.7)

@@ -108,7 +108,7 @@ _CROWDS: dict[str, tuple[Trap, str]] = {
 }
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
 _STAGED: dict[str, tuple[Draw, str]] = {
-    "stage": (bases.staged, "on a stage of 3 to 12 segments' lengths, what is narrow about the target, or between"),
+    "stage": (bases.staged, "on a stage of 3 to 50 segments' lengths, what is narrow about the target, or between"),
 }
 _CARRIED: dict[str, tuple[Draw, str]] = {
     "six axes": (partial(bases.carried, bases.six_axes), "on an elbow robot of six axes, the same"),

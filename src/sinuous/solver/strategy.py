@@ -77,7 +77,7 @@ first, by which that of each following one is higher (two tubes)."""
 SCATTERED_BEFORE_ROOTS = 64
 """Scattered starts of an arm with joints before any root is looked for (six axes, driven base, rail)."""
 
-PRIORITY_ROOTS_OF_STAGE, PRIORITY_BETWEEN_ROOTS, EFFORT_OF_A_ROOT = 8, 4, 4
+PRIORITY_ROOTS_OF_STAGE, PRIORITY_BETWEEN_ROOTS, EFFORT_OF_A_ROOT = 4, 2, 4
 """Priority of the first root where the whole robot has routes, too; by which that of each following one is higher; and
 the effort of each (stage, six axes)."""
 
@@ -327,8 +327,9 @@ class RootAttempts:
         query = searches.query(self._question.problem)
         if query is not None:
             beyond = AttemptsBeyond(self._attempts, root.chain, later)
-            origin = query[tables.QUERY_ORIGIN : tables.QUERY_ORIGIN + 3]
-            route = None if root.line is None else np.vstack([origin, root.line])
+            route = None  # on a stage the way from each root may lead through another mouth
+            if self._routes is None and root.line is not None:
+                route = np.vstack([query[tables.QUERY_ORIGIN : tables.QUERY_ORIGIN + 3], root.line])
             lead_back = partial(self._lead_back, root.chain, later)
             RouteAttempts(beyond, searches, self._question, query, route=route, on_route=lead_back)
         yield starts_along(self._roots.start_from(root.chain)[None], ())

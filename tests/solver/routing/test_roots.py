@@ -67,7 +67,7 @@ def test_roots_are_within_limits_clear_and_apart(robot: sn.Robot) -> None:
             assert sn.check(head, chain, scene).clearance > 0.0
 
 
-@pytest.mark.parametrize(("family", "seed"), [("rail", 23), ("stage", 2)])
+@pytest.mark.parametrize(("family", "seed"), [("rail", 23), ("stage", 0)])
 def test_tubes_are_entered_from_where_joints_or_the_stage_face_them(family: str, seed: int) -> None:
     """Nothing else gets in within two hundred starts."""
     place = make(family, seed)

@@ -14,6 +14,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.model.poses import rotation_of
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import ask_body
 from sinuous.problem.target import Target
@@ -99,7 +100,7 @@ def update_observer(
 
 def correct_targets(robot: Robot, target: Target, observed: Observed) -> Target:
     """The target for the model with which the real place meets `target`."""
-    ends = np.cumsum(observed.past[-1][:, 2])
+    ends = _ends(robot, observed.past[-1])
     share = float(ends[robot.end_row(target.segment) - 1] / ends[-1]) if ends[-1] > 0.0 else 1.0
     back = rotation_of(-share * observed.turn)
     return Target(
@@ -115,19 +116,19 @@ def _read(robot: Robot, q: Floats, measured: Stack, places: Vector | None) -> Re
         given = np.array(measured, np.float64)
     except (ValueError, TypeError):
         given = np.zeros(0)
-    n, tip = len(robot), np.array([1.0])
+    n, before, tip = len(robot.segments), robot.drive.before, np.array([1.0])
     if given.shape == (3,) and places is None:
         return Reading(tip, given[None], None)
     if given.shape == (POSE, POSE) and places is None:
         return Reading(tip, given[None, :3, 3], given[:3, :3])
     if given.shape == (n, 2) and places is None:
         bent = np.array(q)
-        bent[:, :2] = given
-        poses = robot.forward(bent)
+        bent[before:, :2] = given
+        poses = robot.forward(bent)[before:]
         poses[-1] = robot.tip(bent)
-        ends = np.cumsum(q[:, 2])
+        ends = _ends(robot, q)[before:]
         return Reading(ends / ends[-1], poses[:, :3, 3], poses[-1, :3, :3])
-    if given.ndim != 2 or given.shape[1] != 3 or places is None:
+    if given.ndim != 2 or given.shape[1] != 3 or places is None or n == 0:
         expected = f"a position (3,), a pose (4, 4), bends ({n}, 2), or points (k, 3) with places"
         raise InputError("measured", "", measured, expected)
     shares = checks.array("places", places, (len(given),), "as many shares as points")
@@ -136,25 +137,21 @@ def _read(robot: Robot, q: Floats, measured: Stack, places: Vector | None) -> Re
     return Reading(shares, given, None)
 
 
+def _ends(robot: Robot, q: Floats) -> Floats:
+    """Lengths of the body up to the ends of all rows (n,); joints and links have none."""
+    return np.cumsum(np.where(np.arange(len(q)) < robot.drive.before, 0.0, q[:, 2]))
+
+
 def _place(robot: Robot, q: Floats, share: float) -> Floats:
     """Position (3,) of a place of the model; the tool at the end."""
     if share >= 1.0:
         return robot.tip(q)[:3, 3]
-    ends = np.cumsum(q[:, 2])
+    ends = _ends(robot, q)
     at = share * ends[-1]
     k = int(np.searchsorted(ends, at))
     cut = q.copy()
     cut[k] *= (at - (ends[k - 1] if k else 0.0)) / q[k, 2]
     return robot.forward(cut)[k, :3, 3]
-
-
-def rotation_of(turn: Floats) -> Floats:
-    """Rotation matrix of a rotation vector (Rodrigues)."""
-    angle = float(np.linalg.norm(turn))
-    x, y, z = turn.tolist()
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    half: float = float(np.sinc(0.5 * angle / math.pi))
-    return np.eye(3) + float(np.sinc(angle / math.pi)) * cross + 0.5 * half * half * cross @ cross
 
 
 def vector_of(rotation: Floats) -> Floats:

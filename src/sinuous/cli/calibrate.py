@@ -13,6 +13,7 @@ from sinuous.files.documents import json_line, read_part, read_values
 from sinuous.files.nouns import read_robot
 from sinuous.model.robot import Robot
 from sinuous.studies.calibration.calibrate import Frame, calibrate
+from sinuous.studies.calibration.parameters import with_joint_motors
 from sinuous.studies.calibration.table import read_table
 from sinuous.view.pictures.charts import plot_calibration
 
@@ -24,7 +25,7 @@ def calibrate_file(asked: Calibrate) -> int:
     """
     read = [asked.file, asked.measured, *([] if asked.motion is None else [str(asked.motion)])]
     check_outputs(read, out=asked.out, plot=asked.plot)
-    robot = _robot_of(Path(asked.file))
+    robot = with_joint_motors(_robot_of(Path(asked.file)))
     actuators = [actuator.name for actuator in robot.actuators]
     table = read_table(Path(asked.measured), actuators)
     own = None if asked.motion is None else read_table(asked.motion, actuators)

@@ -22,7 +22,7 @@ from sinuous.base.words import counted, span
 from sinuous.kernels import packing, tables
 from sinuous.model.actuators import Actuators
 from sinuous.model.names import optional_name
-from sinuous.model.poses import as_pose, pose
+from sinuous.model.poses import as_pose, pose, rotation_of
 from sinuous.model.segment import Segment
 
 MOST_LINKS = 48
@@ -341,6 +341,22 @@ def joints_with(joints: Sequence[Joint], rigid: RigidRows, limits: Mapping[int, 
     for joint in joints:
         own = None if isinstance(joint, Fixed) else limits.get(next(row_of) + 1)
         result.append(joint if own is None else joint.changed(limits=own))
+    return result
+
+
+def moved_joints(joints: Sequence[Joint], offsets: Floats) -> list[Joint]:
+    """Return joints that stand where they would with so much (j,) more of each value."""
+    more, result = iter(offsets.tolist()), []
+    for joint in joints:
+        if isinstance(joint, Fixed):
+            result.append(joint)
+            continue
+        motion, offset = np.eye(4), next(more)
+        if isinstance(joint, Prismatic):
+            motion[:3, 3] = offset * joint.axis
+        else:
+            motion[:3, :3] = rotation_of(offset * joint.axis)
+        result.append(joint.changed(origin=joint.origin @ motion))
     return result
 
 

@@ -222,3 +222,12 @@ def as_pose(key: str, value: Any) -> Floats:
     """Check a 4x4 matrix that stands for a pose; `None` is the identity."""
     with checks.inside(key):
         return pose() if value is None else pose(matrix=value)
+
+
+def rotation_of(turn: Floats) -> Floats:
+    """Rotation matrix of a rotation vector (Rodrigues)."""
+    angle = float(np.linalg.norm(turn))
+    x, y, z = turn.tolist()
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    half: float = float(np.sinc(0.5 * angle / math.pi))
+    return np.eye(3) + float(np.sinc(angle / math.pi)) * cross + 0.5 * half * half * cross @ cross

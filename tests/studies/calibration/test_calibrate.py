@@ -12,11 +12,20 @@ import pytest
 import sinuous as sn
 from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
-from sinuous.studies.calibration.bodies import holds
+from sinuous.model.joints import moved_joints
+from sinuous.studies.calibration.bodies import at_rest, holds
 from sinuous.studies.calibration.fit import begun, extended, fitted, moved, predict
 from sinuous.studies.calibration.measurements import Place, read
 from sinuous.studies.calibration.model import derivatives, model, predicted
-from sinuous.studies.calibration.parameters import GROUPS, Values, can_stretch, changed, elastic, group
+from sinuous.studies.calibration.parameters import (
+    GROUPS,
+    Values,
+    can_stretch,
+    changed,
+    elastic,
+    group,
+    with_joint_motors,
+)
 from sinuous.studies.calibration.table import read_table
 from tests.helpers import Floats, refused, refused_each
 
@@ -427,3 +436,46 @@ def test_values_may_stand_under_the_names_of_the_actuators() -> None:
     first = {name: column[0] for name, column in named.items()}
     np.testing.assert_array_equal(again.predict(first), found.predict(values[0]))
     assert again.for_motion(named, tips, level=0.8).equals(found.for_motion(values, tips, level=0.8))
+
+
+def jointed(**more: Any) -> sn.Robot:
+    """A tilting and sliding base below one segment, with offsets of the joints if any are given."""
+    offsets = more.pop("offsets", (0.0, 0.0))
+    joints = [
+        sn.Revolute((0, 1, 0.3), (-1.2, 1.2), (0, 0, 20), name="tilt"),
+        sn.Prismatic((0, 0.1, 1), (0, 60), name="feed"),
+    ]
+    return sn.Robot(
+        [sn.Segment(60.0, tendons=sn.Tendons(3, 4.0), **more)], joints=moved_joints(joints, np.array(offsets))
+    )
+
+
+@pytest.mark.parametrize("hangs", [False, True])
+def test_offsets_of_joints_are_found(hangs: bool) -> None:
+    soft: dict[str, Any] = {"stiffness": sn.Stiffness(2e3, 1.5e3), "mass": 2e-4, "arcs": 2} if hangs else {}
+    drawn = with_joint_motors(jointed(**soft))
+    real, offsets = with_joint_motors(jointed(**soft, offsets=(0.06, -2.0))), [0.06, -2.0]
+    if hangs:
+        drawn, real = (each.changed(gravity=(0.0, 0.0, -9.81)) for each in (drawn, real))
+    assert [each.name for each in drawn.actuators][-2:] == ["tilt", "feed"]
+    rng = np.random.default_rng(4)
+    q = np.concatenate([rng.normal(0.0, 0.4, (30, 1, 2)), np.full((30, 1, 1), 60.0)], axis=2)
+    values = drawn.to_actuators(drawn.with_joints(q, rng.uniform((-1.0, 5.0), (1.0, 55.0), (30, 2))))
+    tips = at_rest(real, values).tips()
+    groups = (group(drawn, "joints"),)
+    own = model(drawn, Values(groups, np.array([0.03, -1.0])), (Place(len(drawn) - 1, 1.0, np.zeros(3)),))
+    for i, step in enumerate((1e-6, 1e-4)):
+        ends = [
+            predicted(model(drawn, own.values.with_x(own.values.x + side * step * np.eye(2)[i]), own.places), values)
+            for side in (1.0, -1.0)
+        ]
+        slope = derivatives(own, values)[1][..., i]
+        np.testing.assert_allclose(slope, (ends[0] - ends[1]) / (2.0 * step), atol=1e-4 * np.abs(slope).max())
+    found = sn.studies.calibrate(jointed(**soft).changed(gravity=drawn.gravity), values, tips, fit=["joints"])
+    assert {each.kind for each in found.parameters if each.group == "joints"} == {"angle", "length"}
+    assert np.linalg.norm((found.predict(values) - tips)[:, :3, 3], axis=1).max() < 1e-3
+    moved_by = [each.value for each in found.parameters if each.group == "joints"]
+    base = found.robot.base  # an offset of the first joint, and of the base, are told apart by what is drawn alone
+    assert abs(moved_by[0] - offsets[0]) < 0.03 or np.abs(base - np.eye(4)).max() > 1e-3
+    assert moved_by[1] == pytest.approx(offsets[1], abs=0.5)
+    assert sn.studies.suggest(jointed(**soft), 4, fit=["joints"]).shape == (4, 5)

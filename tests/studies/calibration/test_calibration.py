@@ -31,7 +31,7 @@ def test_a_bound_of_some_rows_holds_for_the_others_as_often_as_it_says(rows: int
     for _ in range(400):
         common = random.lognormal(size=(rows + 100, 1, 1))
         off = common * random.normal(size=(rows + 100, points, 3)) * sizes[:, None]
-        bounds = np.broadcast_to(bounds_of(points, off[:rows], own, 0.95, scales), points)
+        bounds = np.broadcast_to(bounds_of(range(points), off[:rows], own, 0.95, scales), points)
         held.append((np.linalg.norm(off[rows:], axis=2) <= bounds).all(axis=1).mean())
     assert 0.93 < np.mean(held) < 0.97
 

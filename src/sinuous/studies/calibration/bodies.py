@@ -34,6 +34,11 @@ class Free:
     def __init__(self, robot: Robot, actuators: Floats) -> None:
         self.robot, self.q = robot, robot.from_actuators(actuators, tolerance=ANY_CONTRADICTION)
 
+    def by_joints(self) -> Floats:
+        """Derivatives (N, 3 n, j) of the coordinates by offsets of the joints."""
+        where = self.robot._rigid.flat(len(self.robot))[: len(self.robot.joint_names)]
+        return np.tile(np.eye(3 * len(self.robot))[:, where], (len(self.q), 1, 1))
+
     def point(self, place: Place) -> Point:
         """A place of all bodies."""
         return _point(self.robot, self.q, place)
@@ -120,6 +125,11 @@ class Loaded:
         others = [[tables_of(robot, q, (), d) for q, d in _drives(robot, self._actuators)] for robot in beside]
         rows = zip(self.rests, zip(*others, strict=True), strict=True)
         return np.array([rest.answers(tables, steps).reshape(len(beside), -1).T for rest, tables in rows])
+
+    def by_joints(self) -> Floats:
+        """Derivatives (R, 4 N, j) of the states by offsets of the joints."""
+        where = self.robot._rigid.flat(len(self.robot))[: len(self.robot.joint_names)]
+        return np.array([rest.slopes[where].reshape(len(where), -1).T for rest in self.rests])
 
     def tips(self) -> Floats:
         """Poses (R, 4, 4) of the tool."""

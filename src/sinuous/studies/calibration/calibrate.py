@@ -12,6 +12,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import ActuatorValues, HasArray, Names, Number, Rows, Stack, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.model.joints import Prismatic
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import holds
 from sinuous.studies.calibration.calibration import (
@@ -48,6 +49,7 @@ from sinuous.studies.calibration.parameters import (
     changed,
     elastic,
     group,
+    with_joint_motors,
 )
 from sinuous.studies.calibration.play import find_play, rows_after_play
 
@@ -122,14 +124,15 @@ def calibrate(
     robot : Robot
         As drawn.
     actuators : array_like (N, m), or mapping from names to array_like (N,)
-        Values of the actuators, in the order of `robot.actuators` or by name, in the units of their motors.
+        Values of the actuators, in the order of `robot.actuators` or by name, in the units of their motors. Joints that
+        no actuator moves come last, by their own names; the fitted robot has them as `actuators`.
     measured : array_like (N, 3), (N, 4, 4) or (N, k, 3)
         Positions of the tool, its poses, or k points of the body, in the frame of the measuring device. NaN: not seen.
     fit : list of str, optional
         Of `base`, `device`, `stretch` and `stiffness` (of lines and segments), `rest` (bends), `offsets`, `lengths`,
-        `circles`, `angles` and `gains` (of lines), `tool`, and `payload`: the masses that the robot carries, or that of
-        one at its tip where it is drawn with none, at least 0. `play`, of tendons and chambers, needs rows in the order
-        of time; without `fit` it is looked for, and told in the notes.
+        `circles`, `angles` and `gains` (of lines), `tool`, `joints` (offsets of their values), and `payload`: the
+        masses that the robot carries, or that of one at its tip where it is drawn with none, at least 0. `play`, of
+        tendons and chambers, needs rows in the order of time; without `fit` it is looked for, and told in the notes.
     places : array_like (k,), optional
         Where the k points are: shares of the length of the body, 1 = its end.
     markers : array_like (k, 3), optional
@@ -154,6 +157,7 @@ def calibrate(
         When rows do not fit the robot, are all equal, or are in another unit of length; when a robot as drawn cannot
         hold its load in some row, or `payload` is to be fitted and no weight bends the robot.
     """
+    robot = with_joint_motors(robot)
     rows = read(robot, actuators, measured, places, markers, groups, unit)
     refuse_size(robot, rows)
     names = _names(fit, checks.choice("frame", frame, get_args(Frame)))
@@ -309,7 +313,7 @@ def _result(
         notes.append(
             f"{len(rows.labels)} rows allow a bound at {100.0 * level:.3g} %; {100.0 * LEVEL:g} % needs {needed}"
         )
-    bounds = bounds_of(len(robot), held, rows, level, scales_of_points(held))
+    bounds = bounds_of(range(robot.drive.before, len(robot)), held, rows, level, scales_of_points(held))
     real = real.changed(tool=tool, uncertainty=Uncertainty(bounds, level))
     fit_names = (frame, *(each.name for each in state.values.groups))
     parameters = tuple(_parameters(last, drawn, rows, frame))
@@ -348,6 +352,9 @@ def _parameters(last: Fit, drawn: Robot, rows: Measurements, frame: Frame) -> It
     for own in (pose, *values.groups):
         for name in own.names:
             kind = ("angle" if at < 3 else "length") if at < 6 else kinds.get(own.name, "factor")
+            if own.name == "joints":
+                slides = isinstance(drawn._rigid.moving[own.names.index(name)], Prismatic)
+                kind = "length" if slides else "angle"
             value = 0.0 if at < 6 else float(values.x[at - 6])
             value = float(np.exp(value)) if kind == "factor" else value
             yield Parameter(
@@ -385,6 +392,7 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
         When actuators do not determine the shape of the robot, it cannot hold its load, or an argument is not what it
         should be.
     """
+    robot = with_joint_motors(robot)
     refuse_loose(robot)
     count = checks.integer("n", n, 1, 10_000)
     generator = np.random.default_rng(checks.integer("seed", seed, 0, 2**31))
@@ -418,14 +426,16 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
 
 def _settings(robot: Robot, generator: np.random.Generator, count: int) -> Floats:
     """Values of the actuators of shapes of which some segments are bent, and which are within limits where possible."""
-    n = len(robot)
+    n = len(robot.segments)
     q = np.zeros((count, n, 3))
     most = np.array([min(segment.max_bend, 1.0) for segment in robot.segments]) * BEND_FRACTION
     turn = generator.uniform(0.0, 2.0 * np.pi, (count, n))
     size = most * np.sqrt(generator.uniform(0.0, 1.0, (count, n))) * (generator.uniform(size=(count, n)) < 0.6)
     q[..., 0], q[..., 1] = size * np.cos(turn), size * np.sin(turn)
-    low, high = np.array([segment.length for segment in robot.segments]).T
+    low, high = np.array([segment.length for segment in robot.segments]).reshape(-1, 2).T
     q[..., 2] = generator.uniform(low, high, (count, n))
+    low, high = np.array([joint.limits for joint in robot._rigid.moving]).reshape(-1, 2).T
+    q = robot.with_joints(q, generator.uniform(low, high, (count, len(low)))) if len(low) else q
     q = q if robot.drive.coordinates.free else robot.drive.coordinates.project(q)
     fits = np.array([not robot.violations(each) for each in q])
     return robot.to_actuators(q[fits] if fits.sum() * 2 >= count else q)

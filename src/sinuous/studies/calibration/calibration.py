@@ -249,7 +249,7 @@ class Calibration(ShortRepr):
             wanted = "points in the frame of the device and the length unit of the robot, or another unit"
             raise InputError("measured", problem, points[0].tolist(), wanted)
         known = self.held_back if self.held_back.shape[1:] == off.shape[1:] else off
-        bounds = bounds_of(len(self.robot), off, rows, share, scales_of_points(known))
+        bounds = bounds_of(range(self.robot.drive.before, len(self.robot)), off, rows, share, scales_of_points(known))
         return self.robot.changed(uncertainty=Uncertainty(bounds, share))
 
     def predict(self, actuators: ActuatorValues, *, in_order: Truth = False) -> Floats:
@@ -322,9 +322,9 @@ class Calibration(ShortRepr):
 
 
 def bounds_of(
-    segments: int, off: Floats, rows: Measurements, level: float, scales: Floats
+    rows_of_body: range, off: Floats, rows: Measurements, level: float, scales: Floats
 ) -> float | tuple[float, ...]:
-    """Bound of each segment for errors (N, k, 3), the largest of all patterns: that of the first point beyond its end.
+    """Bound of each of some rows of a robot for errors (N, k, 3), largest of all patterns: of the first point beyond.
 
     The score of a row is the worst of its points, each divided by its scale (k,), so the bounds of all points hold
     together. No segment has less than those before.
@@ -339,11 +339,11 @@ def bounds_of(
         bounds[segment] = max(bounds.get(segment, 0.0), worst_score * float(scales[k]))
     each: list[float] = []
     worst = 0.0
-    for k in range(segments):
+    for k in rows_of_body:
         beyond = [segment for segment in bounds if segment >= k]
         worst = max(worst, bounds[min(beyond)] if beyond else max(bounds.values()))
         each.append(worst)
-    return each[0] if len(set(each)) == 1 else tuple(each)
+    return tuple(each) if len(set(each)) > 1 else max(bounds.values())
 
 
 def scales_of_points(off: Floats) -> Floats:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.answer.observer import rotation_of
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
+from sinuous.model.poses import rotation_of
 from sinuous.model.robot import Robot
 from sinuous.studies.calibration.measurements import Measurements
 from sinuous.studies.calibration.model import RobotModel, derivatives, model, predicted

@@ -171,8 +171,8 @@ def _numbers(key: str, value: Stack, shape: tuple[int | None, int] | None) -> Fl
 def _points(
     robot: Robot, given: Floats, places: Sequence[Number] | HasArray | None, markers: Rows | None, factor: float
 ) -> tuple[Floats, tuple[Place, ...], Floats]:
-    n = len(robot)
-    tip = Place(n - 1, 1.0, robot.tool[:3, 3])
+    n, before = len(robot.segments), robot.drive.before
+    tip = Place(len(robot) - 1, 1.0, robot.tool[:3, 3])
     if given.ndim == 3 and given.shape[1:] == (4, 4):
         if places is not None or markers is not None:
             raise InputError("places", "poses are those of the tip", places, "no places beside poses")
@@ -185,6 +185,8 @@ def _points(
     count = points.shape[1]
     if points.shape[2] != 3:
         raise InputError("measured", f"shape {given.shape}", given[0].tolist(), "points of 3 numbers")
+    if places is None and count == 1 and not n:
+        return np.array(points), (tip,), np.ones(1)
     shares = [1.0] if places is None and count == 1 else checks.array("places", places, (count,)).tolist()
     if not all(0.0 <= share <= 1.0 for share in shares):
         raise InputError("places", "", shares, "shares of the length of the body, 0 to 1")
@@ -197,7 +199,7 @@ def _points(
         at = share * ends[-1]
         k = min(int(np.searchsorted(ends, at)), n - 1)
         begin = ends[k - 1] if k else 0.0
-        kinds.append(Place(k, float((at - begin) / (ends[k] - begin)) if ends[k] > begin else 1.0, offset))
+        kinds.append(Place(before + k, float((at - begin) / (ends[k] - begin)) if ends[k] > begin else 1.0, offset))
     return np.array(points), tuple(kinds), np.ones(count)
 
 
@@ -222,7 +224,7 @@ def refuse_size(robot: Robot, own: Measurements) -> None:
     points = own.points[:, own.levers > 0.0].reshape(-1, 3)
     points = points[np.isfinite(points).all(axis=1)]
     spread = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
-    length = sum(segment.length[1] for segment in robot.segments)
+    length = robot.longest if robot.joints else sum(segment.length[1] for segment in robot.segments)
     moves = np.ptp(own.actuators, axis=0)
     if spread == 0.0 or not moves.any():
         key = "measured" if spread == 0.0 else "actuators"

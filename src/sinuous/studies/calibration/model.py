@@ -62,9 +62,12 @@ def derivatives(own: RobotModel, actuators: Floats, of_gravity: bool = False) ->
         robots, steps = _beside(own, False)
         others = [each for each in (at_rest(robot, actuators) for robot in robots) if not isinstance(each, Loaded)]
         moved = [(each.q - bodies.q) / h for each, h in zip(others, steps, strict=True)]
-        sensitivity = np.stack([each.reshape(len(each), -1) for each in moved], axis=-1)
+        sensitivity = np.moveaxis(np.reshape(moved, (len(steps), len(actuators), 3 * len(own.robot))), 0, -1)
     else:
         sensitivity = _sensitivity(own, actuators, bodies.q)
+    joints = own.values.columns("joints")
+    if joints is not None:  # where a joint stands with an offset it would be with so much more of its value
+        sensitivity[..., joints] = bodies.by_joints()
     points, slopes = [], []
     for place in own.places:
         point = bodies.point(place)
@@ -108,9 +111,9 @@ def _sensitivity(own: RobotModel, actuators: Floats, q: Floats) -> Floats:
     places, sets = lines_of(robot)
     springs, columns = _springs(robot)
     bends = [np.flatnonzero((columns // 3 == k) & (columns % 3 < 2)) for k in range(len(robot))]
-    fixed = [k for k, segment in enumerate(robot.segments) if is_fixed(segment)]
-    soft = [k for k, segment in enumerate(robot.segments) if is_soft(segment)]
-    lengths = np.array([robot.segments[k].length[0] for k in fixed])
+    fixed = [k for k, row in enumerate(robot.rows) if is_fixed(row)]
+    soft = [k for k, row in enumerate(robot.rows) if is_soft(row)]
+    lengths = np.array([robot.rows[k].length[0] for k in fixed])
     x, arms = q.reshape(len(q), -1), robot.drive.jacobian
     displaced = robot.drive.motors.displacements(actuators)
     elongation = displaced - x @ arms.T

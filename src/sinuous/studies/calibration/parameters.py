@@ -1,7 +1,7 @@
 """What may be fitted: groups of parameters, how far drawings are usually off, and the robot with other values."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.model.actuators import Lines
+from sinuous.model.actuators import Actuators, Lines
+from sinuous.model.joints import Joint, Prismatic, moved_joints
 from sinuous.model.loads import Payload
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment, Stiffness
@@ -28,6 +29,7 @@ GroupName = Literal[
     "angles",
     "gains",
     "tool",
+    "joints",
 ]
 """Groups of parameters."""
 
@@ -36,6 +38,7 @@ GROUPS: tuple[GroupName, ...] = get_args(GroupName)
 ORDER: tuple[GroupName, ...] = (
     "stretch",
     "offsets",
+    "joints",
     "stiffness",
     "payload",
     "rest",
@@ -59,8 +62,10 @@ WIDTHS: dict[GroupName, float] = {
     "angles": 0.3,
     "gains": 0.1,
     "tool": 0.1,
+    "joints": 0.05,
 }
-"""How far a drawing may well be off: logarithms of ratios; rad; of `offsets` and `tool` lengths of the robot; of
+"""How far a drawing may well be off: logarithms of ratios; rad; of `offsets`, `tool` and sliding `joints` lengths of
+the robot; of
 `payload` masses that bend the softest segment by 1 rad, carried by a lever as long as the robot."""
 
 SOFTNESS_RATIO = 3.0
@@ -109,7 +114,8 @@ def _lever(robot: Robot, segment: Segment) -> float:
 
 def can_stretch(robot: Robot) -> bool:
     """Whether tendons may be made elastic: there are some, all of them rigid, and nothing else bends the robot."""
-    linear = robot.linear is not None and robot.linear.matrix.reshape(-1, len(robot), 3)[..., :2].any()
+    moving, matrix = len(robot.joint_names), None if robot.linear is None else robot.linear.matrix
+    linear = matrix is not None and matrix[:, moving:].reshape(len(matrix), -1, 3)[..., :2].any()
     chambers = any(segment.chambers is not None for segment in robot.segments)
     tendons = any(segment.tendons is not None for segment in robot.segments)
     return tendons and robot.drive.elastic is None and not linear and not chambers
@@ -133,7 +139,30 @@ def group(robot: Robot, name: GroupName) -> ParameterGroup:
     elif name == "payload" and robot.gravity is not None and names:
         width *= softest(robot) / (robot.mean_length * float(np.linalg.norm(robot.gravity)))
         lowest = -np.array([payload.mass for payload in carried(robot)])
-    return ParameterGroup(name, names, np.full(len(names), width), lowest)
+    widths = np.full(len(names), width)
+    if name == "joints":
+        widths[[isinstance(joint, Prismatic) for joint in robot._rigid.moving]] *= robot.mean_length
+    return ParameterGroup(name, names, widths, lowest)
+
+
+def with_joint_motors(robot: Robot) -> Robot:
+    """Return the robot whose joints are actuators of their own names, where no other actuator determines them."""
+    names, where = robot.joint_names, robot._rigid.flat(len(robot))
+    loose = np.flatnonzero(robot._inverse.undetermined.ravel()[where[: len(names)]]).tolist()
+    if not loose:
+        return robot
+    own = Actuators(np.eye(len(where))[loose], [names[i] for i in loose])
+    if robot.linear is not None:
+        both, count = (robot.linear, own), len(robot.linear.names)
+        motors = {key: np.concatenate([getattr(each.motors, key) for each in both]) for key in ("gain", "offset")}
+        own = Actuators(
+            np.concatenate([each.matrix for each in both]),
+            (*robot.linear.names, *own.names),
+            [*robot.linear.limits, *own.limits],
+            unit=(*robot.linear.motors.unit[:count], *own.motors.unit),
+            **motors,
+        )
+    return robot.changed(actuators=own)
 
 
 def carried(robot: Robot) -> tuple[Payload, ...]:
@@ -159,6 +188,8 @@ def _names(robot: Robot, name: GroupName) -> Iterator[str]:
             yield from (f"rest bend_{axis} of {n}" for s, n in segments if soft and is_soft(s) for axis in "xy")
         case "lengths":
             yield from (f"length of {n}" for s, n in segments if is_fixed(s))
+        case "joints":
+            yield from (f"offset of joint {name!r}" for name in robot.joint_names)
         case "offsets":
             yield from (f"offset of {robot.actuators[place].name}" for place in lines_of(robot)[0])
         case _:
@@ -169,7 +200,7 @@ def _names(robot: Robot, name: GroupName) -> Iterator[str]:
 
 def is_fixed(segment: Segment) -> bool:
     """Whether the length of a segment may be fitted: it has one that does not change."""
-    return segment.length[0] == segment.length[1] > 0.0
+    return not segment.rigid and segment.length[0] == segment.length[1] > 0.0
 
 
 def is_soft(segment: Segment) -> bool:
@@ -248,7 +279,10 @@ def changed(robot: Robot, values: Values) -> Robot:
     if (own := parts["payload"]) is not None:
         listed = zip(carried(robot), own, strict=True)
         payload = tuple(each.changed(mass=each.mass + float(more)) for each, more in listed)
-    return robot.changed(segments=segments, payload=payload)
+    joints: Sequence[Joint] = robot.joints
+    if (own := parts["joints"]) is not None:
+        joints = moved_joints(robot.joints, own)
+    return robot.changed(segments=segments, payload=payload, joints=joints)
 
 
 def _changed_lines(own: Lines, parts: Mapping[GroupName, Floats | None], which: int, places: slice) -> Lines:

@@ -1,5 +1,7 @@
 """`python -m benchmarks joints`: inverse kinematics of arms with joints before the segments, or with joints alone.
 
+And three segments that six axes lead along curves, follow the leader: along shapes of the arm itself, bent at random.
+
 Poses are drawn by the judge's own kinematics from configurations within all limits, so each is reachable. What counts
 is the time of the solve alone, the least of several runs, because the machine may be busy; answers are judged by code
 that shares nothing with the kernels.
@@ -7,21 +9,25 @@ that shares nothing with the kernels.
 
 import math
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
+from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.harness.command import command
 from benchmarks.harness.lines import Times
 from benchmarks.harness.machine import headed
 from benchmarks.harness.markdown import table
-from benchmarks.judges.links import tip_of, wrong_among
+from benchmarks.judges.kinematics import arc_ends, arc_poses
+from benchmarks.judges.links import body_places, link_poses, moving, tip_of, values_of, wrong_among
 from benchmarks.mbm import CAPSULES, FLANGE, PANDA, panda_joints
+from benchmarks.motion.leader import distances
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.cli.options import check_writable
@@ -35,6 +41,16 @@ RUNS = 5
 
 SPHERES, SPHERE = 40, 0.04
 """How many, and their radius in m."""
+
+
+CURVES, BENT = 40, 1.0
+"""Curves that an arm is led along, and largest bend of a segment in one, rad."""
+
+FINE, GIVEN = 2000, 10
+"""Points of a curve for each segment that it is measured against; and of these one in so many is given."""
+
+LED, BETWEEN = 3, 4
+"""Runs of each, of which the one with the least CPU time counts, and configurations of each step that are judged."""
 
 
 class Family(NamedTuple):
@@ -130,6 +146,68 @@ def examine(family: Family, count: int, seed: int) -> Result:
     return Result(family, seconds, asked, wrong)
 
 
+def led_curves(robot: sn.Robot, count: int, rng: np.random.Generator) -> Iterator[tuple[Floats, Floats]]:
+    """Yield points along shapes of the arm, all and those that are given, where its joints can carry it straight in."""
+    alone = robot.changed(segments=())
+    solver, length = sn.Solver(alone, max_starts=1, routes=False), sum(each.length[1] for each in robot.segments)
+    lows, highs = np.array([joint.limits for joint in moving(robot.joints)]).T
+    while count > 0:
+        carried = alone.with_joints(None, rng.uniform(lows, highs))
+        port, there = link_poses(robot, values_of(alone, carried[None]))[0, -1], True
+        for back in np.linspace(0.0, length, 31).tolist():
+            found = solver.solve(sn.Target(port[:3, 3] - back * port[:3, 2], direction=port[:3, 2]), carried)
+            carried, there = found.configuration, there and found.solved
+        if not there:
+            continue
+        bend, side = rng.uniform(0.0, BENT, len(robot.segments)), rng.uniform(-np.pi, np.pi, len(robot.segments))
+        at, points = port, [port[None, :3, 3]]
+        for x, y, segment in zip(bend * np.cos(side), bend * np.sin(side), robot.segments, strict=True):
+            shares = np.linspace(0.0, 1.0, FINE + 1)[1:, None] * (x, y, segment.length[1])
+            points.append(at[:3, 3] + arc_ends(*shares.T) @ at[:3, :3].T)
+            at = at @ arc_poses(*np.array([x, y, segment.length[1]]))
+        whole = np.concatenate(points)
+        behind = port[:3, 3] - np.linspace(length, 0.0, FINE, endpoint=False)[:, None] * port[:3, 2]
+        yield np.concatenate([behind, whole]), whole[::GIVEN]
+        count -= 1
+
+
+def lead(count: int, seed: int) -> str:
+    """Lead the arm along so many curves, judge it, and return a table."""
+    robot, rng = six_axes().changed(segments=[sn.Segment(0.1, 2.0, radius=0.01)] * 3), np.random.default_rng(seed)
+    length, wrong = sum(each.length[1] for each in robot.segments), 0
+    seconds, found = list[float](), list[tuple[float, float, float]]()
+    for fine, points in led_curves(robot, count, rng):
+        spent = []
+        for _ in range(LED):
+            began = time.process_time()
+            motion = sn.follow_the_leader(robot, points)
+            spent.append(time.process_time() - began)
+        if not motion.solved:
+            continue
+        seconds.append(min(spent))
+        knots = np.arange((len(motion.times) - 1) * BETWEEN + 1) / BETWEEN
+        q = motion.at(np.interp(knots, np.arange(len(motion.times)), motion.times))
+        wrong += bool(wrong_among(robot, sn.Scene(), q))
+        places = np.stack([own for link, own, _ in body_places(robot, q) if link > len(moving(robot.joints))], axis=1)
+        off = distances(cKDTree(fine), fine, places.reshape(-1, 3)).reshape(places.shape[:-1]) / (0.01 * length)
+        found.append((float(off[:, -1, -1].max()), float(off.mean()), float(off.max())))
+    tip, shape, most = np.array(found).reshape(-1, 3).T
+    times = Times.of([1e3 * each for each in seconds] or [math.nan])
+    head = [
+        "led, six axes and three segments",
+        "of",
+        "wrong",
+        "tip, %, worst",
+        "shape, %, mean",
+        "worst",
+        "median, ms",
+        "p95",
+    ]
+    figures = [f"{each:.3f}" for each in (tip.max(), shape.mean(), most.max())]
+    cells = [[str(len(found)), str(count), str(wrong), *figures, f"{times.median:.3g}", f"{times.p95:.3g}"]]
+    return table([head, *cells, ["goal", "", "0", "0.000", "1", "", "50", ""]])
+
+
 def rigid_reference(count: int, seed: int) -> Times | None:
     """Times of an analytic solver for six axes, all branches, through Python; `None` where it is not installed."""
     try:
@@ -187,7 +265,8 @@ def run(
         f"{TOLERANCE.angle:g} rad of a full pose; {SPHERES} spheres of {SPHERE:g} m, whole body proved clear",
     }
     results = [examine(family, count, seed) for family in FAMILIES]
-    text = headed(facts, report(results, rigid_reference(min(count, 500), seed)))
+    led = lead(min(count, CURVES), seed)
+    text = headed(facts, f"{report(results, rigid_reference(min(count, 500), seed))}\n\n{led}")
     typer.echo(text, nl=False)
     if record is not None:
         record.write_text(f"# joints\n\n{text}", encoding="utf-8")

@@ -10,8 +10,12 @@ def test_all_arms_are_solved_and_judged_right(capsys: pytest.CaptureFixture[str]
     assert main(["joints", "--count", "5"]) == 0
     text = capsys.readouterr().out
     rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| ")][2:]
-    assert [row[1] for row in rows] == [family.name for family in joints.FAMILIES]
-    assert all(row[2:5] == ["5", "5", "0"] for row in rows)
+    count = len(joints.FAMILIES)
+    assert [row[1] for row in rows[:count]] == [family.name for family in joints.FAMILIES]
+    assert all(row[2:5] == ["5", "5", "0"] for row in rows[:count])
+    led, goal = rows[-2:]
+    assert led[1:5] == ["5", "5", "0", "0.000"]
+    assert float(led[5]) < float(goal[5])
 
 
 def test_what_is_no_number_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

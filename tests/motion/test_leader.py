@@ -174,3 +174,29 @@ def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:
 def test_what_is_no_stage_is_refused(travel: float, name: str, message: str) -> None:
     with pytest.raises(sn.InputError, match=message):
         sn.on_stage(ARM, travel, name)
+
+
+def test_joints_carry_the_arm_along_the_curve() -> None:
+    """A gantry with a wrist; judged by products of rotations, see `body_places`."""
+    joints: list[Any] = [sn.Prismatic(axis, (-4.0, 4.0)) for axis in np.eye(3)]
+    joints += [
+        sn.Revolute((1, 0, 0), (-2, 2)),
+        sn.Revolute((0, 1, 0), (-2, 2), body=[((0, 0, -0.5), (0, 0, -0.1), 0.1)]),
+    ]
+    robot = sn.Robot([sn.Segment(1.0, radius=0.05)] * 3, joints=joints)
+    wall = sn.Sphere((1.2, 0.0, 0.2), 0.5)
+    motion = sn.follow_the_leader(robot, BEZIER, [wall])
+    assert motion.solved
+    assert motion.times[0] == pytest.approx(3.0)
+    start, end = (body_places(robot, q[None])[0, -3:].reshape(-1, 3) for q in motion.configuration[[0, -1]])
+    np.testing.assert_allclose(start[:, :2], 0.0, atol=1e-3)
+    np.testing.assert_allclose(start[[0, -1], 2], (-3.0, 0.0), atol=1e-3)
+    np.testing.assert_allclose(end[-1], (2, 0, 1.3), atol=1e-8)
+    found = motion.deviation(BEZIER)
+    assert found.length == 3.0
+    assert found.shares["tip"] < 2e-5
+    assert found.shares["shape_mean"] < 0.005
+    assert found.shares["shape"] < 0.02
+    assert all(each.ok for each in motion.verify())
+    solution = sn.solve(robot, sn.Target(end[-1], direction=(1, 0, 0)))
+    assert sn.follow_the_leader(robot, solution).solved

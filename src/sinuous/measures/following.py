@@ -72,9 +72,15 @@ def deviation(robot: Robot, q: Floats, curve: Curve) -> Deviation:
 
 
 def line_in_front(robot: Robot, curve: Rows | Curve) -> Curve:
-    """Return the curve with a straight line from the base in front, where it begins elsewhere."""
+    """Return the curve with a straight line from the base in front, where it begins elsewhere.
+
+    Where joints carry the robot, the line is as long as its segments at most, and leads straight on into the curve.
+    """
     own = curve if isinstance(curve, Curve) else Curve(curve)
     base = robot.base[:3, 3]
+    if robot.joints:
+        behind = sum(segment.length[1] for segment in robot.segments)
+        return own if own.lead >= behind else Curve(own.points, start=own.points[0] - behind * own.tangent(own.lead))
     if np.linalg.norm(own.start - base) <= HERE * robot.mean_length:
         return own
     return Curve(own.points if own.lead == 0.0 else np.concatenate([own.start[None], own.points]), start=base)

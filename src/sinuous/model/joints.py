@@ -346,7 +346,7 @@ def joints_with(joints: Sequence[Joint], rigid: RigidRows, limits: Mapping[int, 
 
 def moved_joints(joints: Sequence[Joint], offsets: Floats) -> list[Joint]:
     """Return joints that stand where they would with so much (j,) more of each value."""
-    more, result = iter(offsets.tolist()), []
+    more, result = iter(offsets.tolist()), list[Joint]()
     for joint in joints:
         if isinstance(joint, Fixed):
             result.append(joint)

@@ -33,10 +33,13 @@ EXACT = 1e-10
 """How exactly the tip is on the curve at every knot, in lengths of the robot."""
 
 TIP_DEVIATION = 3e-6
-"""How far the tip may leave the curve between knots, by default, in lengths of the robot."""
+"""How far the tip may leave the curve between knots, by default, in mean lengths of the segments together."""
 
 LOOKS = 7
 """Places of a step, evenly spaced, at which it is measured how far the tip is off the curve."""
+
+SAMPLES = 20
+"""Places of each segment of a solution that is followed."""
 
 FITTED = 8
 """Chains that are fitted, for each length of the shortest segment that bends; what lies between is interpolated."""
@@ -120,23 +123,25 @@ def follow_the_leader(
 ) -> Motion:
     """Lead a body along a curve: at every depth it lies on the part of the curve that its tip has passed.
 
-    The length of the chain is the depth, so the robot has to be able to change it: by an insertion stage (a first
-    segment that stretches and cannot bend, see `on_stage`), or by segments that stretch, which unroll. The base does
-    not move otherwise. At every knot the tip is on the curve, and shapes are fitted to it by least squares; every step
-    is proved. `motion.deviation(curve)` measures both. `motion.reversed()` leads out again. Under load it is the loaded
-    body that lies on the curve; where nothing bounds it between two knots, their step is `sampled`, not proved.
+    Where joints carry the first segment, they move it along the curve, and along a straight line as long as the
+    segments behind where it begins. Else the length of the chain is the depth, so the robot has to be able to change
+    it: by an insertion stage (a first segment that stretches and cannot bend, see `on_stage`), or by segments that
+    stretch, which unroll. The base does not move otherwise. At every knot the tip is on the curve, and shapes are
+    fitted to it by least squares; every step is proved. `motion.deviation(curve)` measures both. `motion.reversed()`
+    leads out again. Under load it is the loaded body that lies on the curve; where nothing bounds it between two knots,
+    their step is `sampled`, not proved.
 
     Parameters
     ----------
     robot : Robot
     curve : array_like (K, 3), Curve or Solution
         Points from the base, or from where the tip enters, to where it goes: a cubic spline through them is followed,
-        with a straight line in front from the base where they begin elsewhere. Of a `Solution` the backbone is
-        followed, so that the motion ends in its shape; its `route` is an array of points.
+        with a straight line in front from the base where they begin elsewhere; with joints the tip enters there. Of a
+        `Solution` the backbone is followed, so that the motion ends in its shape; its `route` is an array of points.
     scene : Scene or list of obstacles, optional
     tip_deviation : float, optional
         How far the tip may leave the curve between knots, in the length unit, as measured at seven places of every
-        step; by default 3e-6 of the robot's mean length. The smaller, the more knots.
+        step; by default 3e-6 of the mean length of the segments. The smaller, the more knots.
     time : float
         Budget of each knot in seconds; a knot is one solve, from the shape that was fitted.
     clearance, self_clearance : float or array_like (n,), optional
@@ -145,7 +150,8 @@ def follow_the_leader(
     Returns
     -------
     Motion
-        Its time is the length of the curve that the tip has passed, from the base. Its waypoints are the first knot and
+        Its time is the length of the curve that the tip has passed, from the base (of the line behind it, with joints).
+        Its waypoints are the first knot and
         the last. It ends before the first knot that is not solved, with the status of that one.
 
     Raises
@@ -158,18 +164,20 @@ def follow_the_leader(
     robot = SolveOptions(clearance=clearance, self_clearance=self_clearance).demanded_of(robot)
     path = curve_from_base(robot, curve)
     low, high = depths_of(robot)
+    if robot.joints:
+        low, high = path.lead, path.length
     if low == high:
         raise InputError("robot", "no segment stretches", robot, "an insertion stage (see on_stage), or such segments")
     slack = 1e-6 * robot.mean_length
     if not low < path.length <= high + slack:
         expected = f"more than {low:g} and at most {high:g} from the base, as long as the robot can be"
         raise InputError("curve", "", path.length, expected)
-    allowed = TIP_DEVIATION * robot.mean_length
+    allowed = TIP_DEVIATION * 0.5 * sum(depths_of(robot))
     if tip_deviation is not None:
         allowed = checks.number("tip_deviation", tip_deviation, above=0.0)
     body = robot.changed(tool=None)  # the tip is led, not the tool
     solver = Solver(body, scene, tolerance=Tolerance(EXACT * robot.mean_length), max_starts=1, routes=False, time=time)
-    leader = _Leader(robot, path, solver, min(path.length, high))
+    leader = _Leader(robot, path, solver, low, min(path.length, high))
     return leader.motion(allowed, begin)
 
 
@@ -182,6 +190,8 @@ def curve_from_base(robot: Robot, curve: Rows | Curve | Solution) -> Curve:
         When it leads elsewhere than the base does.
     """
     path = line_in_front(robot, _backbone(curve) if isinstance(curve, Solution) else curve)
+    if robot.joints:
+        return path
     axis, onward = robot.base[:3, 2], path.tangent(0.0)
     if float(onward @ axis) < np.cos(FORWARD):
         expected = f"a curve that begins along the axis of the base, {axis.round(3).tolist()} from its position"
@@ -193,7 +203,9 @@ def _backbone(solution: Solution) -> Floats:
     """Points (k, 3) of a body, under load of the loaded one, without those where a segment has no length."""
     robot = solution.problem.robot
     body, arcs = bodies_at(robot, solution.configuration[None])
-    points = body.backbone(arcs[0])
+    points = body.backbone(arcs[0], SAMPLES)[body.drive.before * SAMPLES :]
+    if robot.joints:  # where the first segment begins is not among the samples of joints and links
+        points[0] = body.forward(arcs[0])[body.drive.before - 1, :3, 3]
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9 * robot.mean_length
     return points[np.append(True, apart)]
 
@@ -201,12 +213,11 @@ def _backbone(solution: Solution) -> Floats:
 class _Leader:
     """Knots of one motion, while they are found."""
 
-    def __init__(self, robot: Robot, path: Curve, solver: Solver, end: float) -> None:
+    def __init__(self, robot: Robot, path: Curve, solver: Solver, low: float, end: float) -> None:
         self.robot, self.path, self.solver = robot, path, solver
-        self.low = depths_of(robot)[0]
         bending = [s.length[1] for s in robot.segments if s.max_bend > 0.0 and s.length[1] > 0.0]
-        count = np.clip(int(FITTED * (end - self.low) / min(bending, default=end)), LEAST_FITTED, MOST_FITTED)
-        self.depths = np.linspace(self.low, end, int(count) + 1)
+        count = np.clip(int(FITTED * (end - low) / min(bending, default=end)), LEAST_FITTED, MOST_FITTED)
+        self.depths = np.linspace(low, end, int(count) + 1)
         self.unbounded = robot.has_external_load and not bounded(robot)  # shorter steps are no more than sampled then
         self.ended: Solution | None = None
         self.answers: dict[tuple[float, float], Floats] = {}
@@ -216,7 +227,9 @@ class _Leader:
         """Find knots until the tip keeps to the curve and all steps are proved, or cannot be."""
         from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
-        self.shapes = CubicSpline(self.depths, fit_chains_along(self.robot, self.path, self.depths))
+        self.shapes = CubicSpline(
+            self.depths, fit_chains_along(self.robot, self.path, self.depths, None, self.solver.scene)
+        )
         self.depths, self.q, self.clear, first = self._solved(self.depths, self.shapes(self.depths))
         for _ in range(TIP_ROUNDS):
             counts = np.ceil(np.sqrt(self._off() / allowed)).astype(np.intp)

@@ -25,7 +25,7 @@ from benchmarks.harness.lines import Times
 from benchmarks.harness.machine import headed
 from benchmarks.harness.markdown import table
 from benchmarks.judges.kinematics import arc_ends, arc_poses
-from benchmarks.judges.links import body_places, link_poses, moving, tip_of, values_of, wrong_among
+from benchmarks.judges.links import body_places, link_poses, moving, tip_of, wrong_among
 from benchmarks.mbm import CAPSULES, FLANGE, PANDA, panda_joints
 from benchmarks.motion.leader import distances
 from sinuous.base import checks
@@ -152,8 +152,9 @@ def led_curves(robot: sn.Robot, count: int, rng: np.random.Generator) -> Iterato
     solver, length = sn.Solver(alone, max_starts=1, routes=False), sum(each.length[1] for each in robot.segments)
     lows, highs = np.array([joint.limits for joint in moving(robot.joints)]).T
     while count > 0:
-        carried = alone.with_joints(None, rng.uniform(lows, highs))
-        port, there = link_poses(robot, values_of(alone, carried[None]))[0, -1], True
+        drawn = rng.uniform(lows, highs)
+        carried = alone.with_joints(None, drawn)
+        port, there = link_poses(robot, drawn[None])[0, -1], True
         for back in np.linspace(0.0, length, 31).tolist():
             found = solver.solve(sn.Target(port[:3, 3] - back * port[:3, 2], direction=port[:3, 2]), carried)
             carried, there = found.configuration, there and found.solved

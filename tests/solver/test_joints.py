@@ -444,3 +444,13 @@ def test_targets_of_segments_count_segments() -> None:
     assert many.solved.all()
     step = sn.Solver(robot).step((joints, q), target=targets, dt=0.1)
     np.testing.assert_allclose(step.configuration, robot.with_joints(q, joints), atol=1e-9)
+
+
+def test_default_shapes_are_within_limits_of_joints() -> None:
+    for robot in (panda(bodies=True), bronchoscope(), six_axes()):
+        assert robot.excess(robot.straight) == 0.0
+    shaft = sn.Sphere((0.0, 0.0, -8.0), 4.0)
+    motion = sn.Motion(
+        bronchoscope(), [([0.1, 0.0], [[0.1, 0.0, 20.0]] * 3), ([0.2, 5.0], [[0.1, 0.0, 20.0]] * 3)], [shaft]
+    )
+    assert {each.change for each in motion.explain(0.5).remedies} >= {"obstacle sphere[0]"}

@@ -372,6 +372,12 @@ class Robot(NotebookMixin, Frozen):
         arcs = [f"{len(self.segments)} segments", f"total length {low:g} to {high:g}"] if self.segments else []
         return call("Robot", [*name, *moved, *arcs, *driven])
 
+    @cached_property
+    def straight(self) -> Floats:
+        """The straight configuration (rows, 3) at mean lengths, with joints as near to 0 as they can be; read-only."""
+        q = straight(self.rows)
+        return checks.closed(self.drive.coordinates.project(q) if self.joints else q)
+
     @property
     def body_radii(self) -> tuple[float, ...]:
         """Radii of what has a body: capsules of links, and all segments."""

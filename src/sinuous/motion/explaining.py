@@ -23,6 +23,10 @@ HALVINGS = 7
 """How often the interval is halved in which the thickest body lies."""
 
 
+THINNEST = 1e-9
+"""Share of its thickness that a link keeps where a body without any is meant: it has one, or it is none."""
+
+
 def explain_motion(motion: "Motion", sentence: str, time: Number) -> Explanation:
     """Say why a motion ended as it did; `sentence` is what its status means here. See `Motion.explain`."""
     seconds = checks.number("time", time, low=0.0)
@@ -86,7 +90,7 @@ def _make_clear(motion: "Motion", worst: Worst, end: float) -> tuple[list[Remedy
 def _thinner(robot: Robot, share: float) -> Robot:
     """The robot with a share of its thickness."""
     thin = [own.changed(radius=share * own.radius) for own in robot.segments]
-    bodies = [[(*own[:2], share * own.radius) for own in joint.body if share > 0.0] for joint in robot.joints]
+    bodies = [[(*own[:2], max(share, THINNEST) * own.radius) for own in joint.body] for joint in robot.joints]
     joints = [joint.changed(body=body) for joint, body in zip(robot.joints, bodies, strict=True)]
     return robot.changed(segments=thin, joints=joints)
 

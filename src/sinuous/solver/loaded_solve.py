@@ -17,7 +17,6 @@ from sinuous.kernels import tables as k
 from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
 from sinuous.model.limits import LIMIT_ROUNDING
 from sinuous.model.robot import Robot, robot_group
-from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import longest_body
@@ -198,7 +197,7 @@ def solve_under_load(
             break
     assert best is not None
     if math.isinf(best.position_error):  # no start has an equilibrium: a straight body may
-        best = correct_start(own, problem, unsolved_start(straight(problem.robot.rows)), seconds)
+        best = correct_start(own, problem, unsolved_start(np.array(problem.robot.straight)), seconds)
     spent = work_time() - began
     code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

@@ -29,7 +29,6 @@ from sinuous.methods.method import Call, Options, name_of, prepare, ready
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem, base_blocked, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -728,7 +727,7 @@ class KeptOptions(SolveAgain):
 
 
 def _warm_solve(solver: Solver) -> None:
-    solver.solve(_beyond_reach(solver), straight(solver.robot.rows), time=0.0)
+    solver.solve(_beyond_reach(solver), np.array(solver.robot.straight), time=0.0)
     solver._strategy.load(anew=True)
 
 
@@ -737,7 +736,7 @@ def _warm_many(solver: Solver) -> None:
 
 
 def _warm_step(solver: Solver) -> None:
-    solver.step(straight(solver.robot.rows), (0.0,) * 6, 1.0)
+    solver.step(np.array(solver.robot.straight), (0.0,) * 6, 1.0)
 
 
 READY: dict[str, Callable[[Solver], None]] = {

@@ -9,7 +9,6 @@ from sinuous.base.errors import InputError
 from sinuous.kernels.velocity import layout as a
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 from sinuous.model.tension_rows import TensionRows
 
 FAR = 1e6
@@ -61,7 +60,7 @@ class RateLimits:
             elastic = robot.drive.elastic
             assert elastic is not None
             self.limited += tuple(robot.actuators[elastic.places[i]] for i in self.tensions.lines)
-            rows = self._of_tensions(self.tensions, straight(robot.rows))
+            rows = self._of_tensions(self.tensions, robot.straight)
             if not self.tensions.linear:
                 rows[:, [3 * n + a.LOWEST, 3 * n + a.HIGHEST]] = -np.inf, np.inf  # until `write_tensions`
             self.actuators = np.concatenate([self.actuators, rows])

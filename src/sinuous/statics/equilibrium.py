@@ -13,7 +13,6 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.statics import layout as t
 from sinuous.model.loads import Force, Load
-from sinuous.model.segment import straight
 from sinuous.statics.body import KEPT, Tables, body_of, rolled, tables_of, unrolled
 from sinuous.statics.response import EquilibriumQuestion, Response
 
@@ -274,7 +273,7 @@ def _pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], initial: Fl
     body = body_of(robot)
     own, q = body.lines, initial
     if q is None:
-        q = robot.drive.coordinates.project(straight(robot.rows)) if robot.joints else straight(robot.rows)
+        q = np.array(robot.straight)
     tables = tables_of(robot, q, loads)
     tables.lines[:, t.HELD], tables.lines[:, t.LINE_VALUE] = 0.0, tensions[own.actuators]
     through = (np.arange(len(q)) >= own.sections[:, :1]) & (np.arange(len(q)) <= own.sections[:, 1:])

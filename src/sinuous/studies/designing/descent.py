@@ -17,7 +17,6 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 from sinuous.problem.problem import Problem
 from sinuous.studies.designing.judge import Judge, Judged
 from sinuous.studies.designing.objectives import Objective, of_robot
@@ -306,8 +305,8 @@ class _Steps:
             largest, least = np.eye(m, self._shared, o), np.eye(m, self._shared, o + m)
             ends = np.concatenate([largest, -least])
             listed.append(self._both(value, slopes, change, shared=ends))
-            rest = _values(self._robot, straight(self._robot.rows)[None])[0]
-            change = self._by_fields(lambda robot, _: _values(robot, straight(robot.rows)[None])[0])
+            rest = _values(self._robot, self._robot.straight[None])[0]
+            change = self._by_fields(lambda robot, _: _values(robot, robot.straight[None])[0])
             listed.append(self._both(rest, 0.0 * slopes, change, shared=ends))
             listed.append(self._rows(0.0 * change, 0.0 * slopes, np.zeros(m), "travel", least - largest))
         return listed

@@ -10,7 +10,6 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.packing import scales_of
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 
 Objective = Literal["actuators", "length", "bend", "travel", "tension", "clearance", "uncovered"]
 """What may be minimised.
@@ -87,5 +86,5 @@ def _of_shapes(name: Objective, robot: Robot, q: Floats) -> float:
     if name == "tension":
         elastic = robot.drive.elastic
         return math.inf if elastic is None else float(np.abs(elastic.balance(q).tensions).max())
-    values = robot.to_actuators(np.concatenate([q, straight(robot.rows)[None]]))
+    values = robot.to_actuators(np.concatenate([q, robot.straight[None]]))
     return float(np.ptp(values, axis=0).max())

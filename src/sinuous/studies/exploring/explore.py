@@ -24,7 +24,6 @@ from sinuous.base.frozen import ShortRepr
 from sinuous.base.progress import ProgressBar
 from sinuous.base.words import duration
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 from sinuous.motion.configurations import lever_metric, violated_by
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
@@ -229,7 +228,7 @@ def explore(
 def _starts(robot: Robot, given: Batch | None) -> Floats:
     """Shapes (m, n, 3) to be joined first."""
     if given is None:
-        start = straight(robot.rows)[None]
+        start = np.array(robot.straight[None])
         return start if violated_by(robot, start[0]) is None else start[:0]
     shapes = robot.configuration("starts", given).reshape(-1, len(robot), 3)
     for i, q in enumerate(shapes):

@@ -15,7 +15,6 @@ from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.frozen import Frozen
 from sinuous.files.problem_file import read_waypoints
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import plan
 from sinuous.motion.track import track
@@ -198,7 +197,7 @@ class Move(Frozen):
 
     def do(self, solver: Solver) -> Done:
         """Plan it."""
-        start = straight(solver.robot.rows) if self.start is None else self.start
+        start = solver.robot.straight if self.start is None else self.start
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
             motion = plan(solver.robot, start, list(self.goal), solver.scene, **vars(solver.options))

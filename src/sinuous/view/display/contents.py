@@ -18,7 +18,6 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.measures.body_place import BodyPlace
 from sinuous.model.robot import Robot
-from sinuous.model.segment import straight
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.motion.tables import interpolate
@@ -332,8 +331,7 @@ def gather(things: Iterable[Any]) -> Contents:
 
 def middle_of(robot: Robot) -> Floats:
     """Return the straight robot (n, 3), with its joints as near to 0 as they can be."""
-    q = straight(robot.rows)
-    return robot.drive.coordinates.project(q) if robot.joints else q
+    return np.array(robot.straight)
 
 
 def _is_array(thing: Any) -> bool:

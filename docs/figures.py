@@ -77,7 +77,7 @@ def joints() -> None:
     names: dict[str, Any] = {}
     page = (ROOT / "docs" / "guides" / "joints.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    for name, block in zip(("bronchoscope", "six_axis"), blocks, strict=False):
+    for name, block in zip(("bronchoscope", "six_axis", "rover"), blocks, strict=False):
         exec(block, names)
         shape(name, names["solution"])
 

@@ -9,6 +9,7 @@ import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
+from sinuous.kernels.tables import MANY_OBSTACLES
 from sinuous.scene.obstacles import Obstacle
 
 SECTION = "parts of a scene, evenly spread, CPU time"
@@ -17,6 +18,9 @@ POINTS, STEP = 4_000, 0.03
 """Places on the way of a point that distances are asked at, and how far it goes between them."""
 
 ROUNDS = 5
+REACH, THICKNESS = 5.0, 0.1
+"""How far the robot reaches for which cells are made, and the radius of its body."""
+
 FACTOR, PREPARED, CHANGED = 3.0, 50e-3, 1e-3
 """Goals: the dearest distance over the cheapest; seconds to prepare the largest scene, and to move a part of it."""
 
@@ -37,16 +41,21 @@ KINDS: dict[str, Make] = {"rods": _rod, "boxes": _block}
 def measure(plan: Plan) -> Iterator[Line]:
     """Ask distances along a way, in scenes of one density."""
     for kind, make in KINDS.items():
-        times = []
+        times, cells = list[float](), list[float]()
         for count in COUNTS[: plan.count(len(COUNTS), 3)]:
             scene, prepared = _scene(make, count, plan.rng(21))
             times.append(_asked(scene, count, plan.rng(22)))
-            yield Line(SECTION, f"a distance and its gradient among {count} {kind}", times[-1], "ns")
+            yield Line(SECTION, f"a distance and its gradient among {count} {kind}", times[-1], "us")
             yield Line(SECTION, f"preparing {count} {kind}", prepared, "ms", Goal(PREPARED), noise=1.0)
+            if count >= MANY_OBSTACLES:
+                listed, again = _listed(scene, count, plan.rng(22))
+                cells.append(again)
+                yield Line(SECTION, f"the same once cells list who is near, {count} {kind}", cells[-1], "us")
+                yield Line(SECTION, f"making these cells, {count} {kind}", listed, "ms", noise=1.0)
             yield Line(SECTION, f"moving one of {count} {kind}", _moved(scene, plan), "ms", Goal(CHANGED), noise=1.0)
-        yield Line(
-            SECTION, f"dearest over cheapest distance, {kind}", max(times) / min(times), "x", Goal(FACTOR), noise=0.5
-        )
+        for what, own in (("", times), (" with cells", cells)):
+            factor = max(own) / min(own)
+            yield Line(SECTION, f"dearest over cheapest distance{what}, {kind}", factor, "x", Goal(FACTOR), noise=0.5)
 
 
 def _scene(make: Make, count: int, rng: np.random.Generator) -> tuple[sn.Scene, float]:
@@ -70,6 +79,13 @@ def _asked(scene: sn.Scene, count: int, rng: np.random.Generator) -> float:
         scene.gradient(points)
         spent.append(process_time() - began)
     return min(spent) / POINTS
+
+
+def _listed(scene: sn.Scene, count: int, rng: np.random.Generator) -> tuple[float, float]:
+    """Return how long cells about the middle took, as a hard solve has them made, and what a distance costs then."""
+    began = process_time()
+    scene.snapshot().list_near(np.zeros(3), REACH, THICKNESS)
+    return process_time() - began, _asked(scene, count, rng)
 
 
 def _moved(scene: sn.Scene, plan: Plan) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, boxes_of
 from tests.helpers import random_rotation
 
 RNG = np.random.default_rng(2)
@@ -48,3 +48,11 @@ def test_what_has_no_end_or_nothing_in_it_has_no_box() -> None:
 def test_samples_fill_their_box() -> None:
     field = sn.Field(lambda points: np.linalg.norm(points, axis=1) - 0.5, (-1, -1, -1), (1, 1, 1), 0.5)
     np.testing.assert_allclose(np.asarray(field._box), [[-1, -1, -1], [1, 1, 1]])
+
+
+def test_boxes_of_many_are_those_of_each() -> None:
+    many = [*OBSTACLES, sn.HalfSpace((0, 0, 0), (0, 0, 1))] * 25
+    found = boxes_of(many)
+    assert list(found) == [i for i, own in enumerate(many) if own._box is not None]
+    for i, box in found.items():
+        np.testing.assert_allclose(box, np.asarray(many[i]._box), atol=1e-12)

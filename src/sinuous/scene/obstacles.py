@@ -20,7 +20,17 @@ from sinuous.base.documents import plain, pose_arguments, readable
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels.packing import primitive_row, primitive_rows
-from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
+from sinuous.kernels.tables import (
+    AXES,
+    BOX,
+    CENTER,
+    CYLINDER,
+    HALF_EXTENTS,
+    HALF_SPACE,
+    MANY_OBSTACLES,
+    ROUNDING_RADIUS,
+    SPHERE,
+)
 from sinuous.model.poses import any_rotation, least_rotation, least_rotations, pose
 
 
@@ -417,7 +427,7 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
     turns = np.empty((len(obstacles), 3, 3))
     lines = [i for i, own in enumerate(obstacles) if isinstance(own, Capsule | Cylinder)]
     if lines:
-        listed = [own for own in obstacles if isinstance(own, Capsule | Cylinder)]
+        listed: list[Any] = [obstacles[i] for i in lines]
         starts, ends = np.array([own.start for own in listed]), np.array([own.end for own in listed])
         radii, round_ends = np.array([own.radius for own in listed]), np.array([own._code == BOX for own in listed])
         spans = ends - starts
@@ -433,3 +443,17 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
         centers[i], turns[i], half[i], rounding[i] = obstacles[i].frame
     kinds, inside = np.array([own._code for own in obstacles]), np.array([own.inside for own in obstacles])
     return primitive_rows(kinds, inside, centers, turns, half, rounding)
+
+
+def boxes_of(obstacles: Sequence[Obstacle]) -> dict[int, Floats]:
+    """Opposite corners (2, 3) of boxes about obstacles that end somewhere, by their number; of many together."""
+    exact = [i for i, own in enumerate(obstacles) if isinstance(own, Primitive) and own._code != HALF_SPACE]
+    if len(exact) < MANY_OBSTACLES:
+        return {i: box for i, own in enumerate(obstacles) if (box := own._box) is not None}
+    rows = rows_of([obstacles[i] for i in exact])  # type: ignore[misc]  # these are primitives
+    turns, half = np.abs(rows[:, AXES : AXES + 9].reshape(-1, 3, 3)), rows[:, HALF_EXTENTS : HALF_EXTENTS + 3]
+    extents = np.einsum("mij,mj->mi", turns, half) + rows[:, ROUNDING_RADIUS, None]
+    centers = rows[:, CENTER : CENTER + 3]
+    boxes = dict(zip(exact, np.stack([centers - extents, centers + extents], axis=1), strict=True))
+    others = set(range(len(obstacles))) - set(exact)
+    return dict(sorted({**boxes, **{i: box for i in others if (box := obstacles[i]._box) is not None}}.items()))

@@ -21,7 +21,7 @@ from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.hierarchy import bounds, hierarchy, is_worn, refit, with_cells, without_cells
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
-from sinuous.scene.obstacles import Obstacle, Primitive, rows_of
+from sinuous.scene.obstacles import Obstacle, Primitive, boxes_of, rows_of
 from sinuous.scene.parts import NOTHING, Part, prepare, seconds_to_prepare, unsampled
 
 DIFFERENCE = 1e-4
@@ -72,7 +72,7 @@ class Surroundings:
     def _called(self, name: str) -> list[int]:
         """Indices of the obstacles of this name."""
         every = self.obstacles
-        found = [i for i, own in enumerate(every) if own.name == name]
+        found = self.snapshot()._with_name(name)
         kind, _, number = name.removesuffix("]").rpartition("[")
         if kind and number.isdecimal() and int(number) < len(every) and not every[int(number)].name:
             found += [int(number)] if self.name(int(number)) == name else []
@@ -128,24 +128,41 @@ class Snapshot(Surroundings, Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_fields", "_group", "_kept_sizes", "_listed", "_lock", "_moves", "_obstacles", "_parts")
+    __slots__ = ("_fields", "_group", "_kept_sizes", "_listed", "_lock", "_moves", "_named", "_obstacles", "_parts")
 
     _fields: dict[int, Field] | None
     _kept_sizes: tuple[dict[int, float], float] | None
     _group: Floats | None
     _lock: threading.Lock
     _moves: bool | None
+    _named: dict[str, list[int]] | None
     _listed: Floats | None
     _obstacles: tuple[Obstacle, ...]
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        kept: dict[str, Any] = {"_group": None, "_fields": None, "_moves": None, "_kept_sizes": None, "_listed": None}
+        kept: dict[str, Any] = {
+            "_group": None,
+            "_fields": None,
+            "_moves": None,
+            "_kept_sizes": None,
+            "_listed": None,
+            "_named": None,
+        }
         self._set(_obstacles=obstacles, _parts=parts, _lock=threading.Lock(), **kept)
 
     def snapshot(self) -> "Snapshot":
         """Return itself."""
         return self
+
+    def _with_name(self, name: str) -> list[int]:
+        if self._named is None:  # every move asks
+            named: dict[str, list[int]] = {}
+            for i, own in enumerate(self._obstacles):
+                if own.name is not None:
+                    named.setdefault(own.name, []).append(i)
+            self._set(_named=named)
+        return list((self._named or {}).get(name, ()))
 
     @property
     def _kernel_group(self) -> Floats:
@@ -239,11 +256,11 @@ class Snapshot(Surroundings, Frozen):
     def _sizes(self) -> tuple[dict[int, float], float]:
         """Diagonals of boxes around the obstacles that end somewhere, by their index, and around all of these."""
         if self._kept_sizes is None:  # every solver and plan asks
-            boxes = {i: box for i, each in enumerate(self._obstacles) if (box := each._box) is not None}
-            corners = np.reshape([*boxes.values()], (len(boxes), 2, 3))
+            found = boxes_of(self._obstacles)
+            corners = np.reshape([*found.values()], (len(found), 2, 3))
             sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1).tolist()
-            span = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0) if boxes else np.zeros(3)
-            self._set(_kept_sizes=(dict(zip(boxes, sizes, strict=True)), float(np.linalg.norm(span))))
+            span = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0) if found else np.zeros(3)
+            self._set(_kept_sizes=(dict(zip(found, sizes, strict=True)), float(np.linalg.norm(span))))
         return self._kept_sizes  # type: ignore[return-value]  # set above
 
     @property
@@ -293,6 +310,8 @@ class Snapshot(Surroundings, Frozen):
         parts = [*known[:index], own, *known[index + 1 :]]
         snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
         snapshot._set(_group=self._group_with(index, known[index], own) if group is None else group)
+        if obstacle.name == self._obstacles[index].name:
+            snapshot._set(_named=self._named)
         if not isinstance(obstacle, Moving) and self._moves is False:
             snapshot._set(_moves=False)
         snapshot.prepare()

@@ -72,15 +72,12 @@ ALIKE, TURNED = 0.04, 0.2
 NARROW = 2.5
 """Distance from the obstacles, in radii of the body, below which a place of a route is narrow."""
 
-REACH = 1.0
-"""Share of the length of the rest of the robot that may be needed from a root to the target."""
-
 SHARES, TILT = (1.0, 0.6, 0.3), 0.8
 """How far before a mouth the first roots are, in shares of the length that is left for it. Others are anywhere between,
 and tilted by so much at most, rad."""
 
 SEEN = 8
-"""Places between a root and a mouth that are looked at, of as many of the best roots as there are `SHAPES` for each."""
+"""Places between a root and a mouth that are looked at; of the best roots, so many that these are `SHAPES` in all."""
 
 UNSEEN, AWAY, SHORT = 1.0, 8.0, 1.0
 """What it counts that a root does not see the mouth; that it is too far away, and that it is too near for a rest that
@@ -113,7 +110,7 @@ class Mouth(NamedTuple):
     line: Floats | None
 
     def is_like(self, other: "Mouth") -> bool:
-        """Whether it is another one's, as far as roots see."""
+        """Whether roots that face one face the other, too."""
         off = float(np.linalg.norm(self.place - other.place)) + abs(self.beyond - other.beyond)
         return off < SAME * max(self.beyond, other.beyond) and bool(self.into @ other.into > math.cos(TURNED))
 
@@ -320,7 +317,7 @@ class Roots:
         sight = mouth.place - self._ends[:, POSE_POSITION:]
         far = np.linalg.norm(sight, axis=1)
         sight /= np.maximum(far, 1e-12)[:, None]
-        away = np.maximum(0.0, far + mouth.beyond - REACH * self._longest)
+        away = np.maximum(0.0, far + mouth.beyond - self._longest)
         near = np.maximum(0.0, self._shortest - far - mouth.beyond)
         ahead = 2.0 - (sight * self._ends[:, TANGENT]).sum(axis=1) - sight @ mouth.into
         return np.asarray(ahead + (AWAY * away + SHORT * near) / self._longest)
@@ -335,7 +332,7 @@ class Roots:
             aside = np.cross(into, self._rng.normal(size=3))
             into = into + tilt * aside / max(1e-12, float(np.linalg.norm(aside)))
         length = float(np.linalg.norm(into))
-        room = REACH * self._longest - mouth.beyond
+        room = self._longest - mouth.beyond
         if length == 0.0 or room <= 0.0:
             return None
         pose = np.empty(t.POSE_WIDTH)

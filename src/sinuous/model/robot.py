@@ -647,15 +647,12 @@ class Robot(NotebookMixin, Frozen):
         or capsule is where the next row begins.
         """
         _, frames, lead = self._frames(q, joints)
-        poses = np.zeros((*frames.shape[:2], 4, 4))
-        poses[..., :3, :3] = frames[..., :9].reshape(*frames.shape[:2], 3, 3)
-        poses[..., :3, 3] = frames[..., 9:]
-        poses[..., 3, 3] = 1.0
-        return poses[:, 1:].reshape(*lead, len(self), 4, 4)
+        return _poses_of(frames[:, 1:]).reshape(*lead, len(self), 4, 4)
 
     def tip(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
-        return self.forward(q, joints)[..., -1, :, :] @ self.tool
+        _, frames, lead = self._frames(q, joints)
+        return _poses_of(frames[:, -1]).reshape(*lead, 4, 4) @ self.tool
 
     def backbone(self, q: JointsAndBatch | None, samples: Whole = 20, joints: Stack | None = None) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment.
@@ -922,6 +919,15 @@ class Robot(NotebookMixin, Frozen):
     @cached_property
     def _inverse(self) -> Inverse:
         return Inverse(self.drive)
+
+
+def _poses_of(frames: Floats) -> Floats:
+    """Poses (..., 4, 4) of frames (..., 12) as kernels have them."""
+    poses = np.zeros((*frames.shape[:-1], 4, 4))
+    poses[..., :3, :3] = frames[..., :9].reshape(*frames.shape[:-1], 3, 3)
+    poses[..., :3, 3] = frames[..., 9:]
+    poses[..., 3, 3] = 1.0
+    return poses
 
 
 def _widths(radii: Sequence[float], away: Any, unsure: Any, apart: Any) -> tuple[tuple[float, ...], ...]:

@@ -40,6 +40,9 @@ NUDGE = 1e-7
 ENOUGH = 1e-3
 """A round that brings none of the chains more than so great a share is the last."""
 
+FINEST = 3e-4
+"""The same where joints carry the chain, in lengths of the robot that places come nearer to the curve."""
+
 MOST_BRANCHES, BRANCH_STARTS = 30, 40
 """Branches of the inverse kinematics of joints that are tried, until one carries the chain all the way; and most starts
 from which one is sought."""
@@ -79,7 +82,9 @@ def _laid(chains: "_Chains", curve: Curve, depths: Floats, q: Floats, always: bo
     if len(free) == 0 or len(q) == 0:
         return q
     nudges = np.where(free % 3 == 2, NUDGE * robot.mean_length, NUDGE)
-    mu = np.full(len(depths), DAMPING)
+    mu, finest = np.full(len(depths), DAMPING), 0.0
+    if robot.joints:  # which are more than the curve says, so that rounds go on for long that hardly bring anything
+        finest = (FINEST * robot.mean_length) ** 2 * PLACES * len(robot.segments)
     residual, tangents = chains.residual(curve, depths, q)
     for _ in range(ROUNDS):
         jacobian = chains.jacobian(q, tangents, free, nudges) @ basis
@@ -95,7 +100,7 @@ def _laid(chains: "_Chains", curve: Curve, depths: Floats, q: Floats, always: bo
         better = np.isfinite(after) if always else after < before
         mu = np.where(better, EASE * mu, HARDEN * mu)
         q[better], residual[better], tangents[better] = tried[better], new[better], new_tangents[better]
-        if not always and (np.where(better, before - after, 0.0) <= ENOUGH * before).all():
+        if not always and (np.where(better, before - after, 0.0) <= ENOUGH * before + finest).all():
             break
     return q
 

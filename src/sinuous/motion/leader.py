@@ -268,7 +268,7 @@ class _Leader:
         shares = (np.arange(1, LOOKS + 1) / (LOOKS + 1.0))[:, None, None, None]
         between = (1.0 - shares) * self.q[new] + shares * self.q[new + 1]
         body, arcs = bodies_at(self.robot, between.reshape(-1, *self.q.shape[1:]))
-        tips = body.forward(arcs)[..., -1, :3, 3]
+        tips = body.tip(arcs)[..., :3, 3]
         off = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
         self.off.update(zip([ends[i] for i in new], off.tolist(), strict=True))
         return np.array([self.off[step] for step in ends])

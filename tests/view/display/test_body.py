@@ -94,7 +94,7 @@ def test_links_are_drawn_as_their_capsules(pieces: int) -> None:
     assert all(np.isfinite(own).all() for own in vertices)
     first = robot.changed(joints=joints[:1], segments=[])
     for name, (begin, end, radius) in zip(("j1.body1", "j1.body2"), body, strict=True):
-        own = vertices[robot.segment_names.index(name) * pieces]
+        own = vertices[robot.row_names.index(name) * pieces]
         frames = first.base @ first.joints[0].origin
         for i, value in enumerate(values[:, 0].tolist()):
             axis = first.joints[0].axis
@@ -109,6 +109,6 @@ def test_colours_of_joints_and_links_are_not_those_of_segments() -> None:
     joints = [sn.Revolute(body=[((0, 0, 0), (0, 0, 1), 0.1)]), sn.Prismatic((1, 0, 0), (0, 1))]
     robot = sn.Robot([sn.Segment(1.0), sn.Segment(1.0)], joints=joints)
     colours = gather([robot]).arms[0].colours
-    by_name = dict(zip(robot.segment_names, colours, strict=True))
+    by_name = dict(zip(robot.row_names, colours, strict=True))
     assert (by_name["s1"], by_name["s2"]) == ARMS[0]
     assert len({by_name["j1"], by_name["j1.body1"], *ARMS[0]}) == 4

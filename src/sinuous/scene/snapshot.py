@@ -185,6 +185,12 @@ class Snapshot(Surroundings, Frozen):
                 self._set(_group=group_of(parts))
         return parts
 
+    @property
+    def has_hierarchy(self) -> bool:
+        """Whether there are so many obstacles that kernels have a tree of boxes over all of them."""
+        rows, store = packing.scene_parts(self._kernel_group)
+        return len(rows) >= t.MANY_OBSTACLES and bool(store[t.HIERARCHY_OBSTACLES] == len(rows))
+
     def list_near(self, place: Floats, reach: float, radius: float) -> None:
         """Note who is near, in cells about a place (3,): what kernels find is the same, and found several times sooner.
 
@@ -192,7 +198,7 @@ class Snapshot(Surroundings, Frozen):
         scattered starts of a robot with this reach and radius. For another robot elsewhere it is made anew, of all.
         """
         rows, store = packing.scene_parts(self._kernel_group)
-        if len(rows) < t.MANY_OBSTACLES or store[t.HIERARCHY_OBSTACLES] != len(rows):
+        if not self.has_hierarchy:
             return
         all_of_it = bounds(store)
         box = np.clip(place + np.array([[-reach], [reach]]), *all_of_it)

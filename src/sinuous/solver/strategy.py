@@ -104,6 +104,10 @@ EFFORT_OF_A_GROWN_CHAIN = 1.0
 """Effort of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
 double as long as there is time."""
 
+EFFORT_AMONG_MANY = 0.4
+"""The same among so many obstacles that there is a tree over them: routes are many, most of them turn too tightly for
+the body, and wide beams find where it can (rods, sheets)."""
+
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
 
@@ -379,6 +383,8 @@ class RouteAttempts:
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
+        many = question.problem.scene.has_hierarchy
+        self._grown_effort = EFFORT_AMONG_MANY if many else EFFORT_OF_A_GROWN_CHAIN
         self._candidates = RouteCandidates(searches, question, query, attempts.without)
         self._passes = 0
         self._make_passages = passages
@@ -519,14 +525,14 @@ class RouteAttempts:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
             make = partial(self._candidates.grown_chains, candidate, GROWN_SEVERAL)
-            self._attempts.add("grown", PRIORITY_LAST, make, EFFORT_OF_A_GROWN_CHAIN * GROWN_SEVERAL)
+            self._attempts.add("grown", PRIORITY_LAST, make, self._grown_effort * GROWN_SEVERAL)
             return
         width = FIRST_WIDTH
         while width <= LAST_WIDTH:
             self._add_along(
                 "grown",
                 candidate,
-                EFFORT_OF_A_GROWN_CHAIN * width,
+                self._grown_effort * width,
                 partial(self._candidates.grown_chains, candidate, width),
             )
             width *= 2
@@ -537,7 +543,7 @@ class RouteAttempts:
         The first has the priority of number `first`.
         """
         if number < DETOURS:
-            effort = EFFORT_OF_A_GROWN_CHAIN * FIRST_WIDTH
+            effort = self._grown_effort * FIRST_WIDTH
             make = partial(self._detour, candidate, first, number)
             self._attempts.add("detours", effort * (1 + first + number) * candidate.weight, make, effort)
 

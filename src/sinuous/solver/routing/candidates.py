@@ -227,8 +227,10 @@ class RouteCandidates:
         longer = None if legs is None else lengthen_route(self._groups, legs, number, self._deadline)
         if longer is None or self._deadline() <= 0.0:
             return
-        yield self._nothing()
         route = np.concatenate([longer[0], *longer[1:, 1:]])
+        if self._problem.scene.has_hierarchy and not self._clear(route, self.query):
+            return  # among very many obstacles lines of sight lead through gaps that are too narrow
+        yield self._nothing()
         for chain in JoinedChains(self._groups, longer, self._deadline).chains_past_all_targets(FIRST_WIDTH):
             if self._is_new(chain):
                 yield starts_along(chain[None], (route,))

@@ -135,6 +135,7 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
     """Uses of the library that call all entries, by name."""
     import sinuous as sn
     from benchmarks.places import make
+    from tests.scene.shapes import ball as ball_of_triangles
 
     robot = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, tendons=sn.Tendons(3, 0.05, displacement=(-1, 1)))
     bare = sn.Robot.uniform(4, (0.5, 1.5), radius=0.04, max_bend=2.0)
@@ -178,6 +179,7 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
     ends = solution, sn.Target((0.6, 0.4, 2.2))
     yield "a motion", lambda: sn.track(robot, sn.Target.each(np.array([[1, 0, 2], [1, 0.1, 2]])), ball)
     yield "a plan", lambda: sn.plan(robot, *ends, ball)
+    yield "decimation", lambda: sn.Mesh(*ball_of_triangles(2)).decimated(0.2)
     yield "distances", lambda: (sn.Scene(many).distance(corners), sn.Scene(many).gradient(corners))
     for family, number in (("door in mesh", 0),):
         place = make(family, number)

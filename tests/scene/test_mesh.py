@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
+from sinuous.measures.obstacles import measure
 from sinuous.scene import mesh_files, triangles
 from sinuous.scene.mesh import Mesh
+from sinuous.scene.scene import Scene
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 from tests.scene.shapes import ball, cube, inverted, soup, together
@@ -355,3 +357,50 @@ def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
     assert mesh.defects[0].startswith(f"{count} triangle")
     assert len(mesh.defects) == 1
     assert triangles.are_triangles(mesh.vertices, mesh.faces).all()
+
+
+def bumpy(sides: int) -> tuple[np.ndarray, np.ndarray]:
+    """A torus with bumps: a closed surface that is nowhere plane."""
+    turn = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
+    u, v = np.meshgrid(turn, turn, indexing="ij")
+    r = 0.3 + 0.03 * np.sin(7 * u) * np.cos(5 * v)
+    places = np.stack([(1.0 + r * np.cos(v)) * np.cos(u), (1.0 + r * np.cos(v)) * np.sin(u), r * np.sin(v)], axis=-1)
+    a = np.arange(sides**2).reshape(sides, sides)
+    b, c, d = np.roll(a, -1, 0), np.roll(a, (-1, -1), (0, 1)), np.roll(a, -1, 1)
+    return places.reshape(-1, 3), np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("most", [0.01, 0.1])
+def test_decimation_never_claims_more_room(most: float) -> None:
+    """Its margin holds by libigl, and every distance to it is at most that to the mesh as it was, by libigl, too."""
+    igl = pytest.importorskip("igl")
+    pytest.importorskip("fast_simplification")
+    rng = np.random.default_rng(3)
+    mesh = Mesh(*bumpy(40))
+    fewer = mesh.decimated(most)
+    assert len(fewer.faces) < 0.8 * len(mesh.faces)
+    assert fewer.watertight
+    assert "were decimated to" in fewer.defects[0]
+    corners = mesh.vertices[mesh.faces]
+    places = np.einsum("fkx,fsk->fsx", corners, rng.dirichlet([0.5] * 3, (len(corners), 40))).reshape(-1, 3)
+    moved = np.sqrt(igl.point_mesh_squared_distance(places, fewer.vertices, fewer.faces)[0].max())
+    assert 0.5 * moved < moved <= fewer.margin <= most
+    points = np.concatenate([rng.uniform(-1.6, 1.6, (500, 3)), places[:500] + rng.normal(scale=most, size=(500, 3))])
+    before = np.sqrt(igl.point_mesh_squared_distance(points, mesh.vertices, mesh.faces)[0])
+    before *= np.where((igl.fast_winding_number(mesh.vertices, mesh.faces, points) > 0.5), -1.0, 1.0)
+    scene = Scene([fewer]).snapshot()
+    assert (scene.distance(points) <= before + 1e-12).all()
+    np.testing.assert_allclose(scene.distance(points), measure(fewer, points), atol=1e-9)
+
+
+def test_decimation_in_files_is_said_and_kept(tmp_path: Path) -> None:
+    pytest.importorskip("fast_simplification")
+    trimesh.Trimesh(*bumpy(30), process=False).export(tmp_path / "a.ply")
+    mesh = Mesh.load(tmp_path / "a.ply", 10.0, decimate=1.0)
+    assert mesh.source is not None
+    assert mesh.source.arguments["decimate"] == 1.0
+    assert 0.0 < mesh.margin <= 1.0
+    assert mesh._box[1, 0] >= mesh.vertices[:, 0].max() + mesh.margin
+    assert mesh.decimated(1e-9) is mesh
+    refused("decimate", lambda: Mesh(*bumpy(9), inside=True).decimated(1.0), "the body stays out of")
+    refused_each("decimate", (0.0, -1.0, "a"), lambda value: Mesh.load(tmp_path / "a.ply", 1.0, decimate=value))

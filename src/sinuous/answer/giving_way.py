@@ -57,7 +57,7 @@ def give_way(robot: Robot, q: Floats, obstacle: Obstacle, demanded: float) -> Gi
     radius = float(np.linalg.norm(ends[hit] - center, axis=-1).max())
     if isinstance(obstacle, PointCloud):
         return GivenWay(PointCloud(obstacle.points[~hit], obstacle.radii[~hit], name=obstacle.name), center, radius)
-    thick = obstacle.thickness
+    thick = 2.0 * obstacle.half_thickness
     rest = Mesh(obstacle.vertices, obstacle.faces[~hit], thickness=thick, name=obstacle.name)
     return GivenWay(rest, center, radius)
 
@@ -77,4 +77,4 @@ def _of_mesh(mesh: Mesh, places: Floats, radii: Floats) -> tuple[Floats, Floats]
         some: NDArray[np.float64] = corners[first : first + size]
         which, where = np.indices((len(some), len(places))).reshape(2, -1)
         gaps[first : first + size] = to_triangles(some[which], places[where]).reshape(len(some), len(places))
-    return gaps - radii - 0.5 * mesh.thickness, corners
+    return gaps - radii - mesh.half_thickness, corners

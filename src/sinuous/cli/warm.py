@@ -35,6 +35,7 @@ from sinuous.motion.planning.retraction import slid_back
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
+from sinuous.scene.decimation import largest_distance
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Sphere
@@ -163,7 +164,9 @@ def _memory() -> None:
 def _distances() -> None:
     # at a place of its own each time: samples of a mesh that was met before are read from the disk
     corners = np.vstack([np.zeros(3), np.eye(3)]) + perf_counter() % 1.0
-    scene = Scene([Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])])
+    mesh = Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    largest_distance(mesh.vertices, mesh.faces, mesh.vertices, mesh.faces, 1.0)
+    scene = Scene([mesh])
     scene.distance([1.0, 1.0, 1.0])
     least_gap(corners, np.zeros(len(corners)), scene.snapshot())
 

@@ -112,8 +112,8 @@ def to_mesh(mesh: Mesh, points: Floats) -> Floats:
 
     distances = least_distances(points, centers, reach, exact)
     if not mesh.watertight:
-        return np.asarray(distances - 0.5 * mesh.thickness)
-    return np.asarray(distances * _signs(corners, points, distances))
+        return np.asarray(distances - mesh.half_thickness)
+    return np.asarray(distances * _signs(corners, points, distances) - mesh.half_thickness)
 
 
 def to_triangles(corners: Floats, points: Floats) -> Floats:

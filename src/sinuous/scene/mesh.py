@@ -14,6 +14,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import text
 from sinuous.base.progress import estimated
+from sinuous.scene.decimation import decimate
 from sinuous.scene.mesh_files import Y_UP, read_mesh
 from sinuous.scene.obstacles import Obstacle, Origin, Placement, box_around
 from sinuous.scene.triangles import Integers, apart, cuts_itself, drop_unused, mend, pieces
@@ -28,8 +29,8 @@ ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
 
 
-TRIANGLE_SECONDS = 7e-6
-"""Seconds that checking a triangle takes, about."""
+TRIANGLE_SECONDS, DECIMATION_SECONDS = 7e-6, 4e-5
+"""Seconds that checking a triangle takes, about, and decimating."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -67,6 +68,8 @@ class Mesh(Obstacle):
         What is not as it should be, and what became of it; one sentence each.
     extent : float
         Length of the diagonal of its box; of a mesh that is one of several `bodies`, of all together.
+    margin : float
+        How far its surface may have been moved by `decimated`; that much about it counts as part of it.
     scale : float or None
         What the coordinates in its file were multiplied with; None when it comes from arrays.
 
@@ -83,6 +86,7 @@ class Mesh(Obstacle):
     watertight: bool
     defects: tuple[str, ...]
     extent: float
+    margin: float
     scale: float | None
 
     def __init__(
@@ -116,6 +120,7 @@ class Mesh(Obstacle):
             watertight=solid,
             defects=tuple(defects),
             extent=float(np.linalg.norm(np.ptp(clean, axis=0))),
+            margin=0.0,
             scale=None,
         )
 
@@ -138,6 +143,7 @@ class Mesh(Obstacle):
         *,
         xyzw: Vector | None = None,
         up: Up | None = None,
+        decimate: Number | None = None,
     ) -> "Mesh":
         """Read a mesh from an STL, PLY, OBJ, GLB, GLTF or 3MF file; all but binary STL and 3MF need the extra `mesh`.
 
@@ -161,6 +167,9 @@ class Mesh(Obstacle):
             A quaternion in the order of SciPy and ROS, instead of `rotation`.
         up : str, optional
             Which axis of the file is up, `y` or `z`; `y` is turned to z. By default `y` of GLB and GLTF, else `z`.
+        decimate : float, optional
+            How far the surface may be moved, in the unit of the scene, to have fewer triangles: see `decimated`. By
+            default all triangles are used.
 
         Raises
         ------
@@ -181,12 +190,44 @@ class Mesh(Obstacle):
             turned = vertices @ TO_Z_UP.T if upwards == "y" else vertices
             moved = placement.apply(checks.points("vertices", turned))
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
+            mesh = mesh if decimate is None else mesh.decimated(decimate)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
-        said = {"thickness": mesh.thickness or None, "inside": mesh.inside or None, "up": up}
+        said = {"thickness": mesh.thickness or None, "inside": mesh.inside or None, "up": up, "decimate": decimate}
         source = Origin.of(file, **placement.arguments, **said)
         mesh._keep(name, scale=placement.scale, defects=(*notes, *mesh.defects), _source=source)
         return mesh
+
+    def decimated(self, most: Number) -> "Mesh":
+        """Return a mesh of fewer triangles, whose surface was moved by at most `most`; needs the extra `mesh`.
+
+        How far it was moved is proved, not estimated, and counts as part of the obstacle (`margin`): what is clear of
+        the new mesh does not touch the surface of this one, and clearances are no larger than they are to this one.
+        `defects` says how many triangles there were, and the margin. Where fewer triangles do not do, it is this mesh.
+
+        Raises
+        ------
+        InputError
+            When `most` is not greater than 0, the body must stay within, or the package is missing.
+        """
+        width = checks.number("decimate", most, above=0.0)
+        if self.inside:
+            raise InputError("decimate", "is for what the body stays out of", most, "inside: false, or all triangles")
+
+        def solid(vertices: Floats, faces: Integers) -> bool:
+            return not self.watertight or Mesh(vertices, faces).watertight
+
+        with estimated(f"decimating {len(self.faces):,} triangles", DECIMATION_SECONDS * len(self.faces)):
+            found = decimate(self.vertices, self.faces, width, solid)
+        if found is None:
+            return self
+        fewer = Mesh(found.vertices, found.faces, thickness=self.thickness, inside=self.inside, name=self.name)
+        note = (
+            f"{len(self.faces):,} triangles were decimated to {len(fewer.faces):,}, which moved the surface by at most "
+            f"{found.bound:.3g}: that much about it counts as part of it"
+        )
+        fewer._set(margin=found.bound + self.margin, defects=(*self.defects, note, *fewer.defects), scale=self.scale)
+        return fewer
 
     def bodies(self) -> "tuple[Mesh, ...]":
         """Divide a solid whose bodies may overlap, like the parts of a machine, into solids within which none do.
@@ -214,6 +255,11 @@ class Mesh(Obstacle):
         part._set(_vertices=checks.closed(vertices), faces=checks.closed(used), _place=None, **told)
         return part
 
+    @property
+    def half_thickness(self) -> float:
+        """How far it reaches beyond its triangles."""
+        return 0.5 * self.thickness + self.margin
+
     @cached_property
     def piece_count(self) -> int:
         """How many pieces it has that hang together."""
@@ -232,7 +278,7 @@ class Mesh(Obstacle):
 
     @property
     def _box(self) -> Floats:
-        return box_around(self.vertices[np.unique(self.faces)], 0.5 * self.thickness)
+        return box_around(self.vertices[np.unique(self.faces)], self.half_thickness)
 
     def _content(self) -> dict[str, Any]:
         """What it is, without what is told of where it came from."""

@@ -25,7 +25,7 @@ from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.sampling import Progress
 from sinuous.scene.trees import enclose_in_order, tree_of_boxes
-from sinuous.scene.triangles import bodies_overlap, boxes_of, cross, sides_of
+from sinuous.scene.triangles import bodies_overlap, boxes_of, cross, sides_of, size_of, with_planes
 
 
 def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
@@ -49,7 +49,7 @@ def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
     flat = _unit(cross(sides[0], sides[1]))
     weighted = []
     for own, last in zip(sides, [sides[2], *sides[:2]], strict=True):
-        angle = np.arctan2(_size(cross(own, -last)), (own * -last).sum(axis=0))
+        angle = np.arctan2(size_of(cross(own, -last)), (own * -last).sum(axis=0))
         weighted.append(angle * flat)
     # Sums are made triangle by triangle, so that their rounding does not depend on how they are gathered.
     index, each = faces.ravel(), np.stack(weighted, axis=-1).reshape(3, -1)
@@ -63,15 +63,9 @@ def part_normals(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
     return result
 
 
-def _size(vectors: Floats) -> Floats:
-    """Lengths (m,) of vectors (3, m)."""
-    x, y, z = vectors
-    return np.asarray(np.sqrt(x * x + y * y + z * z))
-
-
 def _unit(vectors: Floats) -> Floats:
     """Scale vectors (3, m) to length 1; zero stays zero."""
-    length = _size(vectors)
+    length = size_of(vectors)
     return np.asarray(vectors / np.where(length > 0.0, length, 1.0))
 
 
@@ -154,17 +148,8 @@ def triangles(mesh: Mesh) -> Pieces:
         items,
         NO_NORMALS if normals is None else normals.result()[order].reshape(-1, 21),
         sign=-1.0 if mesh.inside else 1.0,
-        rounding=0.0 if mesh.watertight else 0.5 * mesh.thickness,
+        rounding=mesh.half_thickness,
     )
-
-
-def with_planes(corners: Floats) -> Floats:
-    """Numbers (m, 13) of triangles: corners, unit normal, offset of the plane."""
-    a, b, c = (corner.T for corner in np.moveaxis(corners, 1, 0))
-    normals = cross(b - a, c - a)
-    normals /= _size(normals)
-    x, y, z = normals * a
-    return np.concatenate([corners.reshape(-1, 9), normals.T, (x + y + z)[:, None]], axis=1)
 
 
 def balls(cloud: PointCloud, like: LeafOrder | None = None) -> Pieces:

@@ -133,6 +133,20 @@ def _square(vectors: Floats) -> Floats:
     return np.asarray(x * x + y * y + z * z)
 
 
+def size_of(vectors: Floats) -> Floats:
+    """Lengths (m,) of vectors (3, m)."""
+    return np.asarray(np.sqrt(_square(vectors)))
+
+
+def with_planes(corners: Floats) -> Floats:
+    """Numbers (m, 13) of triangles: corners, unit normal, offset of the plane."""
+    a, b, c = (corner.T for corner in np.moveaxis(corners, 1, 0))
+    normals = cross(b - a, c - a)
+    normals /= size_of(normals)
+    x, y, z = normals * a
+    return np.concatenate([corners.reshape(-1, 9), normals.T, (x + y + z)[:, None]], axis=1)
+
+
 def turn_alike(faces: Integers) -> tuple[Integers, int]:
     """Turn as few triangles as it takes for all neighbours to run along their edge in opposite directions.
 

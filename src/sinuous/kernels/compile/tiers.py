@@ -116,6 +116,12 @@ PIECES = (
         most=FEW,
     ),
     Piece(
+        "decimating meshes",
+        2,
+        ("kernels.fields.deviation.nearest", "kernels.fields.deviation.largest_distance"),
+        most=FEW,
+    ),
+    Piece(
         "sampling of meshes, clouds and grids",
         3,
         (

@@ -5,11 +5,13 @@ units in headers, kinds of numbers, points that were not seen, files that were c
 geometry without a note is wrong, and so is any exception but an `InputError`.
 """
 
+import io
 import struct
 import tempfile
 import warnings
+import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,6 +24,9 @@ from benchmarks.harness.experiment import Part
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
+from sinuous.problem.suspicions import all_suspicions
+from sinuous.studies.batch.tables.reading import open_source
+from sinuous.studies.calibration.table import read_table as read_measured
 
 FILES = 5000
 """Files of a whole run."""
@@ -45,6 +50,8 @@ class Written(NamedTuple):
         How it is read.
     whole : bool
         Whether it must be read; one that is not whole may be refused, or noted.
+    reader : callable
+        From the file and the options to what it holds (m, k), and whether something was noted.
     """
 
     name: str
@@ -52,24 +59,43 @@ class Written(NamedTuple):
     points: Floats
     options: dict[str, Any]
     whole: bool
+    reader: Callable[..., tuple[Floats, bool]] | None = None
 
 
-def table(rng: Generator) -> Written:
-    """A text of points, in one of many dialects."""
-    points, form = (
-        rng.normal(scale=100.0, size=(int(rng.integers(3, 30)), 3)),
-        str(rng.choice(["%.6f", "%.5e", "%.4f"])),
-    )
-    names = list(AXES) + [str(each) for each in rng.choice(["id", "r", "g", "b", "nx", "intensity", "t"], 3, False)]
-    names = names[: 3 + int(rng.integers(0, 4))]
-    columns: dict[str, Any] = {"x": points[:, 0], "y": points[:, 1], "z": points[:, 2]}
-    columns |= {name: np.arange(len(points)) * (1.0 if name == "id" else 0.5) for name in names[3:]}
-    titled = rng.random() < 0.7
+class Dialect(NamedTuple):
+    """A text of columns, as some program might write it.
+
+    Attributes
+    ----------
+    content : bytes
+    lost : ndarray (k,)
+        Rows in which coordinates say nan.
+    whole : bool
+    titled : bool
+    """
+
+    content: bytes
+    lost: Any
+    whole: bool
+    titled: bool
+
+
+OTHERS = ["id", "r", "g", "b", "nx", "intensity", "frame"]
+"""Columns that may stand beside coordinates."""
+
+
+def dialect(rng: Generator, columns: dict[str, Any], others: int, titled: bool, gaps: bool = True) -> Dialect:
+    """Write columns, and some others, in one of many dialects: orders, separators, decimals, counts, cut off."""
+    count = len(next(iter(columns.values())))
+    form = str(rng.choice(["%.6f", "%.5e", "%.4f"]))
+    beside = [str(each) for each in rng.choice(OTHERS, others, False)]
+    names = [*columns, *beside]
+    columns = columns | {name: np.arange(count) * (1.0 if name == "id" else 0.5) for name in beside}
     order = rng.permutation(len(names)) if titled else np.arange(len(names))
     separator = str(rng.choice([",", ";", "\t", " ", ", ", "   "]))
     comma = rng.random() < 0.3
-    rows = [[form % columns[names[i]][k] for i in order] for k in range(len(points))]
-    lost = np.flatnonzero(rng.random(len(points)) < 0.2) if rng.random() < 0.2 else np.empty(0, np.intp)
+    rows = [[form % columns[names[i]][k] for i in order] for k in range(count)]
+    lost = np.flatnonzero(rng.random(count) < 0.2) if gaps and rng.random() < 0.2 else np.empty(0, np.intp)
     for k in lost:
         rows[k] = ["nan" if names[i] in AXES else cell for i, cell in zip(order, rows[k], strict=True)]
     if comma:
@@ -77,7 +103,7 @@ def table(rng: Generator) -> Written:
     lines = [separator.join(row) for row in rows]
     if titled:
         said = [str(rng.choice([names[i], names[i].upper()])) if names[i] in AXES else names[i] for i in order]
-        lines.insert(0, str(rng.choice(["", "#", "//", "# "])) + separator.join(said))
+        lines.insert(0, str(rng.choice(["", "#", "//", "# "] if gaps else ["", ""])) + separator.join(said))
     whole = not lost.size and not (comma and "," in separator)
     if rng.random() < 0.2:
         wrong = int(rng.random() < 0.3)
@@ -86,10 +112,147 @@ def table(rng: Generator) -> Written:
     text = str(rng.choice(["\n", "\r\n"])).join(lines) + "\n"
     if rng.random() < 0.1:
         text, whole = text[: int(rng.integers(1, len(text)))], False
-    options = {"radius": 1.0, "invalid": "drop"}
-    kept = np.delete(points, lost, axis=0)
+    return Dialect(text.encode("utf-16" if gaps and rng.random() < 0.05 else "utf-8"), lost, whole, titled)
+
+
+def _points(rng: Generator) -> Floats:
+    return rng.normal(scale=100.0, size=(int(rng.integers(3, 30)), 3))
+
+
+def _named(points: Floats, names: Sequence[str] = AXES) -> dict[str, Any]:
+    return dict(zip(names, points.T, strict=True))
+
+
+def table(rng: Generator) -> Written:
+    """A text of points, of which the columns are told by names, by their order, or by `columns=`."""
+    points = _points(rng)
+    own = dialect(rng, _named(points), int(rng.integers(0, 4)), rng.random() < 0.7)
     ending = str(rng.choice(["csv", "txt", "xyz", "pts", "asc", "tsv"]))
-    return Written(f"scan.{ending}", text.encode("utf-16" if rng.random() < 0.05 else "utf-8"), kept, options, whole)
+    return Written(f"scan.{ending}", own.content, np.delete(points, own.lost, axis=0), _dropped(), own.whole)
+
+
+def chosen_columns(rng: Generator) -> Written:
+    """A text of points in columns of other names, or none, which `columns=` says."""
+    points, names = _points(rng), ["east", "north", "up"]
+    titled = rng.random() < 0.5
+    own = dialect(rng, _named(points, names), int(rng.integers(0, 3)), titled)
+    options = _dropped() | {"columns": names if titled else [1, 2, 3]}
+    return Written("scan.csv", own.content, points, options, own.whole)
+
+
+def path(rng: Generator) -> Written:
+    """The waypoints of a path, beside its problem file."""
+    points = _points(rng)
+    own = dialect(rng, _named(points), 0, True, gaps=False)
+    return Written("path.csv", own.content, points, {}, own.whole, _read_path)
+
+
+def _read_path(file: Path, **_: Any) -> tuple[Floats, bool]:
+    problem = file.with_name("problem.yaml")
+    problem.write_text(f"robot: {{segments: {{count: 3, length: 1}}}}\npath: {file.name}\n")
+    return np.array([targets[0].position for targets in sn.load(problem, sn.Job).waypoints]), False
+
+
+def batch(rng: Generator) -> Written:
+    """A table of targets of a batch; rows that cannot be read are NaN there, and reported one by one."""
+    points = _points(rng)
+    own = dialect(rng, _named(points), int(rng.integers(0, 3)), True, gaps=False)
+    return Written("targets.csv", own.content, points, {}, own.whole, _read_batch)
+
+
+def _read_batch(file: Path, **_: Any) -> tuple[Floats, bool]:
+    source = open_source(file)
+    try:
+        read = source.read(0, source.rows)
+    finally:
+        source.close()
+    kept = np.isfinite(read["positions"]).all(axis=1)
+    return read["positions"][kept], not kept.all()
+
+
+MOTORS = ["s1.1", "s1.2", "s1.3"]
+
+
+def measured(rng: Generator) -> Written:
+    """Measured rows: three actuators and a tip."""
+    points, motors = _points(rng), rng.normal(size=(30, 3))
+    both = np.concatenate([points, motors[: len(points)]], axis=1)
+    own = dialect(rng, _named(both, [*AXES, *MOTORS]), int(rng.integers(0, 3)), True, gaps=False)
+    return Written("rows.csv", own.content, both, {}, own.whole, _read_measured)
+
+
+def _read_measured(file: Path, **_: Any) -> tuple[Floats, bool]:
+    found = read_measured(file, MOTORS)
+    rows = np.concatenate([found.measured, found.actuators], axis=1)
+    return rows[np.isfinite(rows).all(axis=1)], not np.isfinite(rows).all()
+
+
+def live(rng: Generator) -> Written:
+    """A cloud as it comes from a sensor: any kind of number, some not seen, or nothing at all."""
+    points = _cloud(rng)[: int(rng.integers(0, 30))].astype(str(rng.choice(["f4", "f8", ">f4"])))
+    if rng.random() < 0.3:
+        points = np.asfortranarray(points)
+    return Written(
+        "live", points.astype("<f8").tobytes(), _finite(points.astype(float)), {}, True, partial(_see, points)
+    )
+
+
+def _see(points: Any, _: Path, **__: Any) -> tuple[Floats, bool]:
+    scene = sn.Scene([sn.PointCloud([(1e6, 1e6, 1e6)], 1.0, name="seen")])
+    scene.update(points, name="seen", invalid="drop")
+    cloud: Any = scene.snapshot().obstacles[0]
+    return cloud.points, False
+
+
+def las(rng: Generator) -> Written:
+    """A LAS or LAZ file: scales, offsets, kinds of points, withheld ones, and a unit."""
+    import laspy  # noqa: PLC0415
+
+    points, kind = _cloud(rng), int(rng.choice([0, 3, 6, 7]))
+    points = _finite(points)
+    header = laspy.LasHeader(point_format=kind, version="1.4" if kind > 5 else "1.2")
+    header.scales, header.offsets = rng.choice([1e-3, 1e-4], 3), rng.normal(scale=1e3, size=3).round(2)
+    if rng.random() < 0.5:
+        unit = str(rng.choice(['UNIT["metre",1]', 'UNIT["foot",0.3048]']))
+        header.vlrs.append(
+            laspy.vlrs.known.WktCoordinateSystemVlr(f'PROJCS["a",GEOGCS["b",UNIT["degree",0.0175]],{unit}]')
+        )
+    own = laspy.LasData(header)
+    own.x, own.y, own.z = points.T
+    withheld = rng.random(len(points)) < (0.2 if rng.random() < 0.3 else 0.0)
+    own.withheld = withheld
+    file = io.BytesIO()
+    own.write(file, do_compress=(compressed := bool(rng.random() < 0.3)))
+    content = bytes(file.getbuffer())
+    return _cut(
+        rng, Written(f"scan.{'laz' if compressed else 'las'}", content, points[~withheld], {"radius": 1.0}, True)
+    )
+
+
+def threemf(rng: Generator) -> Written:
+    """A 3MF file: a box, perhaps within a component, each placed by itself."""
+    corners, faces = _box(rng)
+    places = "".join("<vertex x='{:.6f}' y='{:.6f}' z='{:.6f}'/>".format(*p) for p in corners)
+    sides = "".join("<triangle v1='{}' v2='{}' v3='{}'/>".format(*f) for f in faces)
+    unit = str(rng.choice(["", "unit='inch'", "unit='millimeter'", "unit='meter'"]))
+    turns = [(np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.normal(scale=10.0, size=3)) for _ in range(2)]
+    said = [" ".join(f"{x:.9f}" for x in (*turn.ravel(), *shift)) for turn, shift in turns]
+    for turn, shift in turns:
+        corners = corners @ turn + shift
+    model = (
+        f"<model {unit} xmlns='http://schemas.microsoft.com/3dmanufacturing/core/2015/02'><resources>"
+        f"<object id='1'><mesh><vertices>{places}</vertices><triangles>{sides}</triangles></mesh></object>"
+        f"<object id='2'><components><component objectid='1' transform='{said[0]}'/></components></object></resources>"
+        f"<build><item objectid='2' transform='{said[1]}'/></build></model>"
+    )
+    kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as parts:
+        parts.writestr(
+            "_rels/.rels", f"<Relationships><Relationship Target='/3D/a.model' Id='a' Type='{kind}'/></Relationships>"
+        )
+        parts.writestr("3D/a.model", model)
+    return _cut(rng, Written("part.3mf", file.getvalue(), corners, {"scale": 1.0}, True))
 
 
 def ply(rng: Generator) -> Written:
@@ -164,6 +327,13 @@ def of_trimesh(ending: str, rng: Generator) -> Written:
 
 KINDS: dict[str, Callable[[Generator], Written]] = {
     "tables": table,
+    "tables with columns=": chosen_columns,
+    "paths": path,
+    "batches": batch,
+    "measured rows": measured,
+    "live clouds": live,
+    "las": las,
+    "3mf": threemf,
     "ply of points": ply,
     "pcd": pcd,
     "npy": npy,
@@ -207,32 +377,38 @@ def read(own: Written, folder: Path) -> str:
     file = folder / own.name
     file.write_bytes(own.content)
     kind: Any = sn.Mesh if "scale" in own.options else sn.PointCloud
+    noted = False
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:
-            found = kind.load(file, **own.options)
+            if own.reader is not None:
+                places, noted = own.reader(file, **own.options)
+            else:
+                found = kind.load(file, **own.options)
+                places, noted = (found.vertices, bool(found.defects)) if kind is sn.Mesh else (found.points, False)
         except sn.InputError:
             return "refused whole" if own.whole and len(own.points) else "refused"
         except Exception:
             return "exception"
-    places: Floats = found.vertices if kind is sn.Mesh else found.points
-    noted = bool(said) or bool(getattr(found, "defects", ()))
+    noted = noted or bool(said)
     wanted = own.points
-    if own.name.startswith("scan") and not own.whole:  # what a text that was cut off has lost cannot be known
-        wanted, places = wanted[: len(places) - 1], places[:-1]
+    if kind is sn.PointCloud and not own.whole:  # what a text that was cut off has lost cannot be known
+        wanted, places = wanted[: max(0, len(places) - 1)], places[:-1]
     if len(places) == len(wanted) and bool((_gaps(places, wanted) < ALIKE).all()):
         return "right"
     return "noted" if noted else "wrong"
 
 
 def _gaps(places: Floats, points: Floats) -> Floats:
+    if places.shape[1:] != points.shape[1:]:
+        return np.full(len(points), np.inf)
     gaps: Floats = np.linalg.norm(points[:, None] - places[None], axis=2).min(axis=1, initial=np.inf)
     return gaps
 
 
 def read_all(kind: str, plan: Plan) -> Iterator[Line]:
-    """Read files of a kind, half of all if these are tables, and count what becomes of them."""
-    files = plan.count(FILES, 400) // (2 if kind == "tables" else 2 * (len(KINDS) - 1))
+    """Read files of a kind, a fourth of all if these are tables, and count what becomes of them."""
+    files = plan.count(FILES, 400) // 4 if kind == "tables" else 3 * plan.count(FILES, 400) // (4 * len(KINDS) - 4)
     found: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         for number in plan.track(range(files), kind, files):
@@ -243,5 +419,85 @@ def read_all(kind: str, plan: Plan) -> Iterator[Line]:
     yield Line(kind, "read right", 100.0 * found["right"] / files, "%", note=told)
 
 
-PARTS: dict[str, Part] = {kind: partial(read_all, kind) for kind in KINDS}
+ARMS = 60
+"""Arms of which one number is wrong, for each kind of mistake; ten times as many are right, and seventeen again."""
+
+LENGTHS = {"tendons": (0.002, 0.03), "limit": (0.01, 0.06), "radius": (0.002, 0.02), "tool": (0.005, 0.2)}
+"""Least and largest of an arm of 0.3 m, in metres."""
+
+ANGLES = ("max_bend", "rest", "angles")
+"""What is given in degrees where it is wrong."""
+
+OBSTACLES = ("box", "mesh", "cloud")
+
+WRONG = (*LENGTHS, "target", "path", *OBSTACLES, *ANGLES, "mass", "stiffness")
+"""What is in another unit than all else."""
+
+
+def arm(rng: Generator, wrong: str = "") -> tuple[sn.Robot, sn.Scene, list[list[sn.Target]]]:
+    """An arm of 0.3 m, what is around it, and where it is to go, in one unit of length, but for what is `wrong`."""
+    metre = float(rng.choice([1.0, 100.0, 1000.0, 1.0 / 0.0254]))
+    other = 1000.0 if metre < 50.0 else 1e-3
+    factor = {key: other if key == wrong else 1.0 for key in (*LENGTHS, "target", "path", *OBSTACLES)}
+    size = {key: float(np.exp(rng.uniform(*np.log(ends)))) for key, ends in LENGTHS.items()}
+    size["limit"] = max(size["limit"], 2.0 * size["tendons"])
+    own = {key: value * metre * factor[key] for key, value in size.items()}
+    angles = {key: float(np.degrees(1.0)) if key == wrong else 1.0 for key in ANGLES}
+    lines = sn.Tendons(
+        angles=np.array([0.0, 2.1, 4.2]) * angles["angles"],
+        radius=own["tendons"],
+        displacement=(-own["limit"], own["limit"]),
+    )
+    soft = 2e-3 * metre**3 * (1e6 if wrong == "stiffness" else 1.0)
+    mass = 0.05 / metre * (1e3 if wrong == "mass" else 1.0)
+    segment = sn.Segment(
+        0.1 * metre,
+        1.5 * angles["max_bend"],
+        radius=own["radius"],
+        tendons=lines,
+        rest=(0.4 * angles["rest"], 0.0),
+        stiffness=soft,
+        mass=mass,
+    )
+    tool = np.eye(4)
+    tool[2, 3] = own["tool"]
+    robot = sn.Robot([segment] * 3, tool=tool, gravity=(0.0, 0.0, -9.81 * metre))
+    far = np.array([0.4, 0.1, 0.2]) * metre
+    corners, faces = _box(rng)
+    unit = (corners - corners.min(axis=0)) / np.ptp(corners, axis=0).max()
+    scene = sn.Scene(
+        [
+            sn.Box(far * factor["box"], np.full(3, 0.1 * metre * factor["box"])),
+            sn.Mesh((far + 0.2 * metre * unit) * factor["mesh"], faces),
+            sn.PointCloud((far + 0.1 * metre * rng.random((20, 3))) * factor["cloud"], 0.002 * metre * factor["cloud"]),
+        ]
+    )
+    place = np.array([0.1, 0.0, 0.2]) * metre
+    along = [place] if wrong == "target" else [place * share for share in np.linspace(0.9, 1.1, 5)]
+    return robot, scene, [[sn.Target(each * factor["target"] * factor["path"])] for each in along]
+
+
+def suspicious(plan: Plan) -> Iterator[Line]:
+    """Count what is noted of right problems, which should be nothing, and of wrong ones, which should be all."""
+    count = plan.count(17 * ARMS, ARMS)
+    said = sum(bool(_said(plan.rng(0, number))) for number in plan.track(range(count), "right", count))
+    yield Line("notes", f"of {count} right problems", float(said), "noted", Goal(0.0, correctness=True))
+    for i, wrong in enumerate(WRONG):
+        missed = ARMS - sum(bool(_said(plan.rng(1 + i, number), wrong)) for number in range(ARMS))
+        yield Line("notes", f"of {ARMS} arms with {wrong} in another unit", float(missed), "not noted", Goal(0.0))
+    files = sorted(Path(__file__).parents[1].joinpath("examples").glob("*.yaml"))
+    noted = [file.name for file in files if (job := sn.load(file, sn.Job)) and _of_job(job)]
+    yield Line("notes", f"of {len(files)} examples", float(len(noted)), "noted", Goal(0.0), note=", ".join(noted))
+
+
+def _said(rng: Generator, wrong: str = "") -> list[str]:
+    robot, scene, waypoints = arm(rng, wrong)
+    return all_suspicions(robot, scene.snapshot(), waypoints)
+
+
+def _of_job(job: sn.Job) -> list[str]:
+    return all_suspicions(job.robot, job.scene.snapshot(), job.waypoints)
+
+
+PARTS: dict[str, Part] = {kind: partial(read_all, kind) for kind in KINDS} | {"notes": suspicious}
 """What is measured, by name."""

@@ -9,7 +9,7 @@ is refused with its first row, never guessed.
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -187,8 +187,10 @@ def decode_table(content: bytes) -> str:
     return content.decode("utf-16" if wide else "utf-8-sig", "replace")
 
 
-def read_table(text: str) -> tuple[TableFormat, list[tuple[int, str]]]:
+def read_table(text: str, wanted: Collection[str] = AXES) -> tuple[TableFormat, list[tuple[int, str]]]:
     """Tell how a text is to be read, and return its rows: number of the line (1 = first), and the line.
+
+    A comment before the rows has the names of columns where all `wanted` are among them.
 
     Raises
     ------
@@ -197,7 +199,7 @@ def read_table(text: str) -> tuple[TableFormat, list[tuple[int, str]]]:
     """
     lines = text.splitlines()
     filled = list(filled_lines(lines))
-    table, rows = tell_format(list(_uncounted(filled)), _comments_before(lines, filled))
+    table, rows = tell_format(list(_uncounted(filled)), _comments_before(lines, filled), wanted)
     if not text.endswith(("\n", "\r")) and _is_cut(table, rows):
         number, line = rows[-1]
         warn_of(
@@ -212,7 +214,9 @@ def _is_cut(table: TableFormat, rows: list[tuple[int, str]]) -> bool:
     return len(cells) > FEWEST and len(cells[-1].lstrip("+-")) < min(len(cell.lstrip("+-")) for cell in cells[:-1])
 
 
-def tell_format(rows: list[tuple[int, str]], comments: Sequence[str] = ()) -> tuple[TableFormat, list[tuple[int, str]]]:
+def tell_format(
+    rows: list[tuple[int, str]], comments: Sequence[str] = (), wanted: Collection[str] = AXES
+) -> tuple[TableFormat, list[tuple[int, str]]]:
     """Tell how rows are to be read, of which the first may have the names; or one of the comments before them."""
     if not rows:
         return TableFormat(",", ".", 0), []
@@ -246,7 +250,7 @@ def tell_format(rows: list[tuple[int, str]], comments: Sequence[str] = ()) -> tu
         return way._replace(names=names, units=units or own), body
     for comment in comments:
         said = _names_of(comment, way.width)
-        if said is not None and set(map(axis_of, said[0])) >= AXES:
+        if said is not None and {*said[0], *map(axis_of, said[0])} >= set(wanted):
             return way._replace(names=said[0], units=said[1]), body
         half = _names_of(comment, way.width // 2) if way.separator == "," else None
         if half is not None and set(map(axis_of, half[0])) >= AXES:
@@ -282,10 +286,14 @@ def _comments_before(lines: list[str], filled: list[tuple[int, str]]) -> list[st
     return [line.strip().lstrip("#/% ") for line in reversed(before) if line.strip().startswith(COMMENTS)]
 
 
+def begins_with_count(lines: list[tuple[int, str]]) -> bool:
+    """Whether the first line has one whole number alone, and the second one several words."""
+    return len(lines) > 1 and lines[0][1].isdigit() and len(_words(lines[1][1])) > 1
+
+
 def _uncounted(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
     """Yield the rows without counts of them, which are checked."""
-    counted = len(lines) > 1 and lines[0][1].isdigit() and len(_words(lines[1][1])) > 1
-    if not counted:
+    if not begins_with_count(lines):
         yield from lines
         return
     at = 0

@@ -98,14 +98,19 @@ def largest_distance(vertices: Floats, faces: Integers, places: Floats, kept: In
     items, squares = np.empty(len(vertices), np.int64), np.empty(len(vertices))
     points, sides = np.ascontiguousarray(vertices), np.ascontiguousarray(faces)
 
+    def find(first: int, last: int) -> None:
+        deviation.nearest(row, store, points, first, last, items, squares)
+
     def part(first: int, last: int) -> float:
         stack = np.empty((deviation.DEEPEST + 2, deviation.STACK_SIZE))
-        known = points, sides, items, squares
-        return float(deviation.largest_distance(row, store, *known, first, last, SMALL * most, most, stack))
+        enough = SMALL * most
+        return float(
+            deviation.largest_distance(row, store, points, sides, items, squares, first, last, enough, most, stack)
+        )
 
     with ThreadPoolExecutor(THREADS) as threads:
         ends = _ends(len(points))
-        list(threads.map(lambda *own: deviation.nearest(row, store, points, *own, items, squares), ends[:-1], ends[1:]))
+        list(threads.map(find, ends[:-1], ends[1:]))
         if squares.max() > most * most:
             return np.inf
         ends = _ends(len(sides))

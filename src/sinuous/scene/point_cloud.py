@@ -452,7 +452,8 @@ def _units_of_las(records: Any) -> tuple[bool, list[float]]:
 
 def _text(file: Path, columns: Columns | None) -> NDArray[Any]:
     text = decode_table(file.read_bytes())
-    table, rows = read_table(text)
+    told = [each for each in columns or () if isinstance(each, str)]
+    table, rows = read_table(text, told) if told else read_table(text)
     if not rows:
         return np.zeros((0, 3))
     head = text.splitlines()[: rows[0][0] - 1]

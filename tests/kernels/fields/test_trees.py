@@ -9,7 +9,7 @@ import pytest
 from sinuous.kernels.fields import trees
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
-from sinuous.scene.parts import with_planes
+from sinuous.scene.triangles import with_planes
 from tests.helpers import Floats, random_unit, vec
 from tests.kernels.fields.patches import patch_of, points_of
 

@@ -20,7 +20,7 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable
 from sinuous.base.errors import InputError, refuse_unknown
-from sinuous.base.text_tables import SAMPLED, axis_of, filled_lines, tell_format
+from sinuous.base.text_tables import SAMPLED, axis_of, begins_with_count, filled_lines, tell_format
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
 
@@ -284,10 +284,13 @@ class CsvSource(Source):
             with file.open(encoding="utf-8-sig", newline=None) as text:
                 lines = filled_lines(text)
                 head = list(islice(lines, SAMPLED))
-                self._table, rows = tell_format(head)
+                counted = begins_with_count(head)
+                self._table, rows = tell_format(head[counted:])
                 self.rows = len(rows) + sum(1 for _ in lines)
         except UnicodeDecodeError:
             raise InputError("file", "is not UTF-8", str(file), "a CSV file") from None
+        if counted and int(head[0][1]) != self.rows:
+            raise InputError(f"line {head[0][0]}", "the count of rows is wrong", head[0][1], str(self.rows))
         names = [axis_of(name) or name for name in self._table.names or ()]
         groups = _groups_of(names)
         self._groups = {key: len(columns) for key, columns in groups.items()}

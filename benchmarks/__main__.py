@@ -63,7 +63,8 @@ KNOWN = {
     ),
     "workspace": Known("maps of three published robots, against solves at random places", "workspace"),
     "inputs": Known(
-        "files of points and meshes in every dialect, whole and broken: right, refused, or noted", "inputs"
+        "files in every dialect, whole and broken: right, refused, or noted; notes of wrong units; large meshes",
+        "inputs",
     ),
     "view": Known("pages: from an event of the mouse to a new shape, and pages in files", "view"),
     "worlds": Known(

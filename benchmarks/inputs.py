@@ -1,4 +1,4 @@
-"""`inputs`: files of points and meshes in every dialect, whole and broken, read right, refused, or noted.
+"""`inputs`: files in every dialect, whole and broken, read right, refused, or noted; notes; and large meshes.
 
 What a file means is known, for it is written here: shuffled columns, separators, decimal commas, counts, names, axes,
 units in headers, kinds of numbers, points that were not seen, files that were cut off. A file that is read as other
@@ -12,8 +12,10 @@ import warnings
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import redirect_stderr
 from functools import partial
 from pathlib import Path
+from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -499,5 +501,63 @@ def _of_job(job: sn.Job) -> list[str]:
     return all_suspicions(job.robot, job.scene.snapshot(), job.waypoints)
 
 
-PARTS: dict[str, Part] = {kind: partial(read_all, kind) for kind in KINDS} | {"notes": suspicious}
+MANY, HUGE, BODIES, SIDES_OF_BODY = 300_000, 2_600_000, 1000, 320
+"""Triangles of a large mesh and of a huge one; bodies of a file, and triangles of each."""
+
+
+def bumpy(count: int) -> tuple[Floats, Any]:
+    """A torus with bumps, of about so many triangles."""
+    sides = int(np.sqrt(count / 2))
+    turn = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
+    u, v = np.meshgrid(turn, turn, indexing="ij")
+    r = 30.0 + 3.0 * np.sin(7 * u) * np.cos(5 * v)
+    places = np.stack(
+        [(100.0 + r * np.cos(v)) * np.cos(u), (100.0 + r * np.cos(v)) * np.sin(u), r * np.sin(v)], axis=-1
+    )
+    a = np.arange(sides**2).reshape(sides, sides)
+    b, c, d = np.roll(a, -1, 0), np.roll(a, (-1, -1), (0, 1)), np.roll(a, -1, 1)
+    return places.reshape(-1, 3), np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+
+
+def bodies(_: int) -> tuple[Floats, Any]:
+    """Balls on a grid."""
+    import trimesh  # noqa: PLC0415
+
+    ball = trimesh.creation.icosphere(2)
+    places = np.stack(np.meshgrid(*[np.arange(10.0)] * 3), axis=-1).reshape(-1, 1, 3) * 3.0
+    first = len(ball.vertices) * np.arange(BODIES)[:, None, None]
+    return (ball.vertices + places).reshape(-1, 3), (ball.faces + first).reshape(-1, 3)
+
+
+def large(plan: Plan) -> Iterator[Line]:
+    """Load large meshes from binary STL and prepare them for solving, with nothing kept from before."""
+    sizes: list[tuple[str, Callable[[int], tuple[Floats, Any]], int, float | None]] = [
+        (f"{MANY:,} triangles", bumpy, MANY, 3.0),
+        (f"{BODIES:,} bodies of {SIDES_OF_BODY} triangles", bodies, 0, 5.0),
+    ]
+    sizes += [] if plan.quick else [(f"{HUGE:,} triangles", bumpy, HUGE, None)]
+    _load(*bumpy(2000))  # compiled
+    for what, made, count, goal in sizes:
+        cpu, wall, told = _load(*made(count))
+        limit = None if goal is None else Goal(goal)
+        note = f"{wall:.1f} s by the clock; told before: {told or 'nothing'}"
+        yield Line("large meshes", f"{what}: loaded and prepared, CPU", cpu, "s", limit, note=note)
+
+
+def _load(corners: Floats, faces: Any) -> tuple[float, float, str]:
+    """Seconds of CPU and of the clock, and what was told of how long it takes."""
+    triangles = np.zeros(len(faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    triangles["corners"] = (corners + perf_counter() % 1.0)[faces]  # else samples may be kept from before
+    with tempfile.TemporaryDirectory() as folder, redirect_stderr(io.StringIO()) as told:
+        file = Path(folder, "large.stl")
+        file.write_bytes(b" " * 80 + struct.pack("<I", len(faces)) + triangles.tobytes())
+        cpu, wall = process_time(), perf_counter()
+        sn.Scene([sn.Mesh.load(file, 1.0)]).snapshot().prepare()
+        return process_time() - cpu, perf_counter() - wall, " and ".join(told.getvalue().splitlines())
+
+
+PARTS: dict[str, Part] = {kind: partial(read_all, kind) for kind in KINDS} | {
+    "notes": suspicious,
+    "large meshes": large,
+}
 """What is measured, by name."""

@@ -99,7 +99,7 @@ def largest_distance(vertices: Floats, faces: Integers, places: Floats, kept: In
     points, sides = np.ascontiguousarray(vertices), np.ascontiguousarray(faces)
 
     def find(first: int, last: int) -> None:
-        deviation.nearest(row, store, points, first, last, items, squares)
+        deviation.nearest(row, store, points[first:last], items[first:last], squares[first:last])
 
     def part(first: int, last: int) -> float:
         stack = np.empty((deviation.DEEPEST + 2, deviation.STACK_SIZE))

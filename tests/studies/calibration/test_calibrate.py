@@ -249,6 +249,27 @@ def test_rows_that_a_tracker_lost_are_left_out_and_named() -> None:
     assert sn.studies.calibrate(DRAWN, values, relative, fit=["base"]).dropped == ()
 
 
+def test_outliers_and_rows_that_stall_are_named() -> None:
+    real = real_robot()
+    values = settings(real, 40)
+    tips = measured(real, values, 0.5)
+    whole = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
+    assert whole.outliers == ()
+    assert not any("off by more" in note or "repeat" in note for note in whole.notes)
+    tips[9] += (100.0, 0.0, 0.0)
+    tips[21:23] = tips[20]
+    found = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
+    assert {9} <= set(found.outliers) <= {9, 20, 21, 22}
+    assert "rows that repeat the points of the row before, while actuators moved: 21, 22" in found.notes
+    assert found.notes[-1].startswith("rows that are off by more than 8 times the median")
+    tip = whole.predict(values[3])[:3, 3]
+    solution, unsure = sn.solve(whole.robot, sn.Target(tip), [sn.Sphere(tip + 60.0, 5)]), whole.robot.uncertainty
+    assert unsure is not None
+    assert solution.clearance is not None
+    assert whole.confidence(solution) == whole.confidence(solution.clearance + float(np.min(unsure.bound)))
+    refused("error", lambda: found.confidence(-1.0), "at least 0")
+
+
 def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
     real = real_robot()
     values = settings(real, 60)

@@ -55,10 +55,10 @@ def _square(a: Vec, b: Vec) -> float:
 
 
 @entry
-def nearest(table: Array, store: Array, points: Array, first: int, last: int, items: Array, squares: Array) -> None:
+def nearest(table: Array, store: Array, points: Array, items: Array, squares: Array) -> None:
     """Fill `items` and `squares` (v,): the closest triangle of each of `points` (v, 3), and the squared distance."""
     tree, near = tree_of(table, 0), 0
-    for v in range(first, last):
+    for v in range(points.shape[0]):
         near, squares[v] = _nearest(store, tree, get_row(points, v), near)
         items[v] = near
 

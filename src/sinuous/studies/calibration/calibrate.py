@@ -17,6 +17,7 @@ from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import holds
 from sinuous.studies.calibration.calibration import (
     LEVEL,
+    OUTLYING,
     ROUNDING,
     Calibration,
     Parameter,
@@ -37,7 +38,14 @@ from sinuous.studies.calibration.fit import (
     left_out,
     predict,
 )
-from sinuous.studies.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size
+from sinuous.studies.calibration.measurements import (
+    Measurements,
+    Place,
+    read,
+    refuse_loose,
+    refuse_size,
+    stalled,
+)
 from sinuous.studies.calibration.mistakes import find_mistake
 from sinuous.studies.calibration.model import derivatives, model
 from sinuous.studies.calibration.parameters import (
@@ -166,6 +174,9 @@ def calibrate(
     dropped = tuple(row for row in rows.dropped if row not in rows.zeros)
     if dropped:
         notes.append(f"rows without a measurement: {_few(dropped)}")
+    repeated = stalled(rows)
+    if repeated:
+        notes.append(f"rows that repeat the points of the row before, while actuators moved: {_few(repeated)}")
     still = [a.name for a, moves in zip(robot.actuators, np.ptp(rows.actuators, axis=0), strict=True) if moves == 0.0]
     if still:
         notes.append(f"never move, so nothing is known of them: {', '.join(still)}")
@@ -181,6 +192,11 @@ def calibrate(
     mistake = find_mistake(plain, rows, frame == "base", float(np.median(errors(last.residuals))))
     notes += [] if mistake is None else [mistake]
     found = _result(robot, drawn, last, (rows, moved), trials, notes, frame)
+    if found.outliers:
+        note = (
+            f"rows that are off by more than {OUTLYING:g} times the median, which the fit hardly counts and bounds do"
+        )
+        found = replace(found, notes=(*found.notes, f"{note}: {_few(found.outliers)}"))
     return found if moved is rows else replace(found, groups=(*found.groups, PLAY), play=play)
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,16 +17,23 @@ from sinuous.base.frozen import ShortRepr, call
 from sinuous.model.inverse import fitting
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.bodies import at_rest
+from sinuous.studies.calibration.fit import errors
 from sinuous.studies.calibration.measurements import Measurements, read
 from sinuous.studies.calibration.model import model, predicted
 from sinuous.studies.calibration.parameters import Values
 from sinuous.studies.calibration.play import after_play, lines_with_play
+
+if TYPE_CHECKING:
+    import sinuous as sn
 
 LEVEL = 0.95
 """Share of rows for which the bound of the robot held, by default."""
 
 ROUNDING = 1e-9
 """By how much a number of rows may miss a whole one."""
+
+OUTLYING = 8.0
+"""Medians of the errors of fitted rows beyond which a row is named as an outlier."""
 
 MOST_SHOWN = 5
 """Patterns, and parameters, that an explanation names."""
@@ -191,14 +198,33 @@ class Calibration(ShortRepr):
                 return like
         return max(bound_of(part, share) for part in joined_parts(off, self.labels, share))
 
-    def confidence(self, error: Number) -> float:
-        """Share of further rows that are off by at most `error`, of rows of all patterns: P(clear) of a clearance.
+    def confidence(self, error: "Number | sn.Solution") -> float:
+        """Share of further rows that are off by at most `error`, of rows of all patterns; of a solution, P(clear).
 
-        The clearance of an answer of `drawn` with the fitted parameters and no `uncertainty` is such an error. It is
-        k / (n + 1) where k of n held-back rows are off by no more.
+        It is k / (n + 1) where k of n held-back rows are off by no more. A solution of the calibrated robot is clear of
+        obstacles where the robot is off by no more than its clearance and the bound that proofs thicken the body by.
+
+        Raises
+        ------
+        InputError
+            When the error is negative, or the solution has no proved clearance.
         """
+        from sinuous.answer.solution import Solution  # noqa: PLC0415
+
+        if isinstance(error, Solution):
+            if error.clearance is None:
+                raise InputError("error", "nothing is proved of its clearance", error.status, "a solved solution")
+            unsure = error.problem.robot.uncertainty
+            error = error.clearance + (0.0 if unsure is None else float(np.min(unsure.bound)))
         off = self._off(self.held_back)
-        return float((off <= checks.number("error", error, low=0.0)).sum()) / (len(off) + 1)
+        most = error if error == math.inf else checks.number("error", error, low=0.0)
+        return float((off <= most).sum()) / (len(off) + 1)
+
+    @property
+    def outliers(self) -> tuple[int, ...]:
+        """Numbers of rows that are off by more than `OUTLYING` times the median: the fit hardly counts them."""
+        off = errors(np.nan_to_num(self.residuals))
+        return tuple(self.rows[off > OUTLYING * max(float(np.median(off)), ROUNDING * self.robot.mean_length)].tolist())
 
     def for_motion(
         self,
@@ -306,7 +332,7 @@ class Calibration(ShortRepr):
             "errors": result_value({"fitted": self.fitted, "held_back": self.expected}),
             "patterns": result_value(self.by_pattern),
             "bound": self.bound(self.level),
-            **result_of(self, "level dropped notes"),
+            **result_of(self, "level dropped outliers notes"),
         }
 
     def _off(self, residuals: Floats) -> Floats:

@@ -36,6 +36,10 @@ FAR_GAPS = 2.0
 """How many times farther than points are apart the origin is from all of them, where it stands for a lost one."""
 
 
+STALLED = 0.02
+"""Share of its range by which an actuator moves between two rows, where points cannot be exactly the same."""
+
+
 class Place(NamedTuple):
     """A place of the body.
 
@@ -92,6 +96,13 @@ class Measurements(NamedTuple):
         labels = tuple(np.array(self.labels)[chosen].tolist())
         arrays = self.actuators[chosen], self.points[chosen], self.places, labels, self.folds[chosen]
         return Measurements(*arrays, self.rows[chosen], self.dropped, self.levers, self.zeros)
+
+
+def stalled(own: Measurements) -> tuple[int, ...]:
+    """Numbers of rows that repeat the points of the row before exactly, although the actuators have moved."""
+    moved = np.abs(np.diff(own.actuators, axis=0)) > STALLED * np.ptp(own.actuators, axis=0)
+    same = (np.diff(own.points, axis=0) == 0.0).all(axis=(1, 2)) & (np.diff(own.rows) == 1) & moved.any(axis=1)
+    return tuple(own.rows[1:][same].tolist())
 
 
 def refuse_loose(robot: Robot) -> None:

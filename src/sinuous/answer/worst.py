@@ -282,10 +282,12 @@ class Worst(ShortRepr):
             return f"{one_of_body(self.segment)} touches {whom}, {self.amount:.3g} too near{there}"
         if self.obstacle is not None:
             return f"{one_of_body(self.segment)} lacks {self.amount:.3g} of clearance from {self.obstacle}{there}"
-        beyond = "its tolerance" if self.constraint in ("position", "angle") else "its limit"
-        what = str(self.constraint) if self.segment is None else f"{self.constraint} of {labelled([self.segment])}"
-        what = what if isinstance(self.segment, int | None) else labelled([self.segment])
-        return f"{what} is {self.amount:.3g} beyond {beyond}"
+        at_end = self.constraint in ("position", "angle")
+        whose = "" if self.segment is None else labelled([self.segment])
+        what = f"{self.constraint} of {whose}" if whose else str(self.constraint)
+        if isinstance(self.segment, str) and not at_end:  # a joint has one limit
+            what = whose
+        return f"{what} is {self.amount:.3g} beyond its {'tolerance' if at_end else 'limit'}"
 
 
 def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:

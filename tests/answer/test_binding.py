@@ -16,7 +16,7 @@ from sinuous.answer.residual import residual_of
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 
 
-def named(solution: sn.Solution) -> list[tuple[str, int | None, str | None]]:
+def named(solution: sn.Solution) -> list[tuple[str, int | str | None, str | None]]:
     return [(each.constraint, each.segment, each.actuator or each.obstacle) for each in solution.binding]
 
 
@@ -131,9 +131,9 @@ def test_widening_what_is_named_helps_and_nothing_else_does(seed: int) -> None:
         assert best_of(wider(solution.problem, segment, key), q)[1] > before * (1.0 - 2e-6), (segment, key)
 
 
-def wider(problem: sn.Problem, segment: int | None, key: str | None) -> sn.Problem:
+def wider(problem: sn.Problem, segment: int | str | None, key: str | None) -> sn.Problem:
     """The problem with one side of one limit of one segment wider by a little."""
-    assert segment is not None
+    assert isinstance(segment, int)
     assert key is not None
     name, _, end = key.partition("[")
     limits = limits_to_widen(problem.robot, name, segment)

@@ -53,7 +53,7 @@ def test_a_rate_is_named_when_more_of_it_would_help(seed: int) -> None:
     largest = max(gains.values())
     names = [actuator.name for actuator in ARM.actuators]
     named = {
-        (KEYS[each.constraint], names.index(each.actuator) if each.actuator else (each.segment or 0) - 1)
+        (KEYS[each.constraint], names.index(each.actuator) if each.actuator else int(each.segment or 0) - 1)
         for each in found.binding
         if each.constraint in KEYS
     }

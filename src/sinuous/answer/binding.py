@@ -90,13 +90,13 @@ class Binding(ShortRepr):
     """
 
     constraint: Constraint
-    segment: Any
+    segment: int | str | None
     obstacle: str | None
     value: float
     limit: float
     actuator: str | None = None
     key: str | None = None
-    other_segment: Any = None
+    other_segment: int | str | None = None
     fixed: bool = False
     inside: bool = False
     motor: Actuator | None = None

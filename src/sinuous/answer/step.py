@@ -52,10 +52,10 @@ class Active(ShortRepr):
     """
 
     constraint: StepConstraint
-    segment: Any
+    segment: int | str | None
     obstacle: str | None = None
     actuator: str | None = None
-    other_segment: Any = None
+    other_segment: int | str | None = None
 
     @classmethod
     def of(cls, row: Sequence[int], robot: Robot, scene: Snapshot, limited: Sequence[Actuator]) -> "Active":

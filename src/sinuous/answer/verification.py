@@ -73,7 +73,7 @@ class Verification(ShortRepr):
     angle_error: float
     excess: float
     clearance: float
-    segment: Any
+    segment: int | str | None
     obstacle: str | None
     self_clearance: float
     self_segments: tuple[Any, Any] | None

@@ -227,10 +227,10 @@ class Worst(ShortRepr):
     """
 
     constraint: WorstKind
-    segment: Any
+    segment: int | str | None
     obstacle: str | None
     amount: float
-    other_segment: Any = None
+    other_segment: int | str | None = None
     place: BodyPlace | None = None
     step: int | None = None
     time: float | None = None

@@ -17,6 +17,7 @@ from sinuous.base.arguments import (
     Limits,
     Number,
     OneEach,
+    Pair,
     Rows,
     SelfCollision,
     Stack,
@@ -576,7 +577,9 @@ class Robot(NotebookMixin, Frozen):
         door("files.mjcf").write_mjcf(file, driven)
         return driven
 
-    def configuration(self, key: str, q: Any, joints: Stack | None = None) -> Floats:
+    def configuration(
+        self, key: str, q: JointsAndBatch | list[Pair] | Stack | None, joints: Stack | None = None
+    ) -> Floats:
         """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
         Parameters

@@ -1,5 +1,6 @@
 """What is suspicious is said, and what is ordinary is not."""
 
+import math
 import warnings
 
 import numpy as np
@@ -145,3 +146,13 @@ def test_the_warning_can_be_switched_off_and_is_given_once() -> None:
 def test_a_payload_without_gravity_is_noted() -> None:
     (note,) = said(ROBOT.changed(payload=sn.Payload(0.1)))
     assert "gravity" in note
+
+
+def test_degrees_of_planes_and_joints() -> None:
+    planar = sn.Robot([sn.Segment(50.0, 1.0, plane=90.0)])
+    assert said(planar) == ["plane of segment 1 is at 90 rad, more than a full turn; is it in degrees?"]
+    arm = [sn.Segment(50.0, 1.0)]
+    for limits, told in (((-170.0, 170.0), True), ((-2.0 * math.pi, 2.0 * math.pi), False), (None, False)):
+        notes = said(sn.Robot(arm, joints=[sn.Revolute((0, 0, 1), limits, name="roll")]))
+        told_of = ["joint 'roll' turns up to 170 rad, more than two full turns; are its limits in degrees?"]
+        assert notes == (told_of if told else [])

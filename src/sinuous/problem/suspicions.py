@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from sinuous.base import words
+from sinuous.model.joints import Revolute, joint_names
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target
 from sinuous.scene.mesh import Mesh
@@ -72,6 +73,8 @@ def _of_angles(robot: Robot) -> Iterator[str]:
     for k, segment in enumerate(robot.segments, 1):
         if float(np.hypot(*segment.rest)) > FULL_TURN * (1.0 + 1e-9):
             yield f"rest of segment {k} is more than a full turn; is it in degrees?"
+        if segment.plane is not None and abs(segment.plane) > FULL_TURN * (1.0 + 1e-9):
+            yield f"plane of segment {k} is at {segment.plane:.4g} rad, more than a full turn; is it in degrees?"
         for key in ("tendons", "chambers"):
             lines = getattr(segment, key)
             if lines is None:
@@ -80,6 +83,10 @@ def _of_angles(robot: Robot) -> Iterator[str]:
             if sizes.max() > 2.0 * FULL_TURN or sizes.min() > FULL_TURN * (1.0 + 1e-9):
                 said = ", ".join(f"{angle:.4g}" for angle in lines.angles[:4])
                 yield f"{key} of segment {k} stand at {said} rad, more than a full turn; are these degrees?"
+    for joint, name in zip(robot.joints, joint_names(robot.joints), strict=True):
+        most = max(map(abs, joint.limits))
+        if isinstance(joint, Revolute) and most > 2.0 * FULL_TURN * (1.0 + 1e-9):  # wrists may turn once, both ways
+            yield f"joint '{name}' turns up to {most:.4g} rad, more than two full turns; are its limits in degrees?"
 
 
 def _of_lengths(robot: Robot) -> Iterator[str]:

@@ -66,7 +66,7 @@ FLANGE = 0.107
 PUBLISHED = (
     "VAMP, for all 700 problems of the Panda itself, edges sampled, not proved (AMD Ryzen 9 7950X, one core; "
     "resources/README.md of KavrakiLab/vamp): 699 solved and valid; a plan 35 us in the median, 343 us for 95 %, "
-    "1.1 ms at worst; with simplification 99, 442 us and 1.2 ms."
+    "1.1 ms at worst; with simplification 99, 442 us and 1.2 ms. Its Panda has a hand; this one ends at its flange."
 )
 
 Problem = dict[str, Any]

@@ -58,7 +58,7 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     """
     mine = config.pluginmanager.hasplugin("xdist") and not hasattr(config, "workerinput")
     if mine and config.option.numprocesses is None and [Path(arg).resolve() for arg in config.args] == [HERE]:
-        config.option.numprocesses = (os.cpu_count() or 1) + 1  # some tests wait for a browser or a process
+        config.option.numprocesses = "auto"
         config.option.dist = "loadfile"
         config.option.loadscopereorder = False
 

@@ -128,22 +128,25 @@ def body_places(robot: sn.Robot, q: Floats, places: int = PLACES) -> Bodies:
             own = (1.0 - shares) * start + shares * end
             points = np.einsum("mij,kj->mki", poses[:, i, :3, :3], own) + poses[:, i, None, :3, 3]
             found.append((link, points, radius))
-    at = poses[:, -1]
-    for k, segment in enumerate(robot.segments):
+    for k, (segment, at) in enumerate(zip(robot.segments, _ends_of_arcs(poses[:, -1], arcs), strict=False)):
         own = shares[:, 0, None, None] * arcs[:, k]
         ends = at[:, :3, 3] + np.einsum("mij,kmj->kmi", at[:, :3, :3], arc_ends(*np.moveaxis(own, -1, 0)))
         found.append((link + 1 + (k > 0), np.moveaxis(ends, 0, 1), segment.radius))
-        at = at @ arc_poses(*arcs[:, k].T)
     return found
 
 
 def segment_poses(robot: sn.Robot, q: Floats) -> Floats:
     """Poses (m, n + 1, 4, 4) of where the segments begin and the last one ends, of configurations (m, r, 3)."""
     values, arcs = robot.split(q)
-    poses = [link_poses(robot, values)[:, -1]]
+    return np.stack(_ends_of_arcs(link_poses(robot, values)[:, -1], arcs), axis=1)
+
+
+def _ends_of_arcs(begin: Floats, arcs: Floats) -> list[Floats]:
+    """Poses (m, 4, 4) of where arcs (m, n, 3) begin, one after the other, and of where the last one ends."""
+    poses = [begin]
     for arc in np.moveaxis(arcs, 1, 0):
         poses.append(poses[-1] @ arc_poses(*arc.T))
-    return np.stack(poses, axis=1)
+    return poses
 
 
 def tip_of(robot: sn.Robot, q: Floats) -> Floats:

@@ -129,7 +129,7 @@ def _tangent(line: Floats, i: int) -> Floats:
 
 
 def leading_rows(segments: Floats) -> int:
-    """Return how many rows (n, 34) lead to the first segment that bends; 0 where it is no choice where that begins.
+    """Return how many rows (n, 35) lead to the first segment that bends; 0 where it is no choice where that begins.
 
     It is one where there are joints, or a stage that is long beside the segments.
     """

@@ -3,6 +3,7 @@
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import sinuous as sn
@@ -47,3 +48,22 @@ def test_a_motion_without_knots_is_a_table_without_rows(tmp_path: Path) -> None:
 
 def test_a_file_that_cannot_be_written_is_named(track: sn.Motion, tmp_path: Path) -> None:
     refused("file", lambda: track.to_csv(tmp_path), "cannot be written")
+
+
+def test_a_motor_and_a_joint_of_one_name_have_each_their_own_column(tmp_path: Path) -> None:
+    """Before, the column of the motor had the value of the joint."""
+    drive = sn.Actuators([[1, 0, 0, 0]], names=["roll"], gain=100, offset=5)
+    robot = sn.Robot([sn.Segment(1.0, 2.0)], joints=[sn.Revolute(name="roll")], actuators=drive)
+    solutions = sn.Solver(robot).solve_many(positions=[[0.0, 0.0, 1.0]])
+    motion = sn.Motion(robot, [([0.1], [[0.0, 0.0, 1.0]]), ([0.2], [[0.0, 0.0, 1.0]])])
+    motion.to_csv(tmp_path / "all.csv")
+    motion.to_csv(tmp_path / "one.csv", columns=["roll.motor"])
+    solutions.to_csv(tmp_path / "motors.csv")
+    tables = {each.stem: list(csv.reader(each.read_text().splitlines())) for each in tmp_path.iterdir()}
+    assert tables["all"][0] == ["time", "roll", "s1.bend_x", "s1.bend_y", "s1.length", "roll.motor"]
+    assert [[float(row[1]), float(row[-1])] for row in tables["all"][1:]] == [[0.1, 15.0], [0.2, 25.0]]
+    assert [float(row[-1]) for row in tables["one"][1:]] == [15.0, 25.0]
+    assert tables["motors"][0] == ["target", "status", "roll.motor"]
+    assert float(tables["motors"][1][-1]) == pytest.approx(100.0 * float(solutions[0].joints[0]) + 5.0)
+    for name in ("all.csv", "one.csv"):
+        np.testing.assert_allclose(sn.Motion.load(tmp_path / name, robot).joints, [[0.1], [0.2]], atol=1e-15)

@@ -20,6 +20,7 @@ from sinuous.base.errors import InputError, NotSolvedError
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.kernels import tables as t
 from sinuous.kernels.tables import Outcome
+from sinuous.model.names import motor_columns
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
 from sinuous.problem.target_sets import ManyProblems
@@ -229,7 +230,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         if columns is None:
             if not own:
                 raise InputError("robot", "has no actuators", robot, "one that has some, or columns=")
-            columns = checks.names_of("actuators", actuators, own)
+            columns = motor_columns(checks.names_of("actuators", actuators, own), robot.joint_names)
         elif actuators is not None:
             raise InputError("columns", "cannot be combined with actuators", columns, "one of the two")
         names, values = chosen_columns(robot, self.configuration, columns)
@@ -297,8 +298,8 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
 
 def column_names(robot: Robot) -> list[str]:
     """Names of the numbers in tables: joints, `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, all actuators."""
-    own = robot.joint_names, coordinate_names(robot.segment_names), [actuator.name for actuator in robot.actuators]
-    return [name for names in own for name in names]
+    motors = motor_columns((actuator.name for actuator in robot.actuators), robot.joint_names)
+    return [*robot.joint_names, *coordinate_names(robot.segment_names), *motors]
 
 
 def chosen_columns(robot: Robot, q: Floats, chosen: Sequence[str] | None) -> tuple[list[str], list[list[float]]]:

@@ -1,6 +1,6 @@
 """Names of segments and of what drives them: those that were given, and default names for the rest."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
@@ -71,3 +71,8 @@ def refuse_repeated(named: Iterable[tuple[str, str]]) -> None:
         if name in first:
             raise InputError(key, f"is that of {first[name]} already", name, "a name of its own")
         first[name] = key
+
+
+def motor_columns(actuators: Iterable[str], joints: Collection[str]) -> list[str]:
+    """Names of the columns of motors in tables: those of actuators, `roll.motor` beside a joint `roll`."""
+    return [f"{name}.motor" if name in joints else name for name in actuators]

@@ -14,6 +14,7 @@ from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import read_table
 from sinuous.files.documents import read_text, read_values
 from sinuous.files.joint_chain import JointChain
+from sinuous.model.names import motor_columns
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
 from sinuous.motion.job import load
@@ -87,7 +88,7 @@ def _read_table(text: str, robot: Robot) -> tuple[Floats, Floats]:
         raise InputError("columns", "no names", "numbers alone", "a line with names: time, s1.bend_x, ... or actuators")
     own = [name.lower() for name in table.names]
     shapes = [*robot.joint_names, *coordinate_names(robot.segment_names)]
-    motors = [actuator.name for actuator in robot.actuators]
+    motors = motor_columns((actuator.name for actuator in robot.actuators), robot.joint_names)
     read = shapes if shapes[0].lower() in own or not motors else motors
     missing = [name for name in read if name.lower() not in own]
     when = next((name for name in TIME if name in own), None)

@@ -17,6 +17,7 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
+from sinuous.model.names import motor_columns
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
 from sinuous.studies.batch.tables.reading import ending_of, parquet
@@ -88,13 +89,14 @@ class Layout:
         InputError
             When a name is not known, or given twice.
         """
-        return (
-            self if columns is None else replace(self, chosen=tuple(checks.names_of("columns", columns, self._known)))
-        )
+        if columns is None:
+            return self
+        return replace(self, chosen=tuple(checks.names_of("columns", columns, self._known)))
 
     @property
     def _known(self) -> list[str]:
-        return [*self.joints, *coordinate_names(self.segments), *self.actuators, *ERRORS, *EFFORTS]
+        motors = motor_columns(self.actuators, self.joints)
+        return [*self.joints, *coordinate_names(self.segments), *motors, *ERRORS, *EFFORTS]
 
     def flat(self, block: Arrays) -> Iterator[NDArray[Any]]:
         """Yield the columns of a table, in the order of `names`; statuses are words."""
@@ -102,8 +104,8 @@ class Layout:
         yield np.array(STATUSES)[block["status"]]
         numbers = block["q"].reshape(len(block["row"]), -1).T, block["actuators"].T
         own = [*(block["joints"].T if self.joints else ()), *numbers[0], *numbers[1]]
-        columns = own + [block[name] for name in (*ERRORS, *EFFORTS)]
-        yield from (columns[self._known.index(name)] for name in self.names[2:])
+        columns = dict(zip(self._known, [*own, *(block[name] for name in (*ERRORS, *EFFORTS))], strict=True))
+        yield from (columns[name] for name in self.names[2:])
 
     def nothing(self, first: int, count: int, status: str) -> Arrays:
         """Make rows without an answer, from row `first` on, 0 = first of all."""

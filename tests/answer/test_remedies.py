@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import re
 from collections.abc import Callable, Iterator
 from functools import cache
 
@@ -338,3 +339,12 @@ def test_a_mesh_or_a_cloud_gives_way_at_a_place_and_not_as_a_whole(wall: Callabl
     again = sn.solve(BENDY, remedy.problem.targets, remedy.problem.scene.obstacles, max_starts=200)
     assert again.solved
     assert again.verify().ok
+
+
+def test_places_of_remedies_count_segments_of_the_arm() -> None:
+    """Before, they counted joints as well: `at the end of segment 4` of an arm of two segments."""
+    arm = sn.Robot([sn.Segment(1.0, 2.0, radius=0.05)] * 2, joints=[sn.Revolute(), sn.Revolute((0, 1, 0))])
+    post = sn.Box((0.0, 0.0, 1.5), (0.4, 0.4, 0.4), name="post")
+    explanation = sn.solve(arm, sn.Target((0.0, 0.0, 1.5)), [post]).explain(time=ENOUGH)
+    (without,) = (each for each in explanation.remedies if each.change == "obstacle post")
+    assert re.search(r"deep in it, .* segment 2$", without.note)

@@ -567,7 +567,9 @@ def _giving_way(problem: Problem, name: str, q: Floats) -> str:
     if problem.robot.has_external_load:
         return ""
     deepest = next((each for each in contacts_of(problem, q, 0.0) if each.obstacle == name), None)
-    return "" if deepest is None else f"a solution is {number(-deepest.clearance)} deep in it, {deepest.place}"
+    if deepest is None:
+        return ""
+    return f"a solution is {number(-deepest.clearance)} deep in it, {Binding.of(deepest, problem.robot).place}"
 
 
 def stay_inside(trials: Trials, case: Case) -> Iterator[Remedy]:

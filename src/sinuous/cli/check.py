@@ -9,7 +9,7 @@ import typer
 from sinuous.answer.verification import Verification, verified, verify
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.words import counted, number, span
+from sinuous.base.words import counted, number, one_of_body, span
 from sinuous.cli.app import Check
 from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
@@ -154,4 +154,7 @@ def _where(start: Verification) -> str:
     """Where a body runs through itself."""
     if start.self_segments is None or start.self_clearance >= 0.0:
         return ""
-    return f" between segments {start.self_segments[0]} and {start.self_segments[1]}"
+    one, other = start.self_segments
+    if isinstance(one, str) or isinstance(other, str):
+        return f" between {one_of_body(one)} and {one_of_body(other)}"
+    return f" between segments {one} and {other}"

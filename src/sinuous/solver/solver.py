@@ -539,9 +539,9 @@ class Solver:
         clearance : float, optional
             The body is pushed away from obstacles until it has this clearance, before anything else that is asked for.
             By default that of `prefer`, or just more than none.
-        velocity : array_like (rows, 3), optional
-            Of the tick before, by default of `q` where that is a step: what an acceleration starts from. Limits, rates
-            and obstacles come first.
+        velocity : array_like (r, 3), optional
+            Of all r rows in the tick before, by default of `q` where that is a step: what an acceleration starts from.
+            Limits, rates and obstacles come first.
 
         measured : array_like (3,), (4, 4), (n, 2) or (k, 3), optional
             Where the real robot is: the position or pose of its tool, the bends of its segments (from a fibre), or

@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.main import get_command
 
 import sinuous as sn
 from benchmarks.methods import FAITHFUL
-from sinuous.cli.app import main
+from sinuous.cli.app import app, main
+from sinuous.files.nouns import keys_of
+from sinuous.files.problem_file import KEYS
 from sinuous.methods.method import LIMITS, METHODS, capabilities
 from tests.cases import with_each
 
@@ -136,6 +139,27 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
         assert main(["solve", "problem.yaml"]) == 0
     robot = sn.load("motors.yaml", sn.Job).robot
     assert [each.limits for each in robot.actuators] == [(0, 4000), *[(1248, 2848)] * 3]
+
+
+def test_the_page_of_formats_names_every_key_option_and_status() -> None:
+    text = "".join((DOCS / page).read_text(encoding="utf-8") for page in ("format.md", "clusters.md", "viewer.md"))
+    nouns = (sn.Robot, sn.Segment, sn.Tendons, sn.Chambers, sn.Stage, sn.Stiffness, sn.Payload, sn.Actuators)
+    obstacles = (sn.Sphere, sn.Box, sn.Capsule, sn.Cylinder, sn.HalfSpace, sn.Mesh, sn.PointCloud, sn.Grid)
+    asked = (sn.Revolute, sn.Prismatic, sn.Target, sn.Tolerance, sn.Preferences, sn.Rates)
+    keys = {*KEYS, *(key for noun in (*nouns, *obstacles, *asked) for key in keys_of(noun)[0])}
+    answer = sn.solve(sn.Robot.uniform(2, 50), sn.Target((30, 0, 80)))
+    motion = sn.Motion(answer.robot, [answer.q, answer.q])
+    words = {*keys, *answer.to_dict(), *motion.to_dict(), *sn.Status}
+    assert {word for word in words if not re.search(rf"\b{word}\b", text)} == set()
+    options = {
+        option.removeprefix("--")
+        for command in get_command(app).commands.values()  # type: ignore[attr-defined]
+        for parameter in command.params
+        for option in parameter.opts
+        if option.startswith("--")
+    }
+    shown = {found.removeprefix("no-") for found in re.findall(r"--([a-z-]+)", text)}
+    assert options <= shown
 
 
 def test_what_the_page_of_pages_shows_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,12 @@ author = "The Sinuous developers"
 copyright = author
 release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+]
 exclude_patterns = ["build"]
 root_doc = "index"
 source_suffix = {
@@ -47,13 +52,22 @@ html_static_path = ["static"]
 html_css_files = ["sinuous.css"]
 html_show_sphinx = False
 html_theme_options = {
-    "light_css_variables": {"color-brand-primary": "#0072b2", "color-brand-content": "#0072b2"},
-    "dark_css_variables": {"color-brand-primary": "#56b4e9", "color-brand-content": "#56b4e9"},
+    "light_css_variables": {
+        "color-brand-primary": "#0072b2",
+        "color-brand-content": "#0072b2",
+    },
+    "dark_css_variables": {
+        "color-brand-primary": "#56b4e9",
+        "color-brand-content": "#56b4e9",
+    },
 }
 copybutton_prompt_text = "$ "
 
 DEFAULTS = {
-    **{name: repr(each.default) for name, each in inspect.signature(Robot).parameters.items()},
+    **{
+        name: repr(each.default)
+        for name, each in inspect.signature(Robot).parameters.items()
+    },
     **{
         each.name: repr(each.default)
         for each in fields(SolveOptions)
@@ -69,15 +83,21 @@ OWN = {
     "Planner": {"time": repr(TIME)},
     "reach": {"max_starts": "1", "routes": "False"},
 }
-"""What they are elsewhere in some; in studies also what the constants of their modules say."""
+"""What they are elsewhere; in studies also what the constants of their modules say."""
 
 CONSTANTS = {"TIME": "time", "SOLVE_TIME": "time", "STARTS": "max_starts"}
 
 
 def show_defaults(
-    app: Any, what: str, name: str, found: Any, options: Any, signature: str, returned: str
+    app: Any,
+    what: str,
+    name: str,
+    found: Any,
+    options: Any,
+    signature: str,
+    returned: str,
 ) -> Any:
-    """Show options one by one, with their defaults; those of `changed` are what they were."""
+    """Show options one by one, with defaults; those of `changed` are what they were."""
     if not signature or name.endswith(".changed"):
         return None
     function = inspect.unwrap(

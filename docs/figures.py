@@ -1,4 +1,4 @@
-"""Make pictures of the documentation: `python docs/figures.py`, or with names of some."""
+"""Make pictures of the documentation: `python docs/figures.py`, or names of some."""
 
 import re
 import sys
@@ -40,7 +40,8 @@ def shrink(file: Path, share: float = 1.0) -> None:
     with Image.open(file) as opened:
         image = opened.convert("RGB")
     image = image.resize(
-        (round(image.width * share), round(image.height * share)), Image.Resampling.LANCZOS
+        (round(image.width * share), round(image.height * share)),
+        Image.Resampling.LANCZOS,
     )
     image.quantize(palette=palette_of(image, COLOURS), dither=Image.Dither.NONE).save(
         file, optimize=True
@@ -98,8 +99,14 @@ def path_through_spheres() -> None:
 def first_steps() -> None:
     """The arm of the first steps."""
     arm = sn.Robot.uniform(5, length=(45, 70), max_bend=2.4, radius=4)
-    scene = [sn.Sphere((0, 80, 120), radius=25), sn.Box((-70, 110, 60), size=(60, 60, 120))]
-    shape("first_steps", sn.solve(arm, sn.Target((-60, 150, 170), direction=(0, 1, -1)), scene))
+    scene = [
+        sn.Sphere((0, 80, 120), radius=25),
+        sn.Box((-70, 110, 60), size=(60, 60, 120)),
+    ]
+    shape(
+        "first_steps",
+        sn.solve(arm, sn.Target((-60, 150, 170), direction=(0, 1, -1)), scene),
+    )
 
 
 def tendons() -> None:
@@ -120,7 +127,9 @@ def alternatives() -> None:
     """Two ways past a pillar."""
     arm = sn.Robot.uniform(5, length=(45, 70), max_bend=2.4, radius=5)
     pillar = sn.Capsule((0, 75, 0), (0, 75, 240), radius=16, name="pillar")
-    shape("alternatives", sn.solve_all(arm, sn.Target((0, 150, 150)), [pillar], count=2))
+    shape(
+        "alternatives", sn.solve_all(arm, sn.Target((0, 150, 150)), [pillar], count=2)
+    )
 
 
 def unsolved() -> None:
@@ -153,7 +162,9 @@ def convergence() -> None:
     for axes, method in zip(figure.subplots(1, 2), ("dls", "fabrikc"), strict=True):
         tight = sn.Tolerance(1e-6)
         sn.view.diagram(
-            sn.solve(arm, target, method=method, tolerance=tight), "convergence", ax=axes
+            sn.solve(arm, target, method=method, tolerance=tight),
+            "convergence",
+            ax=axes,
         )
     save(figure, "convergence")
 
@@ -171,7 +182,7 @@ def arcs() -> None:
 
 
 def proofs() -> None:
-    """Balls that prove a body clear: each is as large as the distance in its middle says."""
+    """Balls that prove a body clear: as large as the distance in their middle says."""
     arm = sn.Robot.uniform(3, length=80, radius=7)
     q = np.array([[1.2, 0.0, 80.0], [-1.3, 0.0, 80.0], [-0.9, 0.0, 80.0]])
     balls = [
@@ -184,16 +195,26 @@ def proofs() -> None:
     figure = new_figure(figsize=(6.4, 5.2), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     for ball in balls:
-        axes.add_patch(Circle((ball.center[0], ball.center[2]), ball.radius, color=OBSTACLE))
+        axes.add_patch(
+            Circle((ball.center[0], ball.center[2]), ball.radius, color=OBSTACLE)
+        )
     axes.plot(
-        *line[:, ::2].T, color=ARMS[0][1], linewidth=17, alpha=0.5, solid_capstyle="round"
+        *line[:, ::2].T,
+        color=ARMS[0][1],
+        linewidth=17,
+        alpha=0.5,
+        solid_capstyle="round",
     )
     axes.plot(*line[:, ::2].T, color=ARMS[0][0], linewidth=1.5)
     for begin, end in _proved_pieces(scene, line, 7.0, 0, len(line) - 1):
         middle = line[(begin + end) // 2]
         axes.add_patch(
             Circle(
-                middle[::2], scene.distance(middle), fill=False, color=CURVES[2], linewidth=1.0
+                middle[::2],
+                scene.distance(middle),
+                fill=False,
+                color=CURVES[2],
+                linewidth=1.0,
             )
         )
         axes.plot(*middle[::2], "o", color=TARGET, markersize=3.0)
@@ -209,7 +230,7 @@ def proofs() -> None:
 def _proved_pieces(
     scene: sn.Scene, line: Any, radius: float, begin: int, end: int
 ) -> list[tuple[int, int]]:
-    """Halve a piece of the backbone until the distance in its middle proves it clear."""
+    """Halve a piece of the backbone until the distance in its middle decides."""
     step = float(np.linalg.norm(line[1] - line[0]))
     middle = (begin + end) // 2
     if scene.distance(line[middle]) > 0.5 * step * (end - begin) + radius:

@@ -24,7 +24,7 @@ PACKAGE = Path(sn.__file__).parent
 LESS = {r"\btime=\d+\.0": "time=0.5", r"\bseconds=\d+": "seconds=0.2", r"\brobots=\d+": "robots=32"}
 """What takes as long as it may, and what it is here: a place that is explored, a film, a search for a robot."""
 
-WIDTH = 96
+WIDTH = 88
 """Characters of code that stand side by side on a page of the site."""
 
 LESSONS = [DOCS / "index.md", DOCS / "first-steps.md", *sorted((DOCS / "guides").glob("*.md"))]
@@ -42,7 +42,7 @@ def test_sources_that_pages_name_are_there(page: Path) -> None:
         assert (PACKAGE / name).exists() or (DOCS.parent / name).exists(), name
 
 
-@with_each("page", PAGES)
+@with_each("page", [*PAGES, DOCS.parent / "README.md", DOCS.parent / "CONTRIBUTING.md"])
 def test_blocks_of_code_fit_the_width(page: Path) -> None:
     shown = re.findall(r"```(?:python|yaml|bash|text)\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     assert max(map(len, "".join(shown).splitlines()), default=0) <= WIDTH

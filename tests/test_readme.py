@@ -25,11 +25,11 @@ def test_the_python_example_runs(
     assert (tmp_path / "shape.png").stat().st_size > 0
 
 
-def test_the_problem_file_solves(tmp_path: Path) -> None:
-    (problem,) = blocks("yaml")
-    file = tmp_path / "problem.yaml"
-    file.write_text(problem, encoding="utf-8")
-    assert main(["solve", str(file)]) == 0
+def test_the_file_that_a_command_writes_is_solved(tmp_path: Path) -> None:
+    file = str(tmp_path / "arm.yaml")
+    assert "sinuous new tendon arm.yaml" in README
+    assert main(["new", "tendon", file]) == 0
+    assert main(["solve", file]) == 0
 
 
 def test_every_file_that_it_names_is_there() -> None:

@@ -18,6 +18,10 @@ from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
+for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
+    # library wait for each other ten times as long as verifying takes.
+    os.environ.setdefault(_variable, "1")
 
 if TYPE_CHECKING:
     from benchmarks.harness.experiment import Experiment
@@ -81,7 +85,7 @@ KNOWN = {
 TOOLS = {
     "trace": ("trace", "how many files of the package run in a solve"),
     "rooms": ("rooms", "lines of code by room, circles of imports, public names"),
-    "corpus": ("corpus", "some 5,000 problems with their answers, to hold a change of the code to the last bit"),
+    "corpus": ("corpus", "some thousand problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
     "joints": ("joints", "inverse kinematics of arms with joints before the segments, beside an analytic rigid solver"),
@@ -141,10 +145,6 @@ def run(
     without: Without = None,
 ) -> None:
     """Measure."""
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
-        # library wait for each other ten times as long as verifying takes.
-        os.environ.setdefault(variable, "1")
     from sinuous.base import checks  # noqa: PLC0415
 
     checks.choice("NAME", name, tuple(KNOWN))

@@ -2,10 +2,10 @@
 
 import json
 import pickle
-import tempfile
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,18 +15,18 @@ import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.wild import odd
 from benchmarks.wild.trials import named
+from sinuous.base.checks import Floats
 
 SECTION = "public calls of odd robots in odd scenes: whether each ends in an answer"
 
 BUDGETS = (0.0, 1e-4, 0.01, 0.05)
 """Seconds of a call."""
 
-WHY = 0.03
-"""Seconds of an explanation."""
+PATIENCE, STARTS = 20.0, 4
+"""Seconds of a call that starts decide, not the clock; and how many these are."""
 
 METHODS: tuple[Any, ...] = ("newton", "dls", "fabrikc", "fabrikx", "fabrik_avoid", "opti_path", "slinki", "monte_carlo")
 """Names of methods."""
-
 
 OF_THE_DRAWN = ("scene", "load")
 """What any call may be refused about: an obstacle that moves where none may, and a load that no shape holds."""
@@ -50,24 +50,66 @@ class Called(NamedTuple):
     false: str
 
 
+class Drawn:
+    """A robot and a scene, and what can be asked of them: much is at the edge of what can be said.
+
+    Parameters
+    ----------
+    rng : Generator
+    patient : bool
+        Whether starts decide how long a call goes on, so that its answer is the same on every machine.
+    """
+
+    def __init__(self, rng: Generator, patient: bool = False) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", sn.SuspiciousInput)
+            self.robot = odd.robot(rng)
+            self.scene = odd.scene(self.robot, rng)
+        self.rng, self.patient, self.unit = rng, patient, odd.size(self.robot)
+
+    def perhaps(self, share: float) -> bool:
+        """Draw whether something is done that is done in such a share of the cases."""
+        return bool(self.rng.random() < share)
+
+    def target(self) -> list[sn.Target]:
+        """Draw what is asked of the robot."""
+        return odd.target(self.robot, self.rng)
+
+    def shape(self, share: float = 1.0) -> Any:
+        """Draw a configuration (n, 3), in such a share of the cases, and else none."""
+        return odd.shape(self.robot, self.rng) if self.perhaps(share) else None
+
+    def seconds(self, budget: float) -> float:
+        """Return a budget, or one that is never used up."""
+        return PATIENCE if self.patient else budget
+
+    def options(self, budget: float | None = None, **more: Any) -> dict[str, Any]:
+        """Draw options of a solve, most of them left out; `more` stand in their place."""
+        drawn: dict[str, Any] = {"time": self.seconds(float(self.rng.choice(BUDGETS)) if budget is None else budget)}
+        drawn["tolerance"] = odd.tolerance(self.robot, self.rng)
+        if self.perhaps(0.3) or self.patient:
+            drawn["max_starts"] = STARTS if self.patient else int(self.rng.choice([1, 2, 10, 100]))
+        if self.perhaps(0.2):
+            drawn["routes"] = False
+        if self.perhaps(0.2):
+            start, bends, clearance = self.rng.choice([0.0, 1.0], 3).tolist()
+            drawn["prefer"] = sn.Preferences(start, bends, 0.1 * clearance * self.unit)
+        return drawn | more
+
+
 def called(seed: int, number: int) -> Called:
-    """Make one call, with a robot, a scene and arguments that can be meant."""
-    rng = np.random.default_rng([seed, 21, number])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sn.SuspiciousInput)
-        robot = odd.robot(rng)
-        scene = odd.scene(robot, rng)
-    what = str(rng.choice(list(CALLS)))
+    """Make one call, with a robot, a scene and arguments that can be meant, and ask everything of its answer."""
+    drawn = Drawn(np.random.default_rng([seed, 21, number]))
+    what = str(drawn.rng.choice(list(CALLS)))
     make, refusals = CALLS[what]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # a warning that is not for the user is a defect
             warnings.simplefilter("ignore", sn.SuspiciousInput)  # much of it is
-            make(robot, scene, rng)
+            ask(make(drawn))
     except sn.InputError as error:
-        if error.key.partition("[")[0].partition(".")[0] in (*refusals, *OF_THE_DRAWN):
-            return Called(what, False, "")
-        return Called(what, False, f"InputError {error}")
+        refused = error.key.partition("[")[0].partition(".")[0] in (*refusals, *OF_THE_DRAWN)
+        return Called(what, False, "" if refused else f"InputError {error}")
     except Exception as error:  # whatever it is, it is no answer
         return Called(what, False, f"{type(error).__name__} {error}")
     return Called(what, True, "")
@@ -84,39 +126,33 @@ def lines_of(kind: str, shares: Sequence[Sequence[Sequence[Any]]]) -> list[Line]
     ]
 
 
-def _options(robot: sn.Robot, rng: Generator) -> dict[str, Any]:
-    """Options of a solve, most of them left out."""
-    options: dict[str, Any] = {"time": float(rng.choice(BUDGETS)), "tolerance": odd.tolerance(robot, rng)}
-    if rng.random() < 0.3:
-        options["max_starts"] = int(rng.choice([1, 2, 10, 100]))
-    if rng.random() < 0.2:
-        options["routes"] = False
-    if rng.random() < 0.2:
-        start, bends, clearance = rng.choice([0.0, 1.0], 3).tolist()
-        options["prefer"] = sn.Preferences(start, bends, 0.1 * clearance * odd.size(robot))
-    return options
-
-
-def _ask(answer: sn.Solution) -> None:
-    """Ask everything of a solution."""
-    assert np.isfinite(answer.q).all(), "q is not finite"
-    assert not answer.solved or answer.verify().ok, "verify refutes what is solved"
-    str(answer), repr(answer), answer.worst, answer.binding, answer.reason
-    json.dumps(answer.to_dict(), allow_nan=False)
-    pickle.loads(pickle.dumps(answer))
+def ask(found: Any) -> None:
+    """Ask everything of answers: texts, files, checks; nothing may be infinite where a number is."""
+    str(found), repr(found)
+    if isinstance(found, sn.Motion):
+        _ask_motion(found)
+    elif isinstance(found, list | tuple | sn.answer.Solutions):
+        for each in found:
+            ask(each)
+    elif isinstance(found, np.ndarray):
+        assert np.isfinite(found).all(), "not finite"
+    elif isinstance(found, sn.Solution):
+        assert not found.solved or found.verify().ok, "verify refutes what is solved"
+        ask([found.q, found.worst, found.binding, found.reason])
+        json.dumps(found.to_dict(), allow_nan=False)
+        pickle.loads(pickle.dumps(found))
+    elif isinstance(found, sn.answer.Step):
+        ask([found.q, found.active])
+    elif isinstance(found, sn.answer.Derivative) and found.regular:
+        ask(list(found.q.values()))
 
 
 def _ask_motion(motion: sn.Motion) -> None:
-    """Ask everything of a motion, and write it."""
-    str(motion), repr(motion), motion.worst
     json.dumps(motion.to_dict(), allow_nan=False)
-    assert np.isfinite(motion.q).all(), "q is not finite"
-    for solution in motion.solutions[:3]:
-        _ask(solution)
+    ask([motion.worst, motion.q, *motion.solutions[:3]])
     motion.reversed()
-    if motion.solved:
-        assert all(step.ok for step in motion.verify()), "verify refutes what is solved"
-    with tempfile.TemporaryDirectory() as folder:
+    assert not motion.solved or motion.verify().ok, "verify refutes what is solved"
+    with TemporaryDirectory() as folder:
         file = Path(folder) / "file"
         motion.to_csv(file)
         motion.to_npz(file)
@@ -127,201 +163,166 @@ def _ask_motion(motion: sn.Motion) -> None:
             motion.to_csv(file, rate=3.0 / (motion.times[-1] - motion.times[0]))
 
 
-def _solve(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    initial = odd.shape(robot, rng) if rng.random() < 0.4 else None
-    _ask(sn.solve(robot, odd.target(robot, rng), scene, initial=initial, **_options(robot, rng)))
+def _solve(d: Drawn) -> Any:
+    return sn.solve(d.robot, d.target(), d.scene, initial=d.shape(0.4), **d.options())
 
 
-def _solve_by_method(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    method = METHODS[rng.integers(len(METHODS))]
-    initial = odd.shape(robot, rng) if rng.random() < 0.4 else None
-    options = {**_options(robot, rng), "prefer": None, "max_starts": 3}
-    _ask(sn.solve(robot, odd.target(robot, rng), scene, initial=initial, method=method, **options))
+def _solve_by_method(d: Drawn) -> Any:
+    method = METHODS[d.rng.integers(len(METHODS))]
+    options = d.options(prefer=None, max_starts=3)
+    return sn.solve(d.robot, d.target(), d.scene, initial=d.shape(0.4), method=method, **options)
 
 
-def _explain(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    initial = odd.shape(robot, rng) if rng.random() < 0.3 else None
-    found = sn.solve(robot, odd.target(robot, rng), scene, initial=initial, **{**_options(robot, rng), "time": 0.01})
-    str(found.explain(WHY))
+def _explain(d: Drawn) -> Any:
+    found = sn.solve(d.robot, d.target(), d.scene, initial=d.shape(0.3), **d.options(0.01))
+    return found, found.explain(d.seconds(0.03))
 
 
-def _solve_all(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    kind = [None, "route", "shape"][int(rng.integers(3))]
-    options = _options(robot, rng)
-    for answer in sn.solve_all(robot, odd.target(robot, rng), scene, count=3, by=kind, **options):  # type: ignore[arg-type]
-        _ask(answer)
+def _solve_all(d: Drawn) -> Any:
+    kind: Any = [None, "route", "shape"][int(d.rng.integers(3))]
+    return sn.solve_all(d.robot, d.target(), d.scene, count=3, by=kind, **d.options())
 
 
-def _solve_many(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    solver = sn.Solver(robot, scene, **_options(robot, rng))
-    targets = [odd.target(robot, rng) for _ in range(4)]
-    initial = odd.shape(robot, rng) if rng.random() < 0.4 else None
-    for answer in solver.solve_many(targets, initial, workers=1):
-        _ask(answer)
+def _solve_many(d: Drawn) -> Any:
+    targets = [d.target() for _ in range(4)]
+    return list(sn.Solver(d.robot, d.scene, **d.options()).solve_many(targets, d.shape(0.4), workers=1))
 
 
-def _step(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    solver = sn.Solver(robot, scene, **_options(robot, rng))
-    q: Any = odd.shape(robot, rng)
-    unit = odd.size(robot)
-    rates = None if rng.random() < 0.5 else sn.Rates(float(rng.choice([1e-6, 1.0])), unit)
+def _step(d: Drawn) -> Any:
+    solver, steps, q = sn.Solver(d.robot, d.scene, **d.options()), list[Any](), d.shape()
+    rates = None if d.perhaps(0.5) else sn.Rates(float(d.rng.choice([1e-6, 1.0])), d.unit)
     for _ in range(3):
-        if rng.random() < 0.5:
-            twist = np.concatenate([rng.normal(size=3), unit * rng.normal(size=3)])
-            step = solver.step(q, twist * float(rng.choice([0.0, 1.0, 1e3])), 0.01, rates=rates)
+        if d.perhaps(0.5):
+            twist = np.concatenate([d.rng.normal(size=3), d.unit * d.rng.normal(size=3)])
+            steps.append(solver.step(q, twist * float(d.rng.choice([0.0, 1.0, 1e3])), 0.01, rates=rates))
         else:
-            step = solver.step(q, dt=0.01, target=odd.target(robot, rng), rates=rates)
-        assert np.isfinite(step.q).all(), "q is not finite"
-        str(step), repr(step), step.active
-        q = step
-    within = sn.Rates(1.0, unit) * float(rng.choice([1e-6, 0.1]))
-    _ask(solver.solve(odd.target(robot, rng), np.array(q.q), within=within))
+            steps.append(solver.step(q, dt=0.01, target=d.target(), rates=rates))
+        q = steps[-1]
+    within = sn.Rates(1.0, d.unit) * float(d.rng.choice([1e-6, 0.1]))
+    return steps, solver.solve(d.target(), np.array(q.q), within=within)
 
 
-def _track(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    start = odd.shape(robot, rng) if rng.random() < 0.6 else None
-    path = [odd.target(robot, rng) for _ in range(int(rng.integers(1, 5)))]
-    shortest = None if rng.random() < 0.8 else "configuration"
-    _ask_motion(sn.track(robot, path, scene, start=start, shortest=shortest, **_options(robot, rng)))  # type: ignore[arg-type]
+def _track(d: Drawn) -> Any:
+    start, path = d.shape(0.6), [d.target() for _ in range(int(d.rng.integers(1, 5)))]
+    shortest: Any = None if d.perhaps(0.8) else "configuration"
+    return sn.track(d.robot, path, d.scene, start=start, shortest=shortest, **d.options())
 
 
-def _plan(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    goal: Any = odd.shape(robot, rng) if rng.random() < 0.5 else odd.target(robot, rng)
-    options = _options(robot, rng)
-    if scene.snapshot().moves:
-        options["duration"] = 1.0
-    _ask_motion(sn.plan(robot, odd.shape(robot, rng), goal, scene, **options))
+def _plan(d: Drawn) -> Any:
+    goal, more = d.shape() if d.perhaps(0.5) else d.target(), {"duration": 1.0} if d.scene.snapshot().moves else {}
+    return sn.plan(d.robot, d.shape(), goal, d.scene, **d.options(**more))
 
 
-def _timed(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    motion = sn.Motion(robot, [odd.shape(robot, rng) for _ in range(int(rng.integers(2, 8)))], scene)
-    _ask_motion(motion)
-    unit = odd.size(robot)
-    acceleration = None if rng.random() < 0.3 else sn.Rates(1.0, unit)
-    trajectory = motion.timed(
-        sn.Rates(1.0, unit, acceleration=acceleration),
-        0.0 if acceleration is None else float(rng.choice([0.0, 0.1])) * unit,
-    )
-    times = np.linspace(0.0, trajectory.duration, 20)
-    for values in (trajectory.at(times), trajectory.velocity(times), trajectory.acceleration(times)):
-        assert np.isfinite(values).all(), "not finite"
-    with tempfile.TemporaryDirectory() as folder:
+def _timed(d: Drawn) -> Any:
+    motion = sn.Motion(d.robot, [d.shape() for _ in range(int(d.rng.integers(2, 8)))], d.scene)
+    acceleration = None if d.perhaps(0.3) else sn.Rates(1.0, d.unit)
+    blend = 0.0 if acceleration is None else float(d.rng.choice([0.0, 0.1])) * d.unit
+    trajectory = motion.timed(sn.Rates(1.0, d.unit, acceleration=acceleration), blend)
+    with TemporaryDirectory() as folder:
         trajectory.to_csv(Path(folder) / "file", rate=5.0 / trajectory.duration)
         trajectory.to_ros(Path(folder) / "file")
+    t = np.linspace(0.0, trajectory.duration, 20)
+    return motion, trajectory.stops, [trajectory.at(t), trajectory.velocity(t), trajectory.acceleration(t)]
 
 
-def _follow(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    unit = odd.size(robot)
-    staged = sn.on_stage(robot, unit) if robot.linear is None and rng.random() < 0.7 else robot
+def _follow(d: Drawn) -> Any:
+    staged = sn.on_stage(d.robot, d.unit) if d.robot.linear is None and d.perhaps(0.7) else d.robot
     base = staged.base
-    away = (base[:3, 2] + 0.2 * rng.normal(size=3)) * unit * rng.uniform(0.2, 0.8)
-    start = base[:3, 3] + unit * base[:3, 2]
-    points = (
-        np.stack([start, start + away]) if rng.random() < 0.5 else np.stack([base[:3, 3], base[:3, 3] + 1.5 * away])
+    away = (base[:3, 2] + 0.2 * d.rng.normal(size=3)) * d.unit * d.rng.uniform(0.2, 0.8)
+    start, more = (base[:3, 3] + d.unit * base[:3, 2], 1.0) if d.perhaps(0.5) else (base[:3, 3], 1.5)
+    points = np.stack([start, start + more * away])
+    motion = sn.follow_the_leader(staged, points, d.scene, time=d.seconds(0.01), tip_deviation=0.01 * d.unit)
+    return motion, str(motion.deviation(points)) if len(motion.q) else ""
+
+
+def _reach(d: Drawn) -> Any:
+    few: dict[str, Any] = {"max_starts": 2} if d.patient else {}
+    directions = int(d.rng.choice([1, 6]))
+    return sn.studies.reach(
+        d.robot, d.scene, spacing=0.9 * d.unit, directions=directions, time=d.seconds(0.002), workers=1, **few
     )
-    motion = sn.follow_the_leader(staged, points, scene, time=0.01, tip_deviation=0.01 * unit)
-    _ask_motion(motion)
-    if len(motion.q) > 0:
-        str(motion.deviation(points))
 
 
-def _reach(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    unit = odd.size(robot)
-    found = sn.studies.reach(
-        robot, scene, spacing=0.9 * unit, directions=int(rng.choice([1, 6])), time=0.002, workers=1
-    )
-    str(found), repr(found)
+def _check(d: Drawn) -> Any:
+    shapes = np.stack([d.shape() for _ in range(2)])
+    checked = sn.check(d.robot, shapes * d.rng.choice([1.0, 1.3]), d.scene, d.target())
+    values = d.robot.to_actuators(shapes)
+    geometry = d.robot.forward(shapes), d.robot.tip(shapes), d.robot.jacobian(shapes[0]), d.robot.backbone(shapes, 4)
+    with TemporaryDirectory() as folder:
+        urdf, mjcf = Path(folder) / "arm.urdf", Path(folder) / "arm.xml"
+        chain, driven = d.robot.to_urdf(urdf, joints_per_segment=2), d.robot.to_mjcf(mjcf, joints_per_segment=2)
+        texts = urdf.read_text(), mjcf.read_text()
+    drives = d.robot.from_actuators(values, shapes), chain.values(shapes[0]), driven.controls(shapes[0])
+    return checked, geometry, values, drives, texts
 
 
-def _check(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    shapes = np.stack([odd.shape(robot, rng) for _ in range(2)])
-    sn.check(robot, shapes * rng.choice([1.0, 1.3]), scene, odd.target(robot, rng))
-    robot.from_actuators(robot.to_actuators(shapes), shapes)
-    robot.jacobian(shapes[0])
-    with tempfile.TemporaryDirectory() as folder:
-        robot.to_urdf(Path(folder) / "arm.urdf", joints_per_segment=2)
-        robot.to_mjcf(Path(folder) / "arm.xml", joints_per_segment=2)
-
-
-def _job(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
+def _job(d: Drawn) -> Any:
     """Write a problem, and read it again."""
-    job = sn.Job(robot, odd.target(robot, rng), scene, tolerance=odd.tolerance(robot, rng))
-    with tempfile.TemporaryDirectory() as folder:
-        job.save(Path(folder) / "job.yaml")
-        again = sn.load(Path(folder) / "job.yaml", sn.Job)
-    assert again.robot.equals(robot), "another robot was read"
+    job = sn.Job(d.robot, d.target(), d.scene, tolerance=odd.tolerance(d.robot, d.rng))
+    with TemporaryDirectory() as folder:
+        job.save(file := Path(folder) / "job.yaml")
+        again, text = sn.load(file, sn.Job), file.read_text()
+    assert again.robot.equals(d.robot), "another robot was read"
+    return text
 
 
-def _derivative(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    found = sn.solve(robot, odd.target(robot, rng), scene, **_options(robot, rng))
+def _derivative(d: Drawn) -> Any:
+    found = sn.solve(d.robot, d.target(), d.scene, **d.options())
     if not found.solved:
-        return
-    own = found.derivative(["target", "base", "lengths", "obstacles"] if len(scene) else ["target", "base", "lengths"])
-    str(own), repr(own), own.active
-    if own.regular:
-        assert all(np.isfinite(each).all() for each in own.q.values()), "a derivative is not finite"
-        own.vjp(np.ones_like(found.q))
+        return found
+    own = found.derivative(["target", "base", "lengths", *(["obstacles"] if len(d.scene) else [])])  # type: ignore[list-item]
+    return found, own, own.active, own.vjp(np.ones_like(found.q)) if own.regular else ""
 
 
-def _shape_under_load(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    unit = odd.size(robot)
-    load = sn.Force(rng.normal(size=3) * 10.0 ** rng.uniform(-6.0, 2.0), unit * rng.normal(size=3))
-    found = robot.shape(odd.shape(robot, rng), load)
-    assert np.isfinite(found.tip).all(), "a tip is not finite"
-    str(found), repr(found), found.tensions
-    found.derivative()
-    del scene
+def _shape_under_load(d: Drawn) -> Any:
+    load = sn.Force(d.rng.normal(size=3) * 10.0 ** d.rng.uniform(-6.0, 2.0), d.unit * d.rng.normal(size=3))
+    found = d.robot.shape(d.shape(), load)
+    return found, found.tip, found.tensions, found.derivative()
 
 
-def _assess(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    tasks = {"one": odd.target(robot, rng), "path": sn.studies.Follow([odd.target(robot, rng) for _ in range(2)])}
-    found = sn.studies.assess([robot, robot], tasks, scene, time=0.01)
-    str(found), repr(found)
+def _assess(d: Drawn) -> Any:
+    tasks = {"one": d.target(), "path": sn.studies.Follow([d.target() for _ in range(2)])}
+    few: dict[str, Any] = {"max_starts": 2} if d.patient else {}
+    return sn.studies.assess([d.robot, d.robot], tasks, d.scene, time=d.seconds(0.01), **few)
 
 
-def _calibrate(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    shapes = np.stack([odd.shape(robot, rng) for _ in range(int(rng.choice([1, 5, 30])))])
-    measured = robot.tip(shapes)[:, :3, 3] + 1e-3 * odd.size(robot) * rng.normal(size=(len(shapes), 3))
-    found = sn.studies.calibrate(robot, robot.to_actuators(shapes), measured)
-    str(found), repr(found), str(found.explain())
-    del scene
+def _calibrate(d: Drawn) -> Any:
+    shapes = np.stack([d.shape() for _ in range(int(d.rng.choice([1, 5, 30])))])
+    measured = d.robot.tip(shapes)[:, :3, 3] + 1e-3 * d.unit * d.rng.normal(size=(len(shapes), 3))
+    found = sn.studies.calibrate(d.robot, d.robot.to_actuators(shapes), measured)
+    return found, str(found.explain())
 
 
-def _design(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    size = odd.size(robot)
-    vary = {"base.position[2]": (-0.1 * size, 0.1 * size)}
-    if rng.random() < 0.5:
-        vary = {"segments[0].radius": (0.0, 0.01 * size)}
-    found = sn.studies.design(
-        robot, [odd.target(robot, rng)], scene, vary=vary, minimise="length", robots=4, budget=0.1, time=0.01
-    )
-    str(found), repr(found)
+def _design(d: Drawn) -> Any:
+    vary = {"base.position[2]": (-0.1 * d.unit, 0.1 * d.unit)}
+    if d.perhaps(0.5):
+        vary = {"segments[0].radius": (0.0, 0.01 * d.unit)}
+    options: dict[str, Any] = {"budget": 600.0, "max_starts": 2} if d.patient else {"budget": 0.1}
+    options |= {"vary": vary, "minimise": "length", "robots": 4, "time": d.seconds(0.01)}
+    return sn.studies.design(d.robot, [d.target()], d.scene, **options)
 
 
-def _remember(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
+def _remember(d: Drawn) -> Any:
     """Explore for a moment, keep it in a file, and solve and plan with it."""
-    options = {**_options(robot, rng), "time": 0.02}
-    found = sn.studies.explore(robot, scene, rounds=1, workers=1, **options)
-    str(found), repr(found)
-    with tempfile.TemporaryDirectory() as folder:
-        found.memory.save(Path(folder) / "arm.memory")
-        memory = sn.Memory.load(Path(folder) / "arm.memory")
-    _ask(sn.solve(robot, odd.target(robot, rng), scene, memory=memory, **options))
-    _ask_motion(sn.plan(robot, odd.shape(robot, rng), odd.target(robot, rng), scene, memory=memory, **options))
+    options = d.options(0.02)
+    found = sn.studies.explore(d.robot, d.scene, rounds=1, workers=1, **options)
+    with TemporaryDirectory() as folder:
+        found.memory.save(file := Path(folder) / "arm.memory")
+        memory = sn.Memory.load(file)
+    solved = sn.solve(d.robot, d.target(), d.scene, memory=memory, **options)
+    return found, solved, sn.plan(d.robot, d.shape(), d.target(), d.scene, memory=memory, **options)
 
 
-def _batch(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> None:
-    places = robot.base[:3, 3] + odd.size(robot) * rng.normal(size=(5, 3))
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / f"out.{rng.choice(['npz', 'csv'])}"
-        found = sn.studies.solve_batch(robot, {"positions": places}, scene, out, workers=1, **_options(robot, rng))
-        str(found), repr(found)
+def _batch(d: Drawn) -> Any:
+    places: Floats = d.robot.base[:3, 3] + d.unit * d.rng.normal(size=(5, 3))
+    with TemporaryDirectory() as folder:
+        out = Path(folder) / f"out.{d.rng.choice(['npz', 'csv'])}"
+        found = sn.studies.solve_batch(d.robot, {"positions": places}, d.scene, out, workers=1, **d.options())
         assert out.exists(), "nothing was written"
+    return found.counts
 
 
-Make = Callable[[sn.Robot, sn.Scene, Generator], None]
-
-CALLS: dict[str, tuple[Make, tuple[str, ...]]] = {
+CALLS: dict[str, tuple[Callable[[Drawn], Any], tuple[str, ...]]] = {
     "solve": (_solve, ()),
     "solve by method": (_solve_by_method, ("method", "target", "targets", "robot")),
     "explain": (_explain, ()),
@@ -343,4 +344,4 @@ CALLS: dict[str, tuple[Make, tuple[str, ...]]] = {
     "remember": (_remember, ("gravity",)),
     "batch": (_batch, ()),
 }
-"""Each call, and the arguments about which it may be refused as they are drawn."""
+"""Each call, which returns its answers, and the arguments about which it may be refused as they are drawn."""

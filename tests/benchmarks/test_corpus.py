@@ -10,10 +10,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.corpus import experiment, main
-from benchmarks.corpus.answers import Problem
-from benchmarks.corpus.experiment import compared, written
-from benchmarks.corpus.pieces import PIECES
+from benchmarks import corpus
+from benchmarks.corpus import PIECES, Problem, compared, main, written
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.0, radius=4.0)
 
@@ -68,9 +66,9 @@ def test_files_are_compared_by_the_command(
     file = tmp_path / "answers.gz"
     with gzip.open(file, "wt") as lines:
         lines.write(json.dumps({"piece": "small", "answers": answers}) + "\n")
-    assert main(["compare", str(file), "--piece", "small", "--processes", "1"]) == code
+    assert main(["compare", str(file), "--piece", "small", "--alone"]) == code
     assert f"5 problems, {code} different" in capsys.readouterr().out
-    assert experiment.read(file)["small"].keys() == answers.keys()
+    assert corpus.read(file)["small"].keys() == answers.keys()
 
 
 @pytest.mark.parametrize("arguments", [["compare", "nowhere.gz"], ["compare", __file__, "--piece", "none"], ["look"]])

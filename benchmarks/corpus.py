@@ -41,7 +41,7 @@ from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.problems import clutter, full_poses, paper_poses
 from benchmarks.real import captured_robot, rows_of
-from benchmarks.wild import audit, calls, trials, worlds
+from benchmarks.wild import calls, trials, worlds
 from sinuous.cli.app import execute
 from sinuous.cli.app import main as sinuous
 
@@ -199,7 +199,7 @@ def _right_in_world(world: worlds.World, i: int, found: sn.Solution) -> bool:
 
 
 def _clear(motion: sn.Motion) -> bool:
-    return motion.between != "proved" or not wrong_in(motion.robot, sn.Scene.of(motion.scene), motion.q)
+    return motion.between != "proved" or not wrong_in(motion.robot, sn.Scene.of(motion.scene), motion.configuration)
 
 
 def methods() -> Iterator[Problem]:
@@ -307,7 +307,7 @@ PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
     **{f"places {i}": partial(places, OTHERS[i::2]) for i in range(2)},
     **{f"traps {i}": partial(places, TRAPS[i::4]) for i in range(4)},
     "wild worlds": partial(wild, worlds.make, 30),
-    **{kind: partial(wild, make, 10) for kind, make in audit.KINDS.items()},
+    **{kind: partial(wild, make, 10) for kind, make in worlds.AUDITED.items()},
     **{f"thick, {n} segments": partial(wild, partial(worlds.thick_arm, n), 4) for n in (3, 6)},
     "methods": methods,
     "plans": plans,

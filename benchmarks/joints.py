@@ -24,8 +24,9 @@ from benchmarks.harness.command import command
 from benchmarks.harness.lines import Times
 from benchmarks.harness.machine import headed
 from benchmarks.harness.markdown import table
-from benchmarks.judges.kinematics import arc_ends, arc_poses
-from benchmarks.judges.links import body_places, link_poses, moving, tip_of, wrong_among
+from benchmarks.judges.judge import right
+from benchmarks.judges.kinematics import arc_ends, arc_poses, body_places, link_poses, moving, tip_poses
+from benchmarks.judges.motions import wrong_at
 from benchmarks.mbm import CAPSULES, FLANGE, PANDA, panda_joints
 from benchmarks.motion.leader import distances
 from sinuous.base import checks
@@ -49,8 +50,9 @@ CURVES, BENT = 40, 1.0
 FINE, GIVEN = 2000, 10
 """Points of a curve for each segment that it is measured against; and of these one in so many is given."""
 
-LED, BETWEEN = 3, 4
-"""Runs of each, of which the one with the least CPU time counts, and configurations of each step that are judged."""
+LED, BETWEEN, PLACES = 3, 4, 25
+"""Runs of each, of which the one with the least CPU time counts, configurations of each step that are judged, and
+places of a segment."""
 
 
 class Family(NamedTuple):
@@ -117,31 +119,25 @@ def draw(robot: sn.Robot, rng: np.random.Generator) -> Floats:
 def examine(family: Family, count: int, seed: int) -> Result:
     """Solve so many poses of a family."""
     robot, rng = family.robot(), np.random.default_rng(seed)
-    seconds: list[float] = []
-    wrong: list[str] = []
-    asked = 0
+    seconds, wrong, asked = list[float](), list[str](), 0
     while asked < count:
         q = draw(robot, rng)
         scene = sn.Scene()
         if family.spheres:
             centers = np.array((0.0, 0.0, 0.4)) + rng.uniform(-0.9, 0.9, (family.spheres, 3))
             scene = sn.Scene([sn.Sphere(center, SPHERE) for center in centers])
-            if wrong_among(robot, scene, q[None]):
+            if wrong_at(robot, scene, q[None]):
                 continue  # nobody knows then whether the pose can be reached
         asked += 1
-        pose = tip_of(robot, q[None])[0]
+        pose = tip_poses(robot, q[None])[0]
         target = sn.Target(pose[:3, 3], rotation=pose[:3, :3])
         solver = sn.Solver(robot, scene, tolerance=TOLERANCE)
         runs = [solver.solve(target) for _ in range(RUNS)]
-        found = runs[0]
-        if not found.solved:
+        found = runs[0].configuration[None]
+        if not runs[0].solved:
             continue
         seconds.append(min(each.seconds for each in runs))
-        why = wrong_among(robot, scene, found.configuration[None])
-        there = tip_of(robot, found.configuration[None])[0]
-        if not why and np.linalg.norm(there[:3, 3] - pose[:3, 3]) > 1.01 * (TOLERANCE.position or 0.0):
-            why = "pose"
-        if why:
+        if why := wrong_at(robot, scene, found) or "pose" * (not right(robot, [target], found, TOLERANCE).all()):
             wrong.append(why)
     return Result(family, seconds, asked, wrong)
 
@@ -188,8 +184,10 @@ def lead(count: int, seed: int) -> str:
         seconds.append(min(spent))
         knots = np.arange((len(motion.times) - 1) * BETWEEN + 1) / BETWEEN
         q = motion.at(np.interp(knots, np.arange(len(motion.times)), motion.times))
-        wrong += bool(wrong_among(robot, sn.Scene(), q))
-        places = np.stack([own for link, own, _ in body_places(robot, q) if link > len(moving(robot.joints))], axis=1)
+        wrong += bool(wrong_at(robot, sn.Scene(), q))
+        places = np.stack(
+            [own for link, own, _ in body_places(robot, q, PLACES) if link > len(moving(robot.joints))], axis=1
+        )
         off = distances(cKDTree(fine), fine, places.reshape(-1, 3)).reshape(places.shape[:-1]) / (0.01 * length)
         found.append((float(off[:, -1, -1].max()), float(off.mean()), float(off.max())))
     tip, shape, most = np.array(found).reshape(-1, 3).T

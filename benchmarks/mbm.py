@@ -27,8 +27,7 @@ from benchmarks.harness.machine import headed
 from benchmarks.harness.markdown import table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
-from benchmarks.judges.links import wrong_among
-from benchmarks.judges.motions import samples, wrong_in
+from benchmarks.judges.motions import wrong_in
 from benchmarks.ways import timed
 from sinuous.base import checks
 from sinuous.base.checks import Floats
@@ -246,16 +245,14 @@ def _outside(asked: Asked) -> str:
 
 def _wrong(asked: Asked, motion: sn.Motion) -> str:
     """Say what is wrong with a motion; nothing where it is as was asked."""
-    if not isinstance(asked.start, sn.Target) and not isinstance(asked.goal, sn.Target):
-        if not np.array_equal(motion.configuration[[0, -1]], np.stack([asked.start, asked.goal])):
+    for end, q in zip((asked.start, asked.goal), motion.configuration[[0, -1]], strict=True):
+        if not (
+            right(asked.robot, [end], q[None], sn.Tolerance()).all()
+            if isinstance(end, sn.Target)
+            else np.array_equal(q, end)
+        ):
             return "not at its ends"
-        return wrong_among(asked.robot, asked.scene, samples(motion.configuration))
-    ends = right(asked.robot, _targets(asked), motion.configuration[[0, -1]], sn.Tolerance())
-    return wrong_in(asked.robot, asked.scene, motion.q) if ends.all() else "not at its ends"
-
-
-def _targets(asked: Asked) -> list[sn.Target]:
-    return [end for end in (asked.start, asked.goal) if isinstance(end, sn.Target)]
+    return wrong_in(asked.robot, asked.scene, motion.configuration)
 
 
 def tables(trials: Sequence[Trial]) -> str:

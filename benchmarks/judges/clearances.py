@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.judges.kinematics import arc_ends, segment_ends
+from benchmarks.judges.kinematics import arc_ends, body_places, segment_ends
 from benchmarks.judges.primitives import Distance, distances_to
+from benchmarks.judges.self_collision import places_of
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle, Primitive
 
@@ -52,10 +53,21 @@ class Clearances:
         """Return the least clearance (m,) of configurations (m, n, 3) at `FINEST` places of every segment.
 
         Distances change by no more than the place does: so intervals are halved as long as they can hold less than what
-        was seen, and less than `enough`. What is more than that is an upper bound only.
+        was seen, and less than `enough`. What is more than that is an upper bound only. Of arms with joints links and
+        segments are sampled: what is seen is never below the true.
         """
+        if self._robot.joints:
+            return self._sampled(q)
         parts = [self._least(q[i : i + TOGETHER], enough) for i in range(0, len(q), TOGETHER)]
         return np.concatenate([np.empty(0), *parts])
+
+    def _sampled(self, q: Floats) -> Floats:
+        least = np.full(len(q), math.inf)
+        for _, points, radius in body_places(self._robot, q, places_of(q)):
+            for measured in self._measures:
+                own = measured(points.reshape(-1, 3)).reshape(points.shape[:2])
+                least = np.minimum(least, own.min(axis=1) - radius)
+        return least
 
     def _least(self, q: Floats, enough: float) -> Floats:
         m, n = q.shape[:2]

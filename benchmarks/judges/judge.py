@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.judges.clearances import overlaps
-from benchmarks.judges.kinematics import bend_caps, segment_ends
+from benchmarks.judges.kinematics import arm_of, bend_caps, moving, segment_ends
 from sinuous.base.checks import Floats
 from sinuous.model.actuators import Lines
 from sinuous.model.robot import Robot
@@ -19,10 +19,10 @@ IMPOSSIBLE = (sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_B
 """What no problem with a hidden solution may be called."""
 
 LIMIT_SLACK = 1e-9
-"""How far outside its limits a configuration may be: rad, or of the robot's mean length."""
+"""How far outside its limits a configuration may be: rad, or of the robot's mean length; of joints, of their limits."""
 
 ROUNDING = 1e-12
-"""What two computations of one error may differ by: rad, or of the robot's mean length."""
+"""What two computations of one error may differ by: rad, or of the longest length of the robot."""
 
 
 def right(
@@ -31,7 +31,7 @@ def right(
     """Say of configurations (m, n, 3), one a target, whether each is at it, within limits, and clear of obstacles."""
     position, angle = target_errors(robot, targets, q)
     allowed = tolerance.for_robot(robot).position or 0.0
-    good = (position <= allowed + ROUNDING * robot.mean_length) & (angle <= tolerance.angle + ROUNDING)
+    good = (position <= allowed + ROUNDING * robot.longest) & (angle <= tolerance.angle + ROUNDING)
     good &= within_limits(robot, q)
     if scene is not None and len(scene):
         good &= ~overlaps(robot, scene, q)
@@ -41,17 +41,11 @@ def right(
 
 def target_errors(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats) -> tuple[Floats, Floats]:
     """Distances (m,) and angles (m,) of configurations (m, n, 3) to one target each; 0 where nothing is asked."""
-    ends = segment_ends(robot, q)[:, 1:].copy()
+    ends = segment_ends(robot, q)[:, 1 if robot.segments else 0 :].copy()
     ends[:, -1] = ends[:, -1] @ robot.tool
-    return errors_at(ends, targets)
-
-
-def errors_at(ends: Floats, targets: Sequence[sn.Target]) -> tuple[Floats, Floats]:
-    """Distances (m,) and angles (m,) of ends of segments (m, n, 4, 4), the last with its tool, to one target each."""
     pairs = [(ends[i, -1 if t.segment is None else t.segment - 1], t) for i, t in enumerate(targets)]
     position = [0.0 if t.position is None else float(np.linalg.norm(p[:3, 3] - t.position)) for p, t in pairs]
-    angle = [_angle(p[:3, :3], t) for p, t in pairs]
-    return np.array(position), np.array(angle)
+    return np.array(position), np.array([_angle(p[:3, :3], t) for p, t in pairs])
 
 
 def _angle(rotation: Floats, target: sn.Target) -> float:
@@ -65,7 +59,14 @@ def _angle(rotation: Floats, target: sn.Target) -> float:
 
 
 def within_limits(robot: sn.Robot, q: Floats) -> Flags:
-    """Say for every configuration (m, n, 3) whether lengths, bends, curvatures and actuators keep their limits."""
+    """Say for every configuration (m, n, 3) if joints, lengths, bends, curvatures and actuators keep their limits."""
+    if robot.joints:
+        values, own = robot.split(q)
+        low, high = np.array([joint.limits for joint in moving(robot.joints)]).T
+        slacks = LIMIT_SLACK * (1.0 + abs(low)), LIMIT_SLACK * (1.0 + abs(high))
+        held: Flags = ((values >= low - slacks[0]) & (values <= high + slacks[1])).all(axis=1)
+        arm = arm_of(robot)
+        return held if arm is None else np.asarray(held & within_limits(arm, own))
     lengths, bends = q[..., 2], np.hypot(q[..., 0], q[..., 1])
     low, high = np.array([segment.length for segment in robot.segments]).T
     slack = LIMIT_SLACK * robot.mean_length

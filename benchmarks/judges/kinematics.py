@@ -4,7 +4,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sinuous.base.checks import Floats
+from sinuous.model.joints import Fixed, Joint, Prismatic
 from sinuous.model.robot import Robot
+
+Bodies = list[tuple[int, Floats, float]]
+"""Of capsules and segments the number of their link (0: the base), places (m, k, 3) along them, and their radius. The
+first segment has the number after the last link, all others the next."""
 
 
 def arc_poses(bend_x: Floats, bend_y: Floats, length: Floats) -> Floats:
@@ -28,14 +33,60 @@ def arc_ends(bend_x: Floats, bend_y: Floats, length: Floats) -> Floats:
     return np.stack([aside * bend_x, aside * bend_y, length * lean * np.cos(half)], axis=-1)
 
 
+def moving(joints: tuple[Joint, ...]) -> list[Joint]:
+    """Return the joints that have a value."""
+    return [joint for joint in joints if not isinstance(joint, Fixed)]
+
+
+def link_poses(robot: Robot, values: Floats) -> Floats:
+    """Poses (m, j, 4, 4) of the links after all joints, at values (m, v) of those that move."""
+    at, poses, column = np.broadcast_to(robot.base, (len(values), 4, 4)), [], 0
+    for joint in robot.joints:
+        step = np.broadcast_to(np.eye(4), at.shape).copy()
+        if not isinstance(joint, Fixed):
+            own = values[:, column, None] * joint.axis
+            column += 1
+            if isinstance(joint, Prismatic):
+                step[:, :3, 3] = own
+            else:
+                step[:, :3, :3] = Rotation.from_rotvec(own).as_matrix()
+        at = at @ joint.origin @ step
+        poses.append(at)
+    return np.stack(poses, axis=1)
+
+
+def arm_of(robot: Robot) -> Robot | None:
+    """Return the segments as a robot of their own; none where there are joints alone."""
+    return Robot(robot.segments, self_clearance=robot.self_clearance) if robot.segments else None
+
+
 def segment_ends(robot: Robot, q: Floats) -> Floats:
-    """Poses (m, n + 1, 4, 4) in the world of the base and of the ends of all segments, of configurations (m, n, 3)."""
-    steps = arc_poses(q[..., 0], q[..., 1], q[..., 2])
-    poses = np.empty((len(q), len(robot) + 1, 4, 4))
-    poses[:, 0] = robot.base
-    for k in range(len(robot)):
+    """Poses (m, n + 1, 4, 4) of where the segments begin and of the ends of all, of configurations (m, rows, 3)."""
+    values, arcs = robot.split(q) if robot.joints else (q, q)
+    steps = arc_poses(arcs[..., 0], arcs[..., 1], arcs[..., 2])
+    poses = np.empty((len(q), arcs.shape[1] + 1, 4, 4))
+    poses[:, 0] = link_poses(robot, values)[:, -1] if robot.joints else robot.base
+    for k in range(arcs.shape[1]):
         poses[:, k + 1] = poses[:, k] @ steps[:, k]
     return poses
+
+
+def body_places(robot: Robot, q: Floats, places: int) -> Bodies:
+    """Return places along all capsules of links, and segments, of an arm with joints in configurations (m, rows, 3)."""
+    values, arcs = robot.split(q)
+    poses, found, link = link_poses(robot, values), [], 0
+    shares, starts = np.linspace(0.0, 1.0, places)[:, None], segment_ends(robot, q)
+    for i, joint in enumerate(robot.joints):
+        link += not isinstance(joint, Fixed)
+        for start, end, radius in joint.body:
+            own = (1.0 - shares) * start + shares * end
+            points = np.einsum("mij,kj->mki", poses[:, i, :3, :3], own) + poses[:, i, None, :3, 3]
+            found.append((link, points, radius))
+    for k, segment in enumerate(robot.segments):
+        own, at = shares * arcs[:, k, None], starts[:, k]
+        ends = arc_ends(own[..., 0], own[..., 1], own[..., 2]) @ np.swapaxes(at[:, :3, :3], 1, 2) + at[:, None, :3, 3]
+        found.append((link + 1 + (k > 0), ends, segment.radius))
+    return found
 
 
 def tip_poses(robot: Robot, q: Floats) -> Floats:

@@ -6,13 +6,15 @@ such a pair is its distance less both radii.
 """
 
 import math
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.judges.kinematics import arc_ends, segment_ends
+from benchmarks.judges.kinematics import arc_ends, arm_of, body_places, moving, segment_ends
 from sinuous.base.checks import Floats
+from sinuous.model.joints import Fixed
 from sinuous.model.robot import Robot
 
 Indices = NDArray[np.signedinteger]
@@ -23,6 +25,10 @@ FINEST = 0.05
 their radii: the least gap that was seen is that much above the true one at most."""
 
 MOST_HALVINGS = 14
+
+FEW, PLACES, MORE_PLACES = 32, 25, 97
+"""Configurations of an arm with joints that are few, places along a capsule or a segment where many are looked at, and
+where few are."""
 
 KINK = 1e100
 """Curvature of a segment that bends without any length."""
@@ -75,8 +81,11 @@ def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:
 
     All pairs of segments are halved as long as a smaller gap than seen, less than `below`, may lie between the samples:
     a place of an arc is no farther from its middle than half the arc is long. Where a stretch between two places turns
-    by less than half a turn, its chord is no shorter than that of a circle of its largest curvature (Schur 1921).
+    by less than half a turn, its chord is no shorter than that of a circle of its largest curvature (Schur 1921). Links
+    are sampled.
     """
+    if robot.joints:
+        return Seen(_least_of_links(robot, q, below), np.zeros(len(q), bool))
     found = Seen(np.full(len(q), math.inf), np.zeros(len(q), bool))
     radii, starts = np.array(robot.radii), segment_ends(robot, q)[:, :-1]
     before = np.cumsum(q[..., 2], axis=1) - q[..., 2]
@@ -153,3 +162,42 @@ def _tangents(q: Floats, starts: Floats, shape: Indices, segment: Indices, fract
     angle = np.hypot(bends[:, 0], bends[:, 1])
     local = np.concatenate([bends * np.sinc(angle / math.pi)[:, None], np.cos(angle)[:, None]], axis=-1)
     return np.asarray(np.einsum("pij,pj->pi", starts[shape, segment, :3, :3], local))
+
+
+def places_of(q: Floats) -> int:
+    """Return at how many places along each part of an arm with joints configurations (m, rows, 3) are looked at."""
+    return MORE_PLACES if len(q) < FEW else PLACES
+
+
+def _least_of_links(robot: Robot, q: Floats, below: float) -> Floats:
+    """Return the least distance (m,) of a body with joints from itself that is seen.
+
+    Links may touch those next to them, those next but for links without a body, and those that a joint names; the first
+    segment may touch the last link with a body.
+    """
+    bodies, own = body_places(robot, q, places_of(q)), moving(robot.joints)
+    links, least = len(own), np.full(len(q), math.inf)
+    chain = sorted({link for link, _, _ in bodies if link <= links} | {links + 1})
+    free = {*pairwise(chain)} | {(i, i + 1) for i in range(links + 1)} | _named(robot)
+    for (one, first, r), (other, second, s) in combinations(bodies, 2):
+        pair = min(one, other), max(one, other)
+        if one == other or pair in free or pair[0] > links:
+            continue
+        middle = first[:, :1]
+        a, b = first - middle, second - middle
+        squares = (a * a).sum(-1)[:, :, None] + (b * b).sum(-1)[:, None] - 2.0 * a @ np.swapaxes(b, 1, 2)
+        least = np.minimum(least, np.sqrt(squares.min(axis=(1, 2)).clip(0.0)) - r - s)
+    arm = arm_of(robot)
+    return least if arm is None else np.minimum(least, look(arm, robot.split(q)[1], below).least)
+
+
+def _named(robot: Robot) -> set[tuple[int, int]]:
+    """Pairs of links that joints say may touch, the lower number first."""
+    link, number, pairs = 0, {"base": 0}, set[tuple[int, int]]()
+    for i, joint in enumerate(robot.joints, 1):
+        link += not isinstance(joint, Fixed)
+        number[joint.name or f"j{i}"] = link
+    for i, joint in enumerate(robot.joints, 1):
+        own = number[joint.name or f"j{i}"]
+        pairs |= {(min(own, number[name]), max(own, number[name])) for name in joint.touches}
+    return pairs

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.judges.links import link_poses
+from benchmarks.judges.kinematics import link_poses
 from benchmarks.places import cells, tubes
 from benchmarks.places.parts.robots import SLENDER
 from benchmarks.places.parts.shapes import arc

@@ -1,7 +1,7 @@
 """A place: robot, scene and target of one problem, and the hidden shape that proves it possible."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 from zlib import crc32
 
@@ -10,9 +10,8 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.judges import judge, self_collision
-from benchmarks.judges.clearances import overlaps, prepared
+from benchmarks.judges.clearances import GRACE, overlaps, prepared
 from benchmarks.judges.kinematics import segment_ends, tip_poses
-from benchmarks.judges.links import link_poses, tip_of, wrong_among
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 
@@ -109,7 +108,7 @@ def settle(family: str, seed: int, draw: Draw) -> Place:
 def place_of(family: str, seed: int, sketch: Sketch) -> Place:
     """Ask for what the hidden shape reaches."""
     robot, q = sketch.robot, sketch.q
-    tip = (tip_of if robot.joints else tip_poses)(robot, q[None])[0]
+    tip = tip_poses(robot, q[None])[0]
     direction = tip[:3, 2] if (seed + seed // 20) % 2 else None
     targets = [sn.Target(tip[:3, 3], direction=direction)]
     if sketch.intermediate is not None:
@@ -131,22 +130,21 @@ def proper(scene: sn.Scene) -> bool:
 def feasible(place: Place) -> bool:
     """Whether the judge finds the hidden shape at the targets, within limits, and free with room to spare."""
     robot, q = place.robot, place.hidden_q[None]
-    if robot.joints:
-        return right(place, q[0])
-    room = ROOM * min(robot.radii)
+    room = 0.0 if robot.joints else ROOM * min(robot.radii)
     if prepared(robot, place.scene).least(q, room)[0] < room or self_collision.look(robot, q, room).least[0] < room:
         return False
     return _at_targets(place, q[0])
 
 
 def right(place: Place, q: Floats) -> bool:
-    """Whether the judges find a configuration (n, 3) right for all targets of a place, and clear of all obstacles."""
-    if not place.robot.joints:
-        return _at_targets(place, q) and not overlaps(place.robot, place.scene, q[None])[0]
-    if wrong_among(place.robot, place.scene, q[None]):
+    """Whether the judges find a configuration (n, 3) right for all targets of a place, and clear of all obstacles.
+
+    Where there are joints, the body has to be clear of itself, too: links are judged nowhere else.
+    """
+    robot = place.robot
+    if not _at_targets(place, q) or overlaps(robot, place.scene, q[None])[0]:
         return False
-    robot = place.robot.changed(joints=(), base=link_poses(place.robot, place.robot.split(q[None])[0])[0, -1])
-    return right(replace(place, robot=robot), q[len(q) - len(robot) :])
+    return not robot.joints or self_collision.look(robot, q[None], 0.0).least[0] >= -GRACE * robot.mean_length
 
 
 def _at_targets(place: Place, q: Floats) -> bool:

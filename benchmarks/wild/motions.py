@@ -12,9 +12,9 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges.clearances import GRACE
-from benchmarks.judges.judge import within_limits
+from benchmarks.judges.judge import IMPOSSIBLE, within_limits
 from benchmarks.judges.motions import overlap, samples, too_fast, wrong_at
-from benchmarks.wild import audit
+from benchmarks.wild import worlds
 from benchmarks.wild.trials import named
 from benchmarks.wild.worlds import World, standing
 from sinuous.base.checks import Floats
@@ -22,8 +22,8 @@ from sinuous.statics.rest import bodies_at
 
 SECTION = "motions of wild worlds: what is called proved, looked at by the judges"
 
-SAMPLES, LOADED_SAMPLES = 400, 100
-"""Configurations of a motion that are looked at, and of one under load."""
+SAMPLES, LOADED_SAMPLES, JOINTED_SAMPLES = 400, 100, 200
+"""Configurations of a motion that are looked at, of one under load, and of one with joints."""
 
 KNOTS = (3, 40)
 """Knots on the way from one hidden shape to the next."""
@@ -47,7 +47,7 @@ class Judged(NamedTuple):
 
 def timed(seed: int, number: int) -> Judged:
     """Time a motion between hidden shapes of a world, in units of 1e-9 to 1e9, and look at the whole trajectory."""
-    world, rng = audit.units(seed, number), np.random.default_rng([seed, 17, number])
+    world, rng = worlds.units(seed, number), np.random.default_rng([seed, 17, number])
     shapes = world.hidden[:3]
     if len(shapes) < 2:
         return Judged(False, "")
@@ -71,7 +71,7 @@ def timed(seed: int, number: int) -> Judged:
 
 def live(seed: int, number: int) -> Judged:
     """Track a path while a ball comes near the body, and look at the whole motion in the scene that it names."""
-    world, rng = audit.units(seed, number), np.random.default_rng([seed, 18, number])
+    world, rng = worlds.units(seed, number), np.random.default_rng([seed, 18, number])
     if len(world.hidden) < 2:
         return Judged(False, "")
     robot = world.robot
@@ -95,8 +95,9 @@ def ticks(draw: Callable[[int, int], World], seed: int, number: int) -> Judged:
     world, rng = draw(seed, number), np.random.default_rng([seed, 20, number])
     robot, unit = world.robot, world.robot.mean_length
     scene, far = _with_ball(world, 0.1)
-    most = [rng.uniform(0.5, 5.0), unit * rng.uniform(0.1, 3.0)] if rng.random() < 0.5 else [np.inf, np.inf]
-    rates = sn.Rates(most[0], most[1]) if np.isfinite(most).all() else None
+    limited = not robot.joints and rng.random() < 0.5
+    most = [rng.uniform(0.5, 5.0), unit * rng.uniform(0.1, 3.0)] if limited else [np.inf, np.inf]
+    rates = sn.Rates(most[0], most[1]) if limited else None
     solver = sn.Solver(robot, scene, time=float(rng.choice([1e-4, 1e-3, 1e-2])))
     goal, twist = world.targets[-1], rng.normal(size=6) * ([1.0] * 3 + [unit] * 3)
     q, proved = world.hidden[0], False
@@ -110,12 +111,12 @@ def ticks(draw: Callable[[int, int], World], seed: int, number: int) -> Judged:
             step = solver.step(q, twist, TICK, rates=rates)
         if step.proved:
             proved = True
-            way = samples(np.stack([step.initial, step.q]), TICK_SAMPLES)
+            way = samples(np.stack([q, step.configuration]), TICK_SAMPLES)
             if false := _refuted(world, sn.Scene.of(step.scene), way):
                 return Judged(True, false)
-        if too_fast((step.q - step.initial)[None], TICK, *most):
+        if too_fast((step.configuration - q)[None], TICK, *most):
             return Judged(True, "rates")
-        q = step.q
+        q = np.array(step.configuration)
     return Judged(proved, "")
 
 
@@ -155,7 +156,7 @@ def raced(seed: int, number: int) -> Judged:
 
 def strained(seed: int, number: int) -> World:
     """A world in any unit; every second one of a robot that demands clearances."""
-    return (audit.demands if number % 2 else audit.units)(seed, number)
+    return (worlds.demands if number % 2 else worlds.units)(seed, number)
 
 
 KINDS: dict[str, Callable[[int, int], Judged]] = {
@@ -164,8 +165,10 @@ KINDS: dict[str, Callable[[int, int], Judged]] = {
     "ticks of a control loop in a live scene": partial(ticks, strained),
     "plans between hidden shapes": partial(planned, strained),
     "solved while another thread moves an obstacle": raced,
-    "planned under load": partial(planned, audit.loaded),
-    "ticks under load": partial(ticks, audit.loaded),
+    "planned under load": partial(planned, worlds.loaded),
+    "ticks under load": partial(ticks, worlds.loaded),
+    "arms with joints, planned": partial(planned, worlds.jointed),
+    "arms with joints, ticks while an obstacle moves": partial(ticks, worlds.jointed),
 }
 
 
@@ -195,10 +198,11 @@ def _with_ball(world: World, size: float) -> tuple[sn.Scene, Floats]:
 
 def _judged(world: World, motion: sn.Motion) -> Judged:
     """Look at a whole motion, in the scene that it names, where it is called proved."""
-    if len(motion.q) < 2 or motion.between != "proved":
-        return Judged(False, "")
-    count = max(1, (LOADED_SAMPLES if world.loaded else SAMPLES) // (len(motion.q) - 1))
-    return Judged(True, _refuted(world, sn.Scene.of(motion.scene), samples(motion.q, count)))
+    knots = motion.configuration
+    if len(knots) < 2 or motion.between != "proved":
+        return Judged(False, str(motion.status) if motion.status in IMPOSSIBLE and world.possible else "")
+    few = JOINTED_SAMPLES if world.robot.joints else LOADED_SAMPLES if world.loaded else SAMPLES
+    return Judged(True, _refuted(world, sn.Scene.of(motion.scene), samples(knots, max(1, few // (len(knots) - 1)))))
 
 
 def _refuted(world: World, scene: sn.Scene, q: Floats) -> str:

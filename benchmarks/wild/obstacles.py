@@ -6,7 +6,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.judges.kinematics import body_points
+from benchmarks.judges.kinematics import body_places, body_points
 from benchmarks.places.parts.surfaces import Surface, loft
 from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
@@ -30,11 +30,7 @@ SAMPLES = 12
 
 def scene_about(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Scene:
     """Draw a scene in which the bodies of configurations (m, n, 3) are clear, as far as samples of them say."""
-    return scene_beside(*_bodies(robot, q), robot.mean_length, rng)
-
-
-def scene_beside(points: Floats, radii: Floats, unit: float, rng: Generator) -> sn.Scene:
-    """Draw a scene that is clear of balls of such radii (k,) about points (k, 3) of bodies about one `unit` large."""
+    (points, radii), unit = _bodies(robot, q), robot.mean_length
     low, high = COUNTS[rng.choice(len(COUNTS), p=COUNT_SHARES)]
     count = int(rng.integers(low, high))
     drawn: list[Obstacle] = []
@@ -51,13 +47,16 @@ def scene_beside(points: Floats, radii: Floats, unit: float, rng: Generator) -> 
 
 
 def _bodies(robot: sn.Robot, q: Floats) -> tuple[Floats, Floats]:
-    """Points (k, 3) of all backbones beyond the mount, and the radius (k,) of the body at each."""
+    """Points (k, 3) of all backbones beyond the mount, and of links, and the radius (k,) of the body at each."""
+    if robot.joints:
+        bodies = body_places(robot, q, SAMPLES) or [(0, robot.base[None, None, :3, 3], 0.0)]
+        radii = [np.full(points[..., 0].size, radius) for _, points, radius in bodies]
+        return np.concatenate([points.reshape(-1, 3) for _, points, _ in bodies]), np.concatenate(radii)
     points, along = body_points(robot, q, SAMPLES)
-    radii = np.broadcast_to(np.array(robot.radii)[:, None], along.shape)
     exposed = along >= robot.mount
     if not exposed.any():
         exposed[..., -1, -1] = True
-    return points[exposed], radii[exposed]
+    return points[exposed], np.broadcast_to(np.array(robot.radii)[:, None], along.shape)[exposed]
 
 
 def _clear_of(points: Floats, radii: Floats, centers: Floats, room: float) -> Floats:

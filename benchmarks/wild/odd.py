@@ -9,14 +9,10 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.wild.audit import demanding
 from benchmarks.wild.obstacles import block_surface, pose_rotation
 from benchmarks.wild.robots import robot_with_shapes
-from benchmarks.wild.worlds import asked
+from benchmarks.wild.worlds import UNITS, asked, demanding
 from sinuous.base.checks import Floats
-
-UNITS = (-9.0, 9.0)
-"""Powers of ten between which a segment is long."""
 
 OBSTACLES = (0, 0, 1, 2, 5, 20)
 

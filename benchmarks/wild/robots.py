@@ -7,10 +7,11 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.judges.kinematics import bend_caps
-from benchmarks.judges.self_collision import surely_clear
+from benchmarks.judges.kinematics import arm_of, bend_caps, moving
+from benchmarks.judges.self_collision import look, surely_clear
 from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
+from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 
 SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
 """Ranges of the number of segments, each without its end."""
@@ -22,6 +23,9 @@ SCALES = (-6.0, 3.5)
 
 TIGHTEST = 0.98
 """Largest curvature of a hidden shape, of one over its radius: a body that avoids itself bends no tighter than that."""
+
+JOINTED_SCALES, MOST_JOINTS, MOST_SEGMENTS = (-4.0, 3.0), 8, 6
+"""The same of arms with joints; and how many joints, and segments, these have at most."""
 
 DRAWS = 16
 """Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""
@@ -133,3 +137,49 @@ def _driven(segments: list[sn.Segment], q: Floats, unit: float, rng: Generator) 
             limits = max(0.0, middle - extent), middle + extent
             driven[k] = segment.changed(chambers=sn.Chambers(3, arm, first, length=limits))
     return driven
+
+
+def jointed_robot(rng: Generator) -> sn.Robot:
+    """Draw an arm with joints before its segments, or with joints alone, and bodies of links."""
+    unit = 10.0 ** rng.uniform(*JOINTED_SCALES)
+    joints: list[Joint] = []
+    for i in range(int(rng.integers(1, MOST_JOINTS + 1))):
+        axis = rng.normal(size=3) if rng.random() < 0.5 else np.eye(3)[rng.integers(3)] * rng.choice([-1.0, 1.0])
+        place = unit * in_ball(rng) if rng.random() < 0.7 else np.zeros(3)
+        origin = sn.pose(place, rotation=rng.normal(size=4)) if rng.random() < 0.6 else sn.pose(place)
+        body = [_capsule(unit, rng) for _ in range(int(rng.choice([0, 1, 2], p=[0.5, 0.4, 0.1])))]
+        kind = rng.choice(["revolute", "prismatic", "fixed"], p=[0.65, 0.2, 0.15]) if i else "revolute"
+        touches = [str(rng.choice(["base", *(f"j{k}" for k in range(1, i + 1))]))] if rng.random() < 0.15 else []
+        low = rng.uniform(-math.pi, 0.5)
+        if kind == "fixed":
+            joints.append(Fixed(origin, body=body))
+        elif kind == "revolute":
+            limits = None if rng.random() < 0.3 else (low, low + rng.uniform(0.1, 4.0))
+            joints.append(Revolute(axis, limits, origin, body=body, touches=touches))
+        else:
+            limits = 0.4 * unit * low, 0.4 * unit * low + unit * rng.uniform(0.1, 2.0)
+            joints.append(Prismatic(axis, limits, origin, body=body, touches=touches))
+    size = int(rng.integers(0, MOST_SEGMENTS + 1))
+    segments = draw_segments(size, unit, rng) if size else []
+    return sn.Robot(
+        segments,
+        joints=joints,
+        base=sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
+        tool=sn.pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.3 else None,
+    )
+
+
+def _capsule(unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
+    start = 0.1 * unit * in_ball(rng)
+    return start, start + unit * rng.uniform(0.0, 0.8) * in_ball(rng), unit * 10.0 ** rng.uniform(-2.5, -0.8)
+
+
+def jointed_shapes(robot: sn.Robot, count: int, clear: float, rng: Generator) -> Floats:
+    """Draw up to `count` configurations (m, rows, 3) of an arm with joints that are so far from themselves."""
+    low, high = np.array([joint.limits for joint in moving(robot.joints)]).T
+    arm = arm_of(robot)
+    values = low + (high - low) * rng.random((4 * count, len(low)))
+    q = np.zeros((4 * count, 0, 3)) if arm is None else draw_shapes(arm, 4 * count, rng.uniform(0.3, 1.0), rng)
+    drawn = robot.with_joints(q, values)
+    drawn = drawn[look(robot, drawn, 0.0).least > 0.0][:count]
+    return np.asarray(drawn[look(robot, drawn, clear).least > clear])

@@ -97,7 +97,7 @@ def refuted(world: World, solutions: Mapping[int, sn.Solution]) -> dict[int, tup
 
 def _wrong(world: World, claims: Mapping[int, sn.Solution]) -> dict[str, Flags]:
     """Where solutions that are called solved are wrong, kind by kind; of a robot under load its body at rest counts."""
-    robot, q = world.robot, np.array([solution.q for solution in claims.values()])
+    robot, q = world.robot, np.array([each.configuration for each in claims.values()])
     slack, demanded = GRACE * robot.mean_length, np.zeros(len(q), bool)
     found = {LIMITS: ~within_limits(robot, q)}
     if world.loaded:
@@ -112,7 +112,7 @@ def _wrong(world: World, claims: Mapping[int, sn.Solution]) -> dict[str, Flags]:
         found[TARGET] = ~_at_targets(world, list(claims), robot, q)
     if len(world.scene):
         scene, said = world.truth or world.scene, _said(claims, "clearance")
-        gaps = Clearances(measured_body(robot), scene).least(q, max(0.0, float(np.nanmax(said))))
+        gaps = Clearances(measured_body(robot), scene).least(q, max(0.0, float(np.nan_to_num(said).max())))
         found |= {OVERLAP: gaps < -slack, CLEARANCE: said > gaps + slack}
         if np.any(robot.clearance):
             demanded |= Clearances(needed_body(robot), scene).least(q, 0.0) < -slack
@@ -135,7 +135,7 @@ def _at_targets(world: World, problems: list[int], robot: Any, q: Floats) -> Fla
     good = np.ones(len(q), bool)
     for targets in zip(*(world.targets[i] for i in problems), strict=True):
         position, angle = target_errors(robot, targets, q)
-        good &= position <= (tolerance.position or 0.0) + ROUNDING * robot.mean_length
+        good &= position <= (tolerance.position or 0.0) + ROUNDING * robot.longest
         good &= angle <= tolerance.angle + ROUNDING
     return good
 

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges import judge, links
+from benchmarks.judges import judge
 from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
+from benchmarks.judges.kinematics import Bodies, body_places
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import audit, calls, doors, jointed, motions, odd, trials, worlds
+from benchmarks.wild import calls, doors, motions, odd, trials, worlds
 from benchmarks.wild.calls import Called
 from benchmarks.wild.motions import Judged
 from benchmarks.wild.trials import (
@@ -125,7 +126,7 @@ def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) ->
 MAKERS = [
     *(partial(worlds.make, 3, number) for number in range(10)),
     *(partial(worlds.thick_arm, n, 0, 0) for n in (3, 8)),
-    *(partial(make, 3, number) for make in audit.KINDS.values() for number in range(3)),
+    *(partial(make, 3, number) for make in worlds.AUDITED.values() for number in range(3)),
 ]
 
 
@@ -156,12 +157,12 @@ def test_the_judge_knows_distances_to_huge_obstacles_to_the_last_digits_of_the_r
     assert Clearances(robot, sn.Scene([ball])).least(straight)[0] == pytest.approx(exact, abs=1e-9)
 
 
-@pytest.mark.parametrize("make", [worlds.make, audit.loaded], ids=["free", "loaded"])
+@pytest.mark.parametrize("make", [worlds.make, worlds.loaded], ids=["free", "loaded"])
 def test_some_worlds_are_solved_and_hold(make: Callable[[int, int], World]) -> None:
     assert not [trial.false for number in range(4) for trial in examine(make(0, number)) if trial.false]
 
 
-@pytest.mark.parametrize("kind", [k for k in motions.KINDS if "timed" not in k and "tracked" not in k])
+@pytest.mark.parametrize("kind", [k for k in motions.KINDS if k.split()[0] not in ("timed", "tracked", "arms")])
 def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     made = motions.KINDS[kind]
     found = [made(0, number) for number in range(4)]
@@ -172,19 +173,18 @@ def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: p
     assert any(made(0, number).false for number in range(4))
 
 
-@pytest.mark.parametrize("kind", jointed.KINDS)
-def test_arms_with_joints_are_judged(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = jointed.KINDS[kind]
-    kept = [jointed.make(0, number) for number in range(3)]
-    monkeypatch.setattr(jointed, "make", lambda _, number: kept[number])
-    found = [made(0, number) for number in range(3)]
+@pytest.mark.parametrize("judged", [motions.planned, motions.ticks])
+def test_links_are_judged(judged: Callable[..., Judged], monkeypatch: pytest.MonkeyPatch) -> None:
+    made = cache(worlds.jointed)
+    found = [judged(made, 0, number) for number in range(3)]
     assert all(each.false == "" for each in found)
     assert any(each.proved for each in found)
-    own = links.body_places
-    monkeypatch.setattr(
-        links, "body_places", lambda *given: [(link, places, 9.0 * r) for link, places, r in own(*given)]
-    )
-    assert any(made(0, number).false for number in range(3))
+
+    def thick(*given: Any) -> Bodies:
+        return [(link, places, 9.0 * radius) for link, places, radius in body_places(*given)]
+
+    monkeypatch.setattr("benchmarks.judges.self_collision.body_places", thick)
+    assert any(judged(made, 0, number).false for number in range(3))
 
 
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:

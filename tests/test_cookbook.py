@@ -70,15 +70,9 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") > 100 * names["timed"].duration
         case "Through poses, at times":
             assert names["motion"].solved
-        case "A velocity, within limits, rates and obstacles":
-            assert names["step"].proved
-            assert {each.obstacle for each in names["step"].active} == {"ball"}
-        case "Obstacles that move at the arm":
-            assert names["step"].proved
-            assert names["step"].clearance > 10.0
-        case "Why not?":
+        case "Why not, and as near as it can come":
+            assert not names["failed"].solved
             assert names["failed"].binding
-            assert names["failed"].explain().remedies
         case "A batch of 100,000":
             assert len(names["many"]) == FEWER
             assert names["many"].solved.mean() > 0.9
@@ -90,8 +84,6 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["found"].best().done == 3
         case "From here to there, clear all the way":
             assert names["motion"].solved
-        case "As near as it can come":
-            assert not names["failed"].solved
         case "Pick up a payload":
             assert names["empty"].solved
             assert max(abs(names["empty"].actuators[key] - value) for key, value in solution.actuators.items()) > 1e-4
@@ -99,7 +91,5 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["checked"].ok.shape == (20,)
         case "A weld seam":
             assert names["motion"].solved
-        case "The workspace of positions":
-            assert names["found"].volume().found > 0.0
         case _:
             assert solution is not None

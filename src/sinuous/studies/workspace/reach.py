@@ -332,6 +332,11 @@ class Reach(NotebookMixin, Frozen):
     def save(self, file: str | Path) -> None:
         """Write it as NPZ.
 
+        `verdicts` and `free` (without obstacles): numbers (x, y, z, direction) that stand for the words in `codes`;
+        `positions` and `free_positions` (x, y, z): the same whatever the direction; `obstacles` (x, y, z): the number
+        in `names` of the one that takes most directions away, or -1; `directions` (d, 3); `first` (3,): the middle of
+        voxel [0, 0, 0]; `spacing`; `base` (4, 4); `farthest`: the largest distance of the tip from the base.
+
         Raises
         ------
         InputError

@@ -58,7 +58,7 @@ KNOWN = {
         "limits of tension in control steps and motions of elastic arms, with and without load", "motion.limits"
     ),
     "derivatives": Known(
-        "derivatives of answers: what they cost, and whether differences agree with them", "derivatives.experiment"
+        "derivatives of answers: what they cost, and whether differences agree with them", "derivatives"
     ),
     "design": Known("robots for sets of tasks, against random ones and a template", "design"),
     "real": Known(

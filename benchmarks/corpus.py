@@ -31,7 +31,7 @@ import numpy as np
 import typer
 
 import sinuous as sn
-from benchmarks.derivatives import families
+from benchmarks import derivatives
 from benchmarks.harness.experiment import chosen
 from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.quiet import ignore_suspicions
@@ -253,7 +253,7 @@ def _called(what: str, number: int) -> Any:
 
 def derived() -> Iterator[Problem]:
     """Derivatives of answers with something active, and of shapes under load."""
-    for family in families.FAMILIES:
+    for family in derivatives.FAMILIES:
         for i in range(30):
             yield Problem(f"{family} {i}", partial(_derived, family, i))
     for i in range(40):
@@ -261,7 +261,7 @@ def derived() -> Iterator[Problem]:
 
 
 def _derived(family: str, i: int) -> Any:
-    found = families.draw(family, np.random.default_rng([51, i]))
+    found = derivatives.draw(family, np.random.default_rng([51, i]))
     if found is None:
         return None
     own = found.derivative(["target", "base", "lengths", *(["obstacles"] if len(found.problem.scene) else [])])  # type: ignore[list-item]
@@ -269,7 +269,7 @@ def _derived(family: str, i: int) -> Any:
 
 
 def _derived_under_load(i: int) -> Any:
-    found = families.loaded(np.random.default_rng([41, i]))
+    found = derivatives.loaded(np.random.default_rng([41, i]))
     return found, found.backbone(6), found.derivative(("loads",)), found.others(4) if i % 4 == 0 else None
 
 

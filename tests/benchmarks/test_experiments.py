@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks import clutter, design, methods, ways
+from benchmarks import clutter, derivatives, design, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Attempt, Trial, examine
-from benchmarks.derivatives import experiment as derivatives
 from benchmarks.harness.conduct import Output, conduct
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan

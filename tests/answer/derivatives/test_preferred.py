@@ -5,8 +5,7 @@ import pytest
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.derivatives.differences import ALL, Tangent, question, random_tangent
-from benchmarks.derivatives.families import SHAPES, preferred
+from benchmarks.derivatives import ALL, SHAPES, Tangent, preferred, question, random_tangent
 from sinuous.answer.residual import residual_of
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats

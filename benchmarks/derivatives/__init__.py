@@ -1,1 +1,0 @@
-"""Derivatives of answers: what they cost, and whether they agree with differences."""

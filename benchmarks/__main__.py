@@ -24,8 +24,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 if TYPE_CHECKING:
-    from benchmarks.harness.experiment import Experiment
-    from benchmarks.harness.plan import Plan
+    from benchmarks.harness.experiment import Experiment, Plan
 
 
 class Known(NamedTuple):
@@ -155,8 +154,8 @@ def run(
     if save_baseline is not None:
         check_writable("--save-baseline", save_baseline)
     from benchmarks.harness.conduct import Output, conduct, require  # noqa: PLC0415
-    from benchmarks.harness.plan import Plan  # noqa: PLC0415
-    from benchmarks.harness.quiet import ignore_suspicions  # noqa: PLC0415
+    from benchmarks.harness.experiment import Plan  # noqa: PLC0415
+    from benchmarks.harness.parallel import ignore_suspicions  # noqa: PLC0415
 
     ignore_suspicions()
     require()

@@ -11,9 +11,8 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import sinuous as sn
-from benchmarks.harness.experiment import Divided, Experiment
+from benchmarks.harness.experiment import Divided, Experiment, Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right

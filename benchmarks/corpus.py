@@ -33,8 +33,7 @@ import typer
 import sinuous as sn
 from benchmarks import derivatives
 from benchmarks.harness.experiment import chosen
-from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.quiet import ignore_suspicions
+from benchmarks.harness.parallel import ignore_suspicions, in_processes
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import known, moving, p5
 from benchmarks.places import FAMILIES, Place, make

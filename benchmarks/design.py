@@ -12,9 +12,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part
+from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 from sinuous.studies.designing.fields import Space

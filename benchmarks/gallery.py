@@ -9,7 +9,7 @@ import typer
 import sinuous as sn
 from benchmarks.clutter import examine
 from benchmarks.harness.command import command
-from benchmarks.harness.quiet import ignore_suspicions
+from benchmarks.harness.parallel import ignore_suspicions
 from benchmarks.places import FAMILIES, make
 from sinuous.base import checks
 from sinuous.cli.options import check_writable

@@ -22,9 +22,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part
+from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
 from sinuous.problem.suspicions import all_suspicions
 from sinuous.studies.batch.tables.reading import open_source

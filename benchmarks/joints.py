@@ -21,9 +21,8 @@ from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.harness.command import command
-from benchmarks.harness.lines import Times
+from benchmarks.harness.lines import Times, table
 from benchmarks.harness.machine import headed
-from benchmarks.harness.markdown import table
 from benchmarks.judges.judge import right
 from benchmarks.judges.kinematics import arc_ends, arc_poses, body_places, link_poses, moving, tip_poses
 from benchmarks.judges.motions import wrong_at

@@ -22,9 +22,8 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.harness.command import command
-from benchmarks.harness.lines import Times
+from benchmarks.harness.lines import Times, table
 from benchmarks.harness.machine import headed
-from benchmarks.harness.markdown import table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
 from benchmarks.judges.motions import wrong_in

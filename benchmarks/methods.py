@@ -18,10 +18,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Divided, Experiment
-from benchmarks.harness.lines import Goal, Line, Times, exponent
-from benchmarks.harness.markdown import span
-from benchmarks.harness.plan import Plan
+from benchmarks.harness.experiment import Divided, Experiment, Plan
+from benchmarks.harness.lines import Goal, Line, Times, exponent, span
 from benchmarks.judges.judge import Flags, right
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import (

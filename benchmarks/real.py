@@ -19,9 +19,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part
+from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.cosserat import shoot
 from benchmarks.judges.kinematics import tip_poses
 from sinuous.base.checks import Floats

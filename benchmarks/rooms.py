@@ -21,7 +21,7 @@ import typer
 from scipy.sparse.csgraph import connected_components
 
 from benchmarks.harness.command import command
-from benchmarks.harness.markdown import table
+from benchmarks.harness.lines import table
 from sinuous.base.errors import InputError
 
 ROOT = Path(__file__).parents[1]

@@ -19,9 +19,8 @@ import typer
 import sinuous as sn
 from benchmarks.harness.command import command
 from benchmarks.harness.experiment import chosen
-from benchmarks.harness.markdown import table
-from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.quiet import ignore_suspicions
+from benchmarks.harness.lines import table
+from benchmarks.harness.parallel import ignore_suspicions, in_processes
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.judges.motions import wrong_in

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part
+from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
 
 DATA = Path(__file__).parent / "data"

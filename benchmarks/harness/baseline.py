@@ -13,9 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.markdown import table
-from benchmarks.harness.report import Report, number
+from benchmarks.harness.experiment import Report
+from benchmarks.harness.lines import Goal, Line, number, table
 from sinuous.base.errors import InputError, shown
 from sinuous.files.documents import json_line
 

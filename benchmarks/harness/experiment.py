@@ -1,4 +1,8 @@
-"""What an experiment is: parts whose shares of work are measured, kept as plain values, and summed up as lines."""
+"""What an experiment is: parts whose shares of work are measured, kept as plain values, and summed up as lines.
+
+Its plan says how large a run is, what its random numbers begin with, and how it shows that it is alive; its report says
+what was found and where: for people Markdown, for programs JSON.
+"""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -6,12 +10,67 @@ from fnmatch import fnmatchcase
 from functools import partial
 from itertools import count
 from statistics import fmean
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.random import Generator
+from rich.console import Console
+from rich.progress import Progress
 
 from benchmarks.harness import parallel, reference
-from benchmarks.harness.lines import Line, together
-from benchmarks.harness.plan import Plan
+from benchmarks.harness.lines import Line, tables_of, together
 from sinuous.base.errors import InputError
+
+Item = TypeVar("Item")
+
+_shown: list[str] = []
+"""What has a progress bar."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A run.
+
+    Attributes
+    ----------
+    seed : int
+    quick : bool
+        Whether to cut all counts down, to see in seconds that everything runs.
+    rounds : int
+        How often everything is measured that is made of lines; the rounds show how much a figure spreads.
+    """
+
+    seed: int = 0
+    quick: bool = False
+    rounds: int = 1
+
+    def count(self, full: int, quick: int) -> int:
+        """Choose between the two sizes of an experiment."""
+        return quick if self.quick else full
+
+    def rng(self, *stream: int) -> Generator:
+        """Return random numbers of their own for every experiment, which the seed determines."""
+        return np.random.default_rng([self.seed, *stream])
+
+    def track(self, items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
+        """Go through items with a progress bar, in terminals; what runs within shows none of its own.
+
+        The bar has no thread of its own, which would disturb what is timed: it is drawn between two items.
+        """
+        console = Console(stderr=True)
+        if not console.is_terminal or _shown:
+            yield from items
+            return
+        _shown.append(what)
+        try:
+            with Progress(console=console, auto_refresh=False, transient=True) as progress:
+                task = progress.add_task(what, total=total)
+                for item in items:
+                    yield item
+                    progress.update(task, advance=1, refresh=True)
+        finally:
+            _shown.clear()
+
 
 Piece = tuple[str, Callable[[], Any]]
 """A name, and what to call for plain values: some seconds of work, which an interrupt may cost."""
@@ -125,6 +184,67 @@ class Experiment:
                     found.setdefault((line.section, line.what), []).append(line)
         busy = max((measured["busy"] for measured in pieces.values()), default=0.0)
         return Findings([together(lines) for lines in found.values()], busy=busy)
+
+
+BUSY = 0.1
+"""Share of the processor that other processes may have before times mean little."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """The findings of one run.
+
+    Attributes
+    ----------
+    experiment : Experiment
+    machine : dict of str to str
+    findings : Findings
+    interrupted : bool
+        Whether some of the pieces are missing.
+    """
+
+    experiment: Experiment
+    machine: dict[str, str]
+    findings: Findings
+    interrupted: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values for JSON; times in seconds."""
+        plan, found = self.experiment.plan, self.findings
+        return {
+            "experiment": self.experiment.name,
+            "machine": self.machine,
+            "seed": plan.seed,
+            "quick": plan.quick,
+            "rounds": plan.rounds,
+            "settings": dict(self.experiment.settings),
+            "protocol": self.experiment.protocol,
+            "interrupted": self.interrupted,
+            "correct": found.correct,
+            "busy": found.busy,
+            "lines": [{**asdict(line), "held": line.held, "spread": line.spread} for line in found.lines],
+        }
+
+    def to_text(self) -> str:
+        """Return the report for people, as Markdown."""
+        plan, found = self.experiment.plan, self.findings
+        shown = {**self.machine, "seed": str(plan.seed)}
+        if self.experiment.protocol:
+            shown["protocol"] = self.experiment.protocol
+        if plan.rounds > 1:
+            shown["rounds"] = str(plan.rounds)
+        parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]
+        if plan.quick:
+            parts.append("A quick run: counts are cut down, figures mean little.")
+        if found.busy > BUSY:
+            parts.append(
+                f"BUSY: other processes had up to {100.0 * found.busy:.0f} % of the processor while this was measured; "
+                "times mean little."
+            )
+        parts += tables_of(found.lines)
+        if self.interrupted:
+            parts.append("Interrupted: this is what was measured until then.")
+        return "\n\n".join(parts) + "\n"
 
 
 def chosen(names: Sequence[str], patterns: Sequence[str]) -> frozenset[str]:

@@ -1,4 +1,4 @@
-"""One figure: what it is, what it reached, what it is measured against, its times, and how much it spreads."""
+"""One figure: what it is, what it reached, what it is measured against, its times, its spread; and tables of them."""
 
 import math
 from collections.abc import Sequence
@@ -31,12 +31,6 @@ class Times:
         values = np.asarray(seconds, np.float64)
         median, p95, p99 = np.percentile(values, [50, 95, 99]).tolist()
         return cls(len(values), median, p95, p99, float(values.max()))
-
-    @classmethod
-    def of_plain(cls, plain: dict[str, Any]) -> "Times":
-        """Return what a journal holds; NaN where JSON has null."""
-        numbers = (math.nan if plain[key] is None else float(plain[key]) for key in ("median", "p95", "p99", "worst"))
-        return cls(plain["count"], *numbers)
 
 
 def exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
@@ -151,25 +145,22 @@ class Line:
     def at(self, reference: float | None) -> float:
         """What it reaches where the reference workload takes so many seconds; only times and rates depend on that."""
         slower = reference / self.reference if reference and self.reference else 1.0
-        return (
-            self.reached * slower
-            if self.unit in UNITS
-            else self.reached / slower
-            if self.unit in RATES
-            else self.reached
-        )
+        return self.reached * (slower if self.unit in UNITS else 1.0 / slower if self.unit in RATES else 1.0)
 
     @classmethod
     def of(cls, plain: dict[str, Any]) -> "Line":
         """Return the line whose attributes a journal holds; NaN where JSON has null for a number."""
-        values = dict(plain)
-        values["reached"] = _number(plain["reached"])
-        values["goal"] = None if plain["goal"] is None else Goal(**plain["goal"])
-        times = plain["times"]
-        values["times"] = None if times is None else Times.of_plain(times)
-        values["solved"] = None if plain["solved"] is None else tuple(plain["solved"])
-        values["rounds"] = tuple(_number(value) for value in plain["rounds"])
-        return cls(**values)
+        goal, times, solved = plain["goal"], dict(plain["times"] or {}), plain["solved"]
+        read: dict[str, Any] = {
+            "reached": _number(plain["reached"]),
+            "goal": goal and Goal(**goal),
+            "times": Times(times.pop("count"), **{key: _number(value) for key, value in times.items()})
+            if times
+            else None,
+            "solved": solved and tuple(solved),
+            "rounds": tuple(_number(value) for value in plain["rounds"]),
+        }
+        return cls(**(plain | read))
 
 
 def _number(value: float | None) -> float:
@@ -191,3 +182,72 @@ def _badness(line: Line, reached: float) -> float:
     if math.isnan(reached):
         return math.inf
     return reached if line.less_is_better else -reached
+
+
+def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
+    """Return a table whose first row is its headings: the first column to the left, others to the right.
+
+    With `words` all columns stand to the left.
+    """
+    widths = [max(3, *(len(row[column]) for row in rows)) for column in range(len(rows[0]))]
+    left = [words or column == 0 for column in range(len(widths))]
+    ruler = ["-" * width if first else "-" * (width - 1) + ":" for width, first in zip(widths, left, strict=True)]
+    lines = []
+    for row in [rows[0], ruler, *rows[1:]]:
+        placed = zip(row, widths, left, strict=True)
+        cells = [cell.ljust(width) if first else cell.rjust(width) for cell, width, first in placed]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def span(seconds: float) -> str:
+    """Text of a time in the unit that suits it, to three digits."""
+    if not math.isfinite(seconds):
+        return "none"
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        value = seconds / size
+        if value >= 0.9995:
+            return f"{value:.{2 if value < 9.995 else 1 if value < 99.95 else 0}f} {unit}"
+    return f"{1e9 * seconds:.0f} ns"
+
+
+HEADINGS = ["what", "goal", "reached", "", "solved", "runs", "median", "p95", "p99", "worst"]
+
+
+def tables_of(lines: Sequence[Line]) -> list[str]:
+    """One table a section, then the notes of its lines; at the end how many goals were held."""
+    if not lines:
+        return []
+    parts = []
+    spread = any(line.spread is not None for line in lines)
+    headings = [*HEADINGS, "spread"] if spread else HEADINGS
+    for section in dict.fromkeys(line.section for line in lines):
+        own = [line for line in lines if line.section == section]
+        parts += [f"## {section}", table([headings, *(_row(line)[: len(headings)] for line in own)])]
+        parts += [f"{line.what}: {line.note}" for line in own if line.note]
+    held = [line.held for line in lines if line.goal is not None]
+    return [*parts, f"{held.count(True)} of {len(held)} goals held."]
+
+
+def _row(line: Line) -> list[str]:
+    goal = "" if line.goal is None else f"{'<=' if line.goal.at_most else '>='} {number(line.goal.value, line.unit)}"
+    solved = "" if line.solved is None else f"{line.solved[0]}/{line.solved[1]}"
+    spread = "" if line.spread is None else f"{100.0 * line.spread:.1f} %"
+    return [line.what, goal, number(line.reached, line.unit), line.verdict, solved, *_times(line), spread]
+
+
+def _times(line: Line) -> list[str]:
+    if line.times is None:
+        return [""] * 5
+    t = line.times
+    unit = line.unit if line.unit in UNITS else ("us" if t.median < 1e-3 else "ms")
+    return [str(t.count), *(number(value, unit) for value in (t.median, t.p95, t.p99, t.worst))]
+
+
+def number(value: float, unit: str) -> str:
+    """Text of a value, times in seconds, in its unit."""
+    scaled = value * UNITS.get(unit, 1.0)
+    if not math.isfinite(scaled):
+        return "none"
+    text = f"{scaled:.0f}" if scaled == round(scaled) or abs(scaled) >= 1000 else f"{scaled:.3g}"
+    return f"{text} {unit}".strip()

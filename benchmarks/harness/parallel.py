@@ -4,18 +4,24 @@ import math
 import multiprocessing
 import os
 import signal
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import cache
 from multiprocessing.queues import SimpleQueue
 from typing import Any, TypeVar
 
-from benchmarks.harness.quiet import ignore_suspicions
+from sinuous.base.errors import SuspiciousInput
 from sinuous.base.system import pool_of
 from sinuous.scene import sampling
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+
+def ignore_suspicions() -> None:
+    """Keep warnings of suspicious input to ourselves: random problems are odd on purpose."""
+    warnings.simplefilter("ignore", SuspiciousInput)
 
 
 def in_processes(

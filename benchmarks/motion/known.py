@@ -9,9 +9,9 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.around import balls, door_in, door_out, pipe, plates, two_doors
 from benchmarks.motion.hidden import KINDS, THREADING, draw_motion, keeps_apart

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.kinematics import body_points
 from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at

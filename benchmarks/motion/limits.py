@@ -13,9 +13,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part
+from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
 
 SEGMENTS, LENGTH, ARM, ARCS = 2, 0.1, 0.004, 3

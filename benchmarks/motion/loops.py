@@ -14,8 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import within_limits
 from benchmarks.judges.motions import overlap, too_fast
 from sinuous.base.checks import Floats

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.plan import Plan
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.motions import too_fast, wrong_at

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.plan import Plan
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.motions import wrong_in

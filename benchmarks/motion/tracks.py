@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.motions import wrong_in
 from benchmarks.problems import ProblemSet, path_through
 from sinuous.base.arguments import Reconfigure

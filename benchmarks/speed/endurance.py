@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.plan import Plan
 from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable
 from sinuous.problem.target import GoalArrays
 from sinuous.solver.solver import Solver

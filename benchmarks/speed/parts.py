@@ -6,8 +6,8 @@ from time import process_time
 import numpy as np
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.plan import Plan
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import MANY_OBSTACLES
 from sinuous.scene.obstacles import Obstacle

@@ -24,8 +24,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import Flags
 from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
 from sinuous.base.checks import Floats

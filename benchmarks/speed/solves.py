@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import Flags, within_limits
 from benchmarks.judges.kinematics import tip_poses, twist_norm
 from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance

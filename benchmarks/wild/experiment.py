@@ -5,8 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from benchmarks.harness.experiment import Divided, Experiment
-from benchmarks.harness.plan import Plan
+from benchmarks.harness.experiment import Divided, Experiment, Plan
 from benchmarks.wild import calls, doors, motions, trials, worlds
 
 SECTION = "wild problems, each with a hidden solution that is clear of obstacles and of itself; budget 1 s"

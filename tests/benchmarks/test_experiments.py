@@ -13,8 +13,8 @@ from benchmarks import clutter, derivatives, design, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Attempt, Trial, examine
 from benchmarks.harness.conduct import Output, conduct
+from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Line
-from benchmarks.harness.plan import Plan
 from benchmarks.motion import known, loops, moving, p5
 from benchmarks.places import FAMILIES
 from benchmarks.problems import among_spheres, arm, full_poses, paper_poses

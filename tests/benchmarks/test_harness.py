@@ -13,15 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.harness import journal, reference
+from benchmarks.harness import reference
 from benchmarks.harness.baseline import Comparison, _kept, _line, compare, load
-from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
-from benchmarks.harness.experiment import Divided, Experiment
-from benchmarks.harness.journal import Journal
-from benchmarks.harness.lines import Goal, Line, Times, exponent, together
-from benchmarks.harness.markdown import span, table
+from benchmarks.harness.conduct import INTERRUPTED, NAME, Journal, Output, conduct
+from benchmarks.harness.experiment import Divided, Experiment, Plan
+from benchmarks.harness.lines import Goal, Line, Times, exponent, span, table, together
 from benchmarks.harness.parallel import in_processes
-from benchmarks.harness.plan import Plan
 from benchmarks.harness.reference import Look
 from sinuous.base.errors import InputError
 from sinuous.files.documents import json_line
@@ -137,7 +134,7 @@ def test_a_wrong_claim_is_an_exit_code(tmp_path: Path) -> None:
 @pytest.mark.parametrize("torn", ['{"piece": "b", "mea', '{"piece": "b", "measured": 2}', "\n", "3\n", "\0\0\0"])
 def test_a_torn_end_of_a_journal_costs_that_line_only(tmp_path: Path, torn: str) -> None:
     Journal.open(tmp_path, {"seed": 3}).add("a", {"clearance": math.inf})
-    with (tmp_path / journal.NAME).open("a") as stream:
+    with (tmp_path / NAME).open("a") as stream:
         stream.write(torn)
     again = Journal.open(tmp_path, {"seed": 3})
     assert again.pieces == {"a": {"clearance": None}}
@@ -147,10 +144,10 @@ def test_a_torn_end_of_a_journal_costs_that_line_only(tmp_path: Path, torn: str)
 
 @pytest.mark.parametrize("content", ["", "something else\n", '{"settings"', "[]\n", '{"settings": 3}\n'])
 def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, content: str) -> None:
-    (tmp_path / journal.NAME).write_text(content)
+    (tmp_path / NAME).write_text(content)
     with pytest.raises(InputError, match="cannot be read"):
         Journal.open(tmp_path, {})
-    assert (tmp_path / journal.NAME).read_text() == content
+    assert (tmp_path / NAME).read_text() == content
 
 
 TIME = Line("cold", "solve", 9e-6, "us", Goal(15e-6), solved=(2000, 2000), reference=5e-4)

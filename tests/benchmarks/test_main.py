@@ -11,7 +11,7 @@ import pytest
 from benchmarks.__main__ import KNOWN, TOOLS, experiment, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
-from benchmarks.harness.plan import Plan
+from benchmarks.harness.experiment import Plan
 from benchmarks.trace import files_of, scenarios
 from tests.cases import with_each
 

@@ -45,7 +45,7 @@ KNOWN = {
     "wild": Known(
         "anything that can be built, each problem with a hidden solution, every claim judged", "wild.experiment", "wild"
     ),
-    "many": Known("batches through files, engines, and a map of the workspace", "many"),
+    "many": Known("batches through files, and engines", "many"),
     "motion": Known(
         "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
         "motion.experiment",

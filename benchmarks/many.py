@@ -1,4 +1,4 @@
-"""`python -m benchmarks many`: batches through files, on one worker and on several; and a map.
+"""`python -m benchmarks many`: batches through files, on one worker and on several.
 
 What is timed with its memory runs in a process of its own. That a batch which is killed loses nothing is tested in
 `tests/studies/batch/test_deaths.py`.
@@ -20,20 +20,16 @@ import sinuous as sn
 from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.parallel import ignore_suspicions
-from benchmarks.problems import among_spheres, arm, free_configurations, random_configurations
+from benchmarks.problems import among_spheres, arm, random_configurations
 from sinuous.base.checks import Floats
 from sinuous.studies.batch.solve import solve_batch
 from sinuous.studies.runs.cluster import NO_PAGE, distributed
-from sinuous.studies.workspace.find import reach
-from sinuous.studies.workspace.reach import Reach, Verdict
 
 ROBOT = arm(5, 2.4, radius=4)
 SPHERES = 40
 TOGETHER = 100_000
 
 FILES = "batches from NPZ to NPZ, 5 segments, 2 threads, end to end; at most 16 starts, among spheres 6"
-
-NONE = Goal(0.0, correctness=True)
 
 KINDS = {
     "free poses (position and direction)": (10_000_000, True, False, 350_000.0),
@@ -46,9 +42,6 @@ KINDS = {
 ENGINES = "engines, free poses and 40 spheres, chunks of 10,000, the better of three runs in turn"
 
 TURNS = 3
-
-MAP = "map of the workspace, 5 segments among 40 spheres, 26 directions a voxel, 2 threads"
-PROOFS = {sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED}
 
 
 def spheres(plan: Plan) -> sn.Scene:
@@ -163,46 +156,5 @@ def _best(solve: Callable[..., Any]) -> dict[str, float]:
     return best
 
 
-def map_workspace(plan: Plan) -> Iterator[Line]:
-    """Time, volumes, and claims that random shapes refute."""
-    spacing = plan.count(10, 100)
-    scene = spheres(plan)
-    found = reach(ROBOT, scene, float(spacing), directions=26, workers=2)
-    volume = found.volume()
-    yield Line(MAP, f"a map at {spacing} mm", found.seconds, "s", Goal(120.0))
-    yield Line(MAP, "reachable volume", volume.found / 1e9, "m^3", note=f"grid within {volume.error / 1e9:.3g}")
-    rng = plan.rng(36)
-    shapes = free_configurations(ROBOT, scene, plan.count(1_000, 20), rng)
-    tips = np.asarray(ROBOT.tip(shapes))
-    count = plan.count(1_000, 20)
-    wrong = f"of {count:,} voxels and directions that are proved unreachable, refuted by {len(tips):,} clear shapes"
-    yield Line(MAP, wrong, float(_refuted(found, tips, count, rng)), "", NONE)
-    yield Line(MAP, "tips of these shapes that are called unreachable", float(_denied(scene, tips)), "", NONE)
-
-
-def _refuted(found: Reach, tips: Floats, count: int, rng: np.random.Generator) -> int:
-    """How many claims some shape refutes: its tip is there, and points there, within the tolerance."""
-    claims = np.argwhere((found.verdicts > Verdict.SOLVED) & (found.verdicts <= Verdict.BASE_BLOCKED))
-    some = claims[rng.choice(len(claims), min(count, len(claims)), replace=False)]
-    places, axes = found.voxels.middles[tuple(some[:, :3].T)], found.directions[some[:, 3]]
-    far = np.linalg.norm(places[:, None] - tips[:, :3, 3], axis=-1)
-    turned = np.arccos(np.clip(axes @ tips[:, :3, 2].T, -1.0, 1.0))
-    return int(((far <= 1e-4 * ROBOT.mean_length) & (turned <= 1e-3)).any(axis=1).sum())
-
-
-def _denied(scene: sn.Scene, tips: Floats) -> int:
-    """How many tips of clear shapes the calls that a map is made of prove to be impossible."""
-    solver = sn.Solver(ROBOT, scene, max_starts=1, routes=False)
-    denied = 0
-    for directions in (tips[:, :3, 2], None):
-        many = solver.solve_many(positions=tips[:, :3, 3], directions=directions)
-        denied += sum(status in PROOFS for status in many.status.tolist())
-    return denied
-
-
-PARTS: dict[str, Part] = {
-    "files": through_files,
-    "workers": engines,
-    "workspace": map_workspace,
-}
+PARTS: dict[str, Part] = {"files": through_files, "workers": engines}
 """What is measured, in order."""

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from benchmarks.harness.experiment import Divided, Experiment, Plan
-from benchmarks.wild import calls, doors, motions, trials, worlds
+from benchmarks.wild import calls, motions, trials, worlds
 
 SECTION = "wild problems, each with a hidden solution that is clear of obstacles and of itself; budget 1 s"
 THICK = "thick arms (radius 10, segments of 100 to 120, bends to 3.1), targets near the base; budget 1 s"
@@ -21,8 +21,6 @@ BLOCK, BLOCKS, AUDITED = 22, 100, 10
 MADE, MADES = 100, 5
 """Motions, or calls, of one share; shares of one kind of these, in one round."""
 
-WALLS = 60
-
 ARMS, ARM_WORLDS = (3, 5, 8), 200
 """Segments of the thick arms; how many times 50 problems each is given."""
 
@@ -31,7 +29,7 @@ MOST, MOST_THICK = 30, 100
 
 
 def wild(plan: Plan) -> Experiment:
-    """First what is short: thick arms, what an audit asked for, motions, calls and doors; then wild worlds.
+    """First what is short: thick arms, what an audit asked for, motions and calls; then wild worlds.
 
     Every round has fresh problems, and all of them are counted together.
     """
@@ -55,13 +53,11 @@ def wild(plan: Plan) -> Experiment:
         parts[kind] = Divided(
             shares(partial(made, judge, seed), count(MADE, 2), count(MADES, 1) * rounds), partial(lines_of, kind)
         )
-    kind, walls = "walls with doors", shares(partial(made, doors.passed, seed), count(WALLS, 3), rounds)
-    parts[kind] = Divided(walls, partial(doors.lines_of, kind))
     work, summed = partial(trials.tallied, partial(worlds.make, seed)), partial(trials.lines_of, SECTION, "wild", MOST)
     parts["wild"] = Divided(shares(work, count(BLOCK, 10), count(BLOCKS, 1) * rounds), summed)
     return Experiment("wild", plan, parts, fresh=True)
 
 
 def made(judge: Callable[[int, int], Sequence[Any]], seed: int, numbers: range) -> list[list[Any]]:
-    """Make and judge motions, calls or walls."""
+    """Make and judge motions, or calls."""
     return [list(judge(seed, number)) for number in numbers]

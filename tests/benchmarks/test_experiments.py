@@ -32,7 +32,6 @@ SMALL = {
     "speed": ("reachable", "poses", "fields", "cold"),
     "clutter": ("spheres 12", "p4 direction"),
     "motion": ("P5, 3 segments", "known 40 balls, wandering"),
-    "many": ("workspace",),
     "real": ("rod-tpu",),
     "derivatives": ("agreement free",),
     "view": ("files",),

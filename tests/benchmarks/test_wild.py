@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges import judge
 from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.kinematics import Bodies, body_places
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import calls, doors, motions, odd, trials, worlds
+from benchmarks.wild import calls, motions, odd, trials, worlds
 from benchmarks.wild.calls import Called
 from benchmarks.wild.motions import Judged
 from benchmarks.wild.trials import (
@@ -205,26 +204,6 @@ def test_the_loaded_body_is_judged() -> None:
     assert motions._refuted(held, straight, q) == ""
     assert motions._refuted(held, low, q) == "overlap"
     assert motions._refuted(held, straight, 1.1 * q) == "limits"
-
-
-@cache
-def wall() -> doors.Wall:
-    """A wall with doors; not made when tests are collected, since that compiles."""
-    return doors.make(0, 1)
-
-
-def test_a_solver_that_misses_a_door_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = Solver(doors.ROBOT, wall().scene, tolerance=doors.TOLERANCE, time=60.0).solve_all(wall().target, count=3)
-
-    def compare(answer: list[Solution]) -> doors.Passed:
-        monkeypatch.setattr(Solver, "solve_all", lambda *a, **k: answer)
-        return doors.compare(wall())
-
-    whole, lacking, doubled = compare(found), compare(found[:1]), compare(found * 2)
-    assert whole[:5] == (3, 3, 0, 0, 0)
-    assert (lacking.found, doubled.again, doubled.alike) == (1, 3, 3)
-    monkeypatch.setattr(judge, "overlaps", lambda _robot, _scene, q: np.ones(len(q), bool))
-    assert compare(found).false == 3
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Places whose classes are known, and the sides on which a body passes, by other code than the library's."""
 
+import itertools
+
 import numpy as np
 
 from benchmarks.judges.kinematics import body_points
@@ -39,6 +41,17 @@ def wall(z: float = 150.0) -> list[Obstacle]:
         for side in (-1.0, 1.0):
             y = side * 0.5 * (ACROSS + HALF)
             found.append(Box((0.5 * (low + high), y, z), (high - low, HALF - ACROSS, 8.0), name="lintel"))
+    return found
+
+
+def thin_wall(doors: Floats, middle: float, thickness: float) -> list[Obstacle]:
+    """A wall across z with doors (k, 2, 2), their corners in x and y: the cells that their edges divide it into."""
+    xs, ys = (np.unique([-HALF, *doors[:, :, axis].ravel(), HALF]) for axis in (0, 1))
+    found: list[Obstacle] = []
+    for (x0, x1), (y0, y1) in itertools.product(itertools.pairwise(xs), itertools.pairwise(ys)):
+        place = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
+        if not ((doors[:, 0] < place) & (place < doors[:, 1])).all(axis=1).any():
+            found.append(Box((*place, middle), (x1 - x0, y1 - y0, thickness)))
     return found
 
 

@@ -5,7 +5,6 @@ import itertools
 import numpy as np
 import pytest
 
-from benchmarks.wild import doors
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
@@ -18,7 +17,7 @@ from sinuous.solver.route_classes.passages import (
     refined,
 )
 from tests.helpers import Floats
-from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, wall
+from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, thin_wall, wall
 
 ENDS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 250.0)])
 BOUNDS = SurfaceBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
@@ -56,15 +55,35 @@ def test_a_blocking_surface_in_a_door_closes_it_and_leaves_the_other_open(door: 
                 assert (closed.distance(crossing).min() < 0.5) == (this == door)
 
 
-@pytest.mark.parametrize("number", [28, 30, 56])
-def test_a_blocking_surface_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
-    known = doors.make(0, number)
-    own = RouteCurves(doors.ROBOT, known.scene.snapshot())
-    bounds = SurfaceBounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
-    middles = [(*door.mean(axis=0), known.middle) for door in known.doors]
-    for i, middle in enumerate(middles):
+WALLS = [
+    (178.7, 5.2, 251.6, [[[23.5, 6.5], [40.9, 24.1]], [[-4.7, 95.3], [14.1, 107.4]]]),
+    (157.9, 6.8, 235.0, [[[-0.4, -5.6], [17.9, 13.6]], [[65.8, 15.4], [85.6, 27.8]], [[4.3, 30.6], [25.4, 48.5]]]),
+    (
+        130.3,
+        4.0,
+        192.1,
+        [
+            [[22.0, -79.8], [38.8, -63.4]],
+            [[4.4, -23.3], [25.5, -7.8]],
+            [[-25.1, -92.8], [-4.0, -71.3]],
+            [[61.2, -19.9], [82.0, 2.4]],
+        ],
+    ),
+]
+"""Where a wall stands, its thickness, how high the target is, and doors (k, 2, 2) in x and y."""
+
+
+@pytest.mark.parametrize(("middle", "thickness", "high", "edges"), WALLS)
+def test_a_blocking_surface_in_a_thin_wall_leaves_the_other_doors_open(
+    middle: float, thickness: float, high: float, edges: list[list[list[float]]]
+) -> None:
+    doors = np.array(edges)
+    own = RouteCurves(ROBOT, Scene(thin_wall(doors, middle, thickness)).snapshot())
+    bounds = SurfaceBounds(np.array([np.zeros(3), (30.0, 20.0, high)]), 30.0, 360.0, 0.8, 5.6)
+    middles = [(*door.mean(axis=0), middle) for door in doors]
+    for i, place in enumerate(middles):
         aside = np.array([4.0, -12.0, 20.0])
-        route = refined(line(tuple(middle - aside), middle, tuple(middle + aside), count=4), 2.0)
+        route = refined(line(tuple(place - aside), place, tuple(place + aside), count=4), 2.0)
         passage, *_ = passages(route, own.scene.distance(route), bounds)
         closed = own.scene.beside([made(own, passage, bounds)]).distance(np.array(middles))
         assert closed[i] < 1.0

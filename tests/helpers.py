@@ -195,7 +195,7 @@ def refused(key: str, call: Callable[[], Any], *words: str) -> InputError:
     assert "\n" not in text
     assert len(text) < 400
     assert text.startswith(f"{key}: ")
-    assert ("expected " in text and ", got " in text) or "did you mean " in text
+    assert ("expected " in text and (error.value is None or ", got " in text)) or "did you mean " in text
     for word in words:
         assert word in text
     return error

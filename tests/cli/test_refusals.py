@@ -86,7 +86,7 @@ CALLS = {
     "track path.yaml --rate 10": "--rate: is for --csv; expected --csv FILE, too, got 10.0",
     "track path.yaml --csv q.csv --rate 0": "--rate: expected a number greater than 0, got 0.0",
     "track path.yaml --deviation 0": "--deviation: expected a number greater than 0, got 0.0",
-    "plan easy.yaml": "easy.yaml: start: missing; expected where the motion begins, got None",
+    "plan easy.yaml": "easy.yaml: start: missing; expected where the motion begins",
     "plan start_of_path.yaml": "start_of_path.yaml: path: is for track; expected target or targets, got 1",
     "plan far_goal.yaml": "far_goal.yaml: goal: length of segment 1 is 7.8 beyond its limit; expected a configuration",
     "plan plan.yaml --shortcuts -1": "--shortcuts: expected ",

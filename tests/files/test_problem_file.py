@@ -240,7 +240,7 @@ WRONG = {
     PATH + "times: [1, 1]": "times[1]: times must increase; expected more than 1, got 1.0",
     PATH + "times: [1]": "times: expected 2 finite numbers",
     TARGET + "times: [1]": "times: cannot be combined with target; expected those of a path",
-    "path: timed.csv\ntimes: [0, 1]": "times: stand in the file of the path, too; expected one of both",
+    "path: timed.csv\ntimes: [0, 1]": "times: are in the file of the path, too; expected one of both",
     "tolerance: {angel: 1}": "tolerance.angel: unknown key; did you mean 'angle'?",
     "start: [[0, 0, 1]]": "start: shape (1, 3); expected 2 rows of 3 finite numbers, got [[0, 0, 1]]",
     "start: {status: solved}": "start.q: missing; expected a result of an earlier solve, got {'status': 'solved'}",

@@ -198,7 +198,7 @@ def test_what_cannot_be_meant_is_refused_in_one_line(six: Path, old: str, new: s
         ({}, "six.urdf: tip: missing, and there are 3"),
         ({"tip": "tol0"}, "tip: no link is called so; did you mean 'tool0'?"),
         ({"tip": "finger"}, "joint close.mimic: it moves with 'j3'"),
-        ({"tip": "a", "root": "b"}, "tip: does not hang on 'b'"),
+        ({"tip": "a", "root": "b"}, "tip: no joints lead to it from 'b'"),
         ({"tip": "world"}, "tip: is the root itself"),
         ({"tip": "tool0", "srdf": "no.srdf"}, "srdf: cannot be read"),
         ({"tip": "tool0", "meshes": 1}, "meshes: expected true or false"),

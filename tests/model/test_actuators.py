@@ -196,8 +196,8 @@ def test_limits_in_the_unit_of_the_motors() -> None:
     bellows = sn.Segment((30, 90), chambers=sn.Chambers(2, 5, limits=(0, 100), gain=[2, 4], offset=-100))
     assert bellows.length == (50.0, 50.0)  # 50 to 100 of the first, 25 to 50 of the second
     refused("limits", lambda: sn.Tendons(3, 5, limits=(10, 20), offset=[15, 15, 25]), "low <= 25 <= high")
-    refused("limits", lambda: sn.Tendons(3, 5, limits=(-9, 9), displacement=(0, 9)), "either displacement or limits")
-    refused("limits", lambda: sn.Chambers(3, 5, limits=(-9, 9), length=(0, 9)), "either length or limits")
+    refused("limits", lambda: sn.Tendons(3, 5, limits=(-9, 9), displacement=(0, 9)), "one of displacement, limits")
+    refused("limits", lambda: sn.Chambers(3, 5, limits=(-9, 9), length=(0, 9)), "one of length, limits")
     far = sn.Chambers(2, 5, limits=(0, 100), gain=0.5)
     refused("chambers.limits", lambda: sn.Segment(300, chambers=far), "straight")
     row = [[0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0]]

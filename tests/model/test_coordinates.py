@@ -113,6 +113,6 @@ def test_what_cannot_be_meant_is_refused() -> None:
     refused("locked", lambda: sn.Segment(1.0, locked=(0.0, 0.0)), "[bend_x, bend_y, length]")
     refused("locked[2]", lambda: sn.Segment((1.0, 2.0), locked=(None, None, 3.0)), "outside the limits")
     refused("locked", lambda: sn.Segment(1.0, 0.5, locked=(0.6, None, None)), "at most 0.5 rad")
-    refused("segments[0]", lambda: sn.Robot([sn.Segment(1.0, 4.0, 1.0, locked=(2.0, 0.0, None))]), "too bent")
+    refused("segments[0]", lambda: sn.Robot([sn.Segment(1.0, 4.0, 1.0, locked=(2.0, 0.0, None))]), "beyond its limit")
     refused("coordinates", lambda: FREE.locked({"s9": None}), "s9")
     assert FREE.locked({"s1": (0.1, 0.2, 1.0)}).locked({"s1": None}).equals(FREE)

@@ -149,7 +149,7 @@ def test_a_path_of_arrays_is_one_of_targets() -> None:
     refused("positions[2]", lambda: sn.track(ROBOT, positions=[*places[:2], [0, 0, np.nan]]))
     refused("targets[1]", lambda: sn.track(ROBOT, [CIRCLE[0], (0, 1)]), "for positions use positions=")
     refused("positions", lambda: sn.track(ROBOT, CIRCLE, positions=places), "cannot be combined with targets")
-    refused("len(targets)", lambda: sn.track(ROBOT, positions=np.empty((0, 3))))
+    refused("targets", lambda: sn.track(ROBOT, positions=np.empty((0, 3))))
 
 
 def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:

@@ -151,7 +151,7 @@ def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) 
 @with_each(
     ("rates", "blend", "message"),
     [
-        (sn.Rates(), 0.0, "rates: nothing limits leg 1 of the way; expected"),
+        (sn.Rates(), 0.0, "rates: nothing limits step 1 of the motion; expected"),
         (sn.Rates(bend=[1.0]), 0.0, "bend: expected"),
         (FIRST, 0.1, r"blend: rates have no acceleration.*; expected 0, got 0.1"),
         (BOTH, -1.0, "blend: expected a number of at least 0"),
@@ -164,7 +164,7 @@ def test_what_is_no_limit_is_refused(rates: Any, blend: float, message: str) -> 
 
 
 def test_what_nothing_limits_and_what_stands_still_is_refused() -> None:
-    with pytest.raises(sn.InputError, match="nothing limits leg 1"):
+    with pytest.raises(sn.InputError, match="nothing limits step 1"):
         sn.Motion(ARM, np.stack([wave().q[0], wave().q[0] + (0, 0, 1)])).timed(sn.Rates(bend=1.0))
     with pytest.raises(sn.InputError, match="stands still"):
         sn.Motion(ARM, wave().q[[0, 0]]).timed(FIRST)

@@ -70,4 +70,9 @@ class UnknownOptions(SolveAgain):
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
         """Refuse: see the class."""
-        raise InputError("solution", "its options are not known", self.method, "one that was not read from a file")
+        raise InputError(
+            "solution",
+            "was read from a file, which does not say its options",
+            self.method,
+            "one that was solved in this process",
+        )

@@ -127,6 +127,8 @@ def _fits(extents: Sequence[int], shape: Sequence[int | None]) -> bool:
 @cache
 def _described(shape: tuple[int | None, ...]) -> str:
     """Say what an array of this shape holds: `3 finite numbers`, `rows of 3 finite numbers`."""
+    if shape == (1,):
+        return "1 finite number"
     counts = ["" if extent is None else f"{extent} " for extent in shape]
     if len(shape) <= 2:
         return " rows of ".join(counts).replace("  ", " ").lstrip() + "finite numbers"

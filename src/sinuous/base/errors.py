@@ -44,8 +44,9 @@ def suggested(name: Any, known: Iterable[str]) -> str:
 class InputError(ValueError):
     """Input that cannot be meant, in one line: `KEY: PROBLEM; expected EXPECTED, got VALUE`.
 
-    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it;
-    of a name that is not known, the one that is meant may be what was expected: `did you mean 'length'?`.
+    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it,
+    and the value where it is `None` and there is a problem. Of a name that is not known, the one that is meant may be
+    what was expected: `did you mean 'length'?`.
 
     Attributes
     ----------
@@ -64,7 +65,8 @@ class InputError(ValueError):
     def __init__(self, key: str, problem: str, value: object, expected: str, file: str | None = None) -> None:
         place = key if file is None else f"{file}: {key}"
         wrong = f"{problem}; " if problem else ""
-        right = expected if expected.startswith(GUESS) else f"expected {expected}, got {shown(value)}"
+        got = "" if problem and value is None else f", got {shown(value)}"  # nothing was given, as the problem says
+        right = expected if expected.startswith(GUESS) else f"expected {expected}{got}"
         super().__init__(f"{place}: {wrong}{right}")
         self.key = key
         self.problem = problem

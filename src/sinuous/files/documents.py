@@ -112,7 +112,9 @@ class _Document:
         """Return the value that an alias stands for."""
         name = event.anchor
         if name in self._open:
-            raise InputError(_line(event), "stands for what it is part of", f"*{name}", "an alias of a finished value")
+            raise InputError(
+                _line(event), "is an alias of what it is part of", f"*{name}", "an alias of a finished value"
+            )
         if name not in self._anchors:
             raise InputError(_line(event), "has no anchor", f"*{name}", "an alias of an anchor above it")
         value, size = self._anchors[name]

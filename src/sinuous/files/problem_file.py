@@ -104,7 +104,7 @@ def read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[s
     if key == "path":
         targets, times = _read_path(value, robot, folder)
         if times is not None and "times" in entries:
-            raise InputError("times", "stand in the file of the path, too", entries["times"], "one of both")
+            raise InputError("times", "are in the file of the path, too", entries["times"], "one of both")
         return {"path": targets, "times": entries.get("times") if times is None else times}
     if entries.get("times") is not None:
         raise InputError("times", f"cannot be combined with {key}", entries["times"], "those of a path")

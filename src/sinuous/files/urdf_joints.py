@@ -149,7 +149,7 @@ def _chain(model: Any, root: str | None, tip: str | None) -> list[Any]:
     chain: list[Any] = []
     while at != first:
         if at not in before or len(chain) > len(model.joints):
-            raise InputError("tip", f"does not hang on {first!r}", last, "a link that joints lead to from the root")
+            raise InputError("tip", f"no joints lead to it from {first!r}", last, "a link beyond the root")
         chain.append(before[at])
         at = before[at].parent
     if not chain:

@@ -94,7 +94,7 @@ def checked_gain(value: Any, count: int) -> float | Floats:
     """Check a gain for all motors, or one for each; none is 0."""
     gain = checked_each("gain", value, count)
     if not np.all(gain):
-        raise InputError("gain", "a motor that nothing turns", value, "numbers other than 0")
+        raise InputError("gain", "is 0, so the motor moves nothing", value, "numbers other than 0")
     return gain
 
 
@@ -192,7 +192,8 @@ class Lines(Noun):
         tension: TensionLimits | None = None,
     ) -> None:
         if (count is None) == (angles is None):
-            raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
+            problem = "missing" if count is None else "cannot be combined with angles"
+            raise InputError("count", problem, count, "either count (and angle) or angles")
         if angles is None:
             number = checks.integer("count", count, 1, MOST_LINES)
             first = checks.number("angle", 0.0 if angle is None else angle)
@@ -387,7 +388,7 @@ def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: boo
     if value is None:
         return None
     if stiffness is None:
-        raise InputError("tension", "of lines without a stiffness nothing is known", value, "a stiffness, too")
+        raise InputError("tension", "needs a stiffness", value, "a stiffness, too")
     if isinstance(value, list | tuple) and len(value) == ENDS and value[1] in (None, math.inf):
         return checks.number("tension[0]", value[0], low=0.0 if one_sided else -math.inf), math.inf
     return checks.interval("tension", value, low=0.0 if one_sided else -math.inf)
@@ -395,7 +396,7 @@ def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: boo
 
 def _refuse_both(key: str, own: Limits | None, limits: Limits | None) -> None:
     if own is not None and limits is not None:
-        raise InputError("limits", f"{key} says them already", limits, f"either {key} or limits")
+        raise InputError("limits", f"cannot be combined with {key}", limits, f"one of {key}, limits")
 
 
 def _limits_about_zero(key: str, value: Limits | None) -> tuple[float, float]:

@@ -93,7 +93,7 @@ class Coordinates(Frozen):
             if least > 0.0 and curvature < math.inf:
                 if least > curvature * lengths[k, 1]:
                     wanted = f"a bend of at most {curvature * lengths[k, 1]:.4g}, what its curvature and length allow"
-                    raise InputError(f"segments[{k - _before(segments)}]", "it is locked too bent", least, wanted)
+                    raise InputError(f"segments[{k - _before(segments)}]", "is locked beyond its limit", least, wanted)
                 lengths[k, 0] = max(lengths[k, 0], least / curvature)
         origin, basis, owner = _space(bends, lengths)
         self._set(bends=tuple(bends), lengths=closed(lengths), held=tuple(held), curvatures=tuple(curvatures))
@@ -336,7 +336,7 @@ def _held_at(k: int, value: float, low: float, high: float) -> float:
     if not low - ROUNDING * max(1.0, abs(low)) <= value <= high + ROUNDING * max(1.0, abs(high)):
         raise InputError(
             f"segments[{k}]" if k >= 0 else "joints",
-            "equal limits of actuators hold it outside its own",
+            "equal limits of actuators hold it outside its own limits",
             value,
             f"[{low:g}, {high:g}]",
         )

@@ -58,7 +58,9 @@ def find_home(coordinates: Coordinates, actuation: Floats) -> list[Home]:
             if gap != 0.0 and squares[i] > 0.0:
                 shape = shape + (basis @ seen[i] * (gap / squares[i])).reshape(shape.shape)
         shape = coordinates.project(shape)
-    raise InputError("actuators", "their limits leave no shape of what is locked or in one plane", None, "wider limits")
+    raise InputError(
+        "actuators", "no shape is within their limits and what is locked or in one plane", None, "wider limits"
+    )
 
 
 def _rows(actuation: Floats, count: int) -> Floats:

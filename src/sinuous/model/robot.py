@@ -252,7 +252,8 @@ class Robot(NotebookMixin, Frozen):
         checks.instance("segments", segments, Iterable, "a list of Segment")
         listed, given_joints = tuple(segments), joint_list(joints)
         rigid = rigid_rows(given_joints)
-        checks.integer("segments", len(listed), 0 if rigid.links else 1, MOST_SEGMENTS)
+        if not (0 if rigid.links else 1) <= len(listed) <= MOST_SEGMENTS:
+            raise InputError("segments", "", len(listed), f"1 to {MOST_SEGMENTS:,} segments")
         for k, segment in enumerate(listed):
             checks.instance(f"segments[{k}]", segment, Segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed) and not rigid.links:
@@ -454,7 +455,7 @@ class Robot(NotebookMixin, Frozen):
         """
         if self.has_external_load:
             wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
-            raise InputError("gravity", "here loads are not known", self.gravity, wanted)
+            raise InputError("gravity", "this is computed without loads", self.gravity, wanted)
 
     hangs, least_demanded = Renamed("has_external_load"), Renamed("_least_clearances")
     demands, refuse_load = Renamed("_demands_clearance"), Renamed("_refuse_load")

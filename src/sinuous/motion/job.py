@@ -125,7 +125,7 @@ class Job(Frozen):
         targets: Any = path if path is not None else [target] if target is not None else None
         waypoints = () if targets is None else read_waypoints(asked[0], targets, robot)
         if times is not None and path is None:
-            raise InputError("times", "there is no path", times, "those of a path")
+            raise InputError("times", "needs a path", times, "those of a path")
         self._set(
             robot=demanding(robot, clearance, self_clearance),
             scene=place,

@@ -82,7 +82,7 @@ def refuse_unlimited(speeds: Floats) -> None:
     """Refuse rates that let a piece pass in no time."""
     if np.isinf(speeds).any():
         number = int(np.argmax(np.isinf(speeds))) + 1
-        raise InputError("rates", f"nothing limits leg {number} of the way", None, "limits of all that moves")
+        raise InputError("rates", f"nothing limits step {number} of the motion", None, "rates of all that moves")
 
 
 def scale_blended(robot: Robot, path: BlendedPath, rates: Spread, accelerations: Spread) -> Scaling:

@@ -120,7 +120,8 @@ def track(
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)
     if wanted == "actuators" and not robot.actuators:
         raise InputError("shortest", "the robot has no actuators", shortest, "configuration")
-    checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
+    if not 1 <= len(path) <= MOST_WAYPOINTS:
+        raise InputError("targets", "", len(path), f"1 to {MOST_WAYPOINTS:,} waypoints")
     given_times = targets.times if times is None and isinstance(targets, Path) else times
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
     pace = Pace.of(robot, rates, duration, times=when)

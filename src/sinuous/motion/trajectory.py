@@ -228,7 +228,7 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     limits, accelerations = rates.spread(motion.robot), rates.further(motion.robot)
     most = checks.number("blend", blend, low=0.0)
     if most > 0.0 and accelerations is None:
-        raise InputError("blend", "rates have no acceleration, and so no corner asks for one", most, "0")
+        raise InputError("blend", "rates have no acceleration, so there are no stops to blend", most, "0")
     legs = legs_of(motion.robot, motion.configuration, motion.steps)
     if not len(legs.sizes):
         raise InputError("motion", "stands still", motion, "a motion that moves")

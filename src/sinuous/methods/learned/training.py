@@ -114,7 +114,7 @@ def _lessons(robot: Robot, scene: Scene, kind: int, count: int, rng: np.random.G
         if good.sum() >= FEWEST_TARGETS:
             return inputs(rows[good, 0], kind), answers[good, t.RECORD_WIDTH :]
     raise InputError(
-        "robot", "hardly meets its own tips", int(good.sum()), f"at least {FEWEST_TARGETS} of {count} solved"
+        "robot", "too few training targets are solved", int(good.sum()), f"at least {FEWEST_TARGETS} of {count} solved"
     )
 
 

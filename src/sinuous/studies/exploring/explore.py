@@ -202,7 +202,7 @@ def explore(
     checks.instance("memory", kept, Memory, "a Memory")
     kept.check(robot)
     if robot.has_external_load:
-        raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
+        raise InputError("gravity", "memories hold motions without load", robot.gravity, "none")
     snapshot = place.snapshot()
     snapshot.refuse_moving()
     check_sizes(robot, place)

@@ -162,5 +162,7 @@ def pickled(work: Work) -> bytes:
         for i, obstacle in enumerate(work.scene.obstacles):
             if isinstance(obstacle, Field):
                 wanted = "a function of a module that workers can import too, or the engine threads"
-                raise InputError(f"scene[{i}]", f"cannot travel: {error}", obstacle.function, wanted) from None
+                raise InputError(
+                    f"scene[{i}]", f"cannot be sent to another process: {error}", obstacle.function, wanted
+                ) from None
         raise

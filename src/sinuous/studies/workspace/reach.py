@@ -65,8 +65,8 @@ class Voxels(Frozen):
         begin, end = np.ceil((corners - base) / step - slack), np.floor((others - base) / step + slack)
         counts = np.maximum(0.0, end - begin + 1.0)
         if not 0.0 < float(np.prod(counts)) <= MOST_VOXELS:
-            wanted = f"one that makes 1 to {MOST_VOXELS:,} voxels"
-            raise InputError("spacing", f"makes {float(np.prod(counts)):.3g}", step, wanted)
+            wanted = f"one that makes 1 to {MOST_VOXELS:,}"
+            raise InputError("spacing", f"makes {float(np.prod(counts)):.3g} voxels", step, wanted)
         x, y, z = counts.astype(int).tolist()
         return cls(base + step * begin, step, (x, y, z))
 

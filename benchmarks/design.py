@@ -16,10 +16,9 @@ from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
-from sinuous.studies.designing.fields import Space
 from sinuous.studies.designing.find import DEFAULT_STARTS, SOLVE_SECONDS, design
-from sinuous.studies.designing.judge import Judge
-from sinuous.studies.designing.objectives import read_objectives
+from sinuous.studies.designing.judge import Judge, read_objectives
+from sinuous.studies.designing.search import Space
 from sinuous.studies.tasks.assess import assess
 from sinuous.studies.tasks.tasks import read_tasks
 

@@ -25,9 +25,9 @@ import sinuous as sn
 from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
 from sinuous.base.checks import Floats
-from sinuous.problem.suspicions import all_suspicions
+from sinuous.problem.problem import all_suspicions
 from sinuous.studies.batch.tables.reading import open_source
-from sinuous.studies.calibration.table import read_table as read_measured
+from sinuous.studies.calibration.measurements import read_table as read_measured
 
 FILES = 5000
 """Files of a whole run."""

@@ -23,7 +23,7 @@ from benchmarks.harness.parallel import ignore_suspicions
 from benchmarks.problems import among_spheres, arm, random_configurations
 from sinuous.base.checks import Floats
 from sinuous.studies.batch.solve import solve_batch
-from sinuous.studies.runs.cluster import NO_PAGE, distributed
+from sinuous.studies.runs.engines import NO_PAGE, distributed
 
 ROBOT = arm(5, 2.4, radius=4)
 SPHERES = 40

@@ -38,9 +38,7 @@ from benchmarks.problems import (
 from sinuous.answer.verification import Verification, verify
 from sinuous.base.checks import Floats
 from sinuous.files.nouns import read_robot
-from sinuous.methods.learned.network import Network
-from sinuous.methods.learned.search import Learned
-from sinuous.methods.learned.training import train
+from sinuous.methods.learned import Learned, Network, train
 from sinuous.methods.method import METHODS, capabilities, name_of
 from sinuous.methods.opti_path.options import OptiPath
 

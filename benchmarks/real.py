@@ -27,7 +27,7 @@ from sinuous.base.checks import Floats
 from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
 from sinuous.statics.equilibrium import run
-from sinuous.studies.calibration.table import Measured, read_table
+from sinuous.studies.calibration.measurements import Measured, read_table
 
 DATA = Path(__file__).parent / "data"
 

@@ -37,7 +37,7 @@ from sinuous.motion.plan import Planner as Planner
 from sinuous.motion.plan import plan as plan
 from sinuous.motion.track import track as track
 from sinuous.motion.trajectory import Trajectory as Trajectory
-from sinuous.problem.curve import Curve as Curve
+from sinuous.problem.path import Curve as Curve
 from sinuous.problem.path import Path as Path
 from sinuous.problem.problem import Preferences as Preferences
 from sinuous.problem.problem import Problem as Problem

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.answer.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
+from sinuous.answer.derivatives.many import HostGoals, check_unsolved, lead_of, solved
 from sinuous.base.errors import InputError
 
 try:

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from sinuous import Problem, Robot, Target, pose
-from sinuous.answer.descent_within_limits import descend_within_limits
-from sinuous.answer.residual import residual_of
-from sinuous.model.least_distance import nonnegative_least_squares
+from sinuous.answer.residual import descend_within_limits, residual_of
+from sinuous.model.limits import nonnegative_least_squares
 from tests.cases import with_each
 from tests.helpers import Floats, random_pose
 

@@ -10,8 +10,7 @@ import sinuous as sn
 from sinuous import Box, Problem, Robot, Sphere, Target, pose
 from sinuous.answer.verification import verify
 from sinuous.answer.worst import Worst, contacts_of, find_overlap, find_worst
-from sinuous.measures.body import least_clearance, segment_ends
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import BodyPlace, least_clearance, segment_ends
 from tests.cases import with_each
 from tests.helpers import Floats, refused
 

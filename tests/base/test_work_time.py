@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from sinuous.base.work_time import gc_paused
+from sinuous.base.progress import gc_paused
 
 
 def failing() -> None:

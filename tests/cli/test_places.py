@@ -73,7 +73,7 @@ def test_other_ways_to_solve_give_the_same_file(run: Run) -> None:
 
 
 def test_an_address_where_no_scheduler_is(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sinuous.studies.runs.cluster.ANSWER_SECONDS", 1.0)
+    monkeypatch.setattr("sinuous.studies.runs.engines.ANSWER_SECONDS", 1.0)
     said = run(f"{BATCH} --out out.csv --dask tcp://127.0.0.1:9", 2).err
     assert "the address of a scheduler that runs, got 'tcp://127.0.0.1:9'" in said
 

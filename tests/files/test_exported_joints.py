@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.files.ros import joint_map
+from sinuous.files.joint_chain import joint_map
 from sinuous.model.joints import Fixed
 from tests.helpers import random_pose, random_unit
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.files.ros import joint_trajectory, write_json
+from sinuous.files.joint_chain import joint_trajectory, write_json
 
 
 def test_points_have_times_from_the_first_on(tmp_path: Path) -> None:

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.files.joint_chain import JointChain
-from sinuous.files.urdf import roll_pitch_yaw
+from sinuous.files.joint_chain import JointChain, roll_pitch_yaw
 
 SEGMENTS = [
     sn.Segment((0, 80), max_bend=0, radius=4, name="stage"),

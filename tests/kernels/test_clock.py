@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from sinuous.base.work_time import gc_paused
+from sinuous.base.progress import gc_paused
 from sinuous.kernels import clock as clocks
 from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE, STRIDE, WORK
 from sinuous.kernels.compile import entry

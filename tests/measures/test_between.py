@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.measures.between import FEWEST, MOST, STRIDE, least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, least_self_clearance, segment_ends
+from sinuous.measures.following import FEWEST, MOST, STRIDE, least_clearances, least_meeting, shares_between
 from sinuous.scene.scene import as_snapshot
 
 ARM = sn.Robot.uniform(3, (0.5, 1.5), 6.0, radius=0.05, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))

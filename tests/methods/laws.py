@@ -8,7 +8,7 @@ import sinuous as sn
 from sinuous.base.arguments import MethodName
 from sinuous.base.checks import Floats
 from sinuous.methods import method as methods
-from sinuous.methods.learned.search import Learned
+from sinuous.methods.learned import Learned
 
 ARM = sn.Robot.uniform(5, (45, 70), base=sn.pose(direction=(0, 0, -1)))
 

@@ -8,7 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.measures.tensions import lacking_stretch
+from sinuous.measures.statics import lacking_stretch
 
 TENDONS: dict[str, Any] = {"tension": (0.0, 6.0)}
 ROBOTS: dict[str, tuple[Any, dict[str, Any]]] = {

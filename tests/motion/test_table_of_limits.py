@@ -13,8 +13,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.measures.statics import pulls
-from sinuous.measures.tensions import lacking_stretch
+from sinuous.measures.statics import lacking_stretch, pulls
 from sinuous.statics.rest import Rest, Way
 
 ROBOTS = ("free", "elastic", "loaded")

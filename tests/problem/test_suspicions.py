@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.problem.suspicions import all_suspicions, suspicions
+from sinuous.problem.problem import all_suspicions, suspicions
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])

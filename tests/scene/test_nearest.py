@@ -5,8 +5,7 @@ import pytest
 
 from sinuous.answer.worst import compiled_clearance
 from sinuous.measures import body
-from sinuous.measures.body import body_places, segment_ends
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import BodyPlace, body_places, segment_ends
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere

@@ -30,7 +30,7 @@ def loads(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     def load(self: Searches, *, anew: bool = False) -> None:
         seen.append(LOADING)
 
-    monkeypatch.setattr("sinuous.base.work_time.perf_counter", lambda: time.perf_counter() + sum(seen))
+    monkeypatch.setattr("sinuous.base.progress.perf_counter", lambda: time.perf_counter() + sum(seen))
     monkeypatch.setattr(Searches, "load", load)
     return seen
 

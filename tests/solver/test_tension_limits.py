@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.measures.tensions import lacking_stretch
+from sinuous.measures.statics import lacking_stretch
 from sinuous.model.rates import Changes
 
 DT = 0.5

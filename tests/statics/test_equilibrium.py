@@ -11,7 +11,7 @@ from scipy.linalg import expm
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
-from sinuous.problem.suspicions import suspicions
+from sinuous.problem.problem import suspicions
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import refused
 

@@ -13,18 +13,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.descent_within_limits import descend_within_limits
-from sinuous.answer.residual import residual_of
+from sinuous.answer.residual import descend_within_limits, residual_of
 from sinuous.answer.worst import Contact, all_contacts
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
+from sinuous.base.errors import labelled, listed, number, one_of_body
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import labelled, listed, number, one_of_body
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import BodyPlace
 from sinuous.model.actuation import Actuator
-from sinuous.model.least_distance import nonnegative_least_squares
-from sinuous.model.limits import Limit, normal
+from sinuous.model.limits import Limit, nonnegative_least_squares, normal
 from sinuous.model.rates import Changes
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem

@@ -10,9 +10,8 @@ from sinuous.answer.solve_again import UnknownOptions
 from sinuous.answer.status import Reason, Status
 from sinuous.answer.trials import Case, Trials
 from sinuous.base.documents import result_of
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, degrees, number
 from sinuous.base.frozen import NotebookMixin, call
-from sinuous.base.words import degrees, number
 
 LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
 

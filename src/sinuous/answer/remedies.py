@@ -12,15 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.answer.binding import OF_THICKNESS, Binding
-from sinuous.answer.giving_way import give_way
 from sinuous.answer.residual import residual_of, rotation_between
 from sinuous.answer.solve_again import FoundSolution
 from sinuous.answer.status import Status, begun_in, mouth_of
-from sinuous.answer.trials import Case, Trials
+from sinuous.answer.trials import Case, Trials, give_way
 from sinuous.answer.worst import contacts_of
 from sinuous.base.checks import Floats
+from sinuous.base.errors import degrees, labelled, listed, number, rounded, rounded_up
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import degrees, labelled, listed, number, rounded, rounded_up
 from sinuous.model.actuators import Actuators
 from sinuous.model.joints import RigidRow, joints_with
 from sinuous.model.robot import Robot

@@ -5,8 +5,7 @@ from typing import Any
 
 from sinuous.base import checks
 from sinuous.base.documents import result_of
-from sinuous.base.errors import InputError
-from sinuous.base.words import listed, number
+from sinuous.base.errors import InputError, listed, number
 
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Along which axis of the world a body lies, as seen from what it passes."""

@@ -10,9 +10,8 @@ import numpy as np
 
 from sinuous.answer.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.answer.explanation import Explanation, explain
-from sinuous.answer.reading import as_demanded, read_result
 from sinuous.answer.route_class import RouteClass
-from sinuous.answer.solve_again import SolveAgain
+from sinuous.answer.solve_again import SolveAgain, as_demanded, read_result
 from sinuous.answer.status import Reason, Status, base_in, closed_in, status_of, target_in, unreachable
 from sinuous.answer.trials import Case
 from sinuous.answer.verification import Verification, verify
@@ -21,10 +20,9 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.base.checks import Floats
 from sinuous.base.documents import plain, result_of
-from sinuous.base.errors import NotSolvedError, answers_attributes
+from sinuous.base.errors import NotSolvedError, answers_attributes, counted, duration, listed
 from sinuous.base.frozen import NotebookMixin, call
-from sinuous.base.words import counted, duration, listed
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.kernels.packing import read_only
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.model.rates import Changes

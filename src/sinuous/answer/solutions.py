@@ -14,13 +14,12 @@ from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.status import statuses_of
 from sinuous.base import checks
 from sinuous.base.arguments import Parameter
-from sinuous.base.checks import Floats, closed
+from sinuous.base.checks import Floats, closed, motor_columns
 from sinuous.base.documents import write_table
 from sinuous.base.errors import InputError, NotSolvedError
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.kernels import tables as t
 from sinuous.kernels.tables import Outcome
-from sinuous.model.names import motor_columns
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
 from sinuous.problem.target_sets import ManyProblems

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import BoundName
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
+from sinuous.base.errors import number
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import number
 from sinuous.kernels import tables as t
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import BodyPlace
 from sinuous.measures.reach import backbone_end, bounds
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem

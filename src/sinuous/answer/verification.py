@@ -13,12 +13,10 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr, call
 from sinuous.base.progress import ProgressBar
-from sinuous.measures.between import least_clearances, least_meeting, shares_between
-from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import BodyPlace, least_clearance, nearest_meeting, segment_ends
+from sinuous.measures.following import least_clearances, least_meeting, shares_between
 from sinuous.measures.reach import target_errors
-from sinuous.measures.statics import imbalance, pulls
-from sinuous.measures.tensions import lacking_stretch
+from sinuous.measures.statics import imbalance, lacking_stretch, pulls
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem, ask_body, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list

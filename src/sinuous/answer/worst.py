@@ -14,11 +14,17 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import Constraint
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, labelled, number, one_of_body
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import labelled, number, one_of_body
-from sinuous.measures.body import SAMPLES, Meeting, NearestObstacle, backbone_places, concerned, nearest_meeting
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import (
+    SAMPLES,
+    BodyPlace,
+    Meeting,
+    NearestObstacle,
+    backbone_places,
+    concerned,
+    nearest_meeting,
+)
 from sinuous.measures.reach import target_errors
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import BodyQuestion, Problem

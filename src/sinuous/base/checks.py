@@ -1,9 +1,12 @@
-"""Checks of input at the surface: each returns a clean value or raises one `InputError`."""
+"""Checks of input at the surface: each returns a clean value or raises one `InputError`.
+
+Names of segments and of what drives them are checked here, too, and those that were not given are made.
+"""
 
 import math
 import numbers
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
@@ -13,7 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, shown, suggested
 
 Floats = NDArray[np.float64]
 
@@ -324,3 +327,72 @@ def choice(key: str, value: Any, words: Sequence[Word]) -> Word:
         expected = " or ".join(words) if len(words) < 3 else "one of " + ", ".join(words)
         raise InputError(key, "", value, expected)
     return found
+
+
+MOST_SEGMENTS = 10_000
+
+
+def segment_number(key: str, value: Any, names: Sequence[str]) -> int:
+    """Number, 1 = first, of a segment of these that is given by its number or its name."""
+    if not isinstance(value, str):
+        return integer(key, value, 1, len(names))
+    if value not in names:
+        raise InputError(key, f"no segment is called {shown(value)}", value, suggested(value, names))
+    return names.index(value) + 1
+
+
+def any_segment(value: Any) -> Any:
+    """Check a segment of a robot that is not known yet: its number or its name, or none."""
+    if value is None or isinstance(value, str):
+        return value if value is None else text("segment", value)
+    return integer("segment", value, 1, MOST_SEGMENTS)
+
+
+def each_segment(key: str, value: Any, names: Sequence[str]) -> float | tuple[float, ...]:
+    """Check a number of at least 0 for all segments, or one for each, or some by the names of segments."""
+    if not isinstance(value, Mapping):
+        return one_each(key, value, len(names), "segment")
+    listed = [0.0] * len(names)
+    for name, number in value.items():
+        listed[segment_number(key, name, names) - 1] = number(f"{key}.{name}", number, low=0.0)
+    return tuple(listed)
+
+
+def optional_name(value: Any) -> str | None:
+    """Check a name, or none."""
+    return None if value is None else text("name", value)
+
+
+def listed(key: str, value: Any, count: int, expected: str) -> list[Any]:
+    """Check that there are `count` of something, and list them."""
+    found = list(islice(value, count + 1)) if np.iterable(value) and not isinstance(value, (str, bytes, dict)) else []
+    if len(found) != count:
+        raise InputError(key, "", value, expected)
+    return found
+
+
+def listed_names(value: Any, count: int) -> tuple[str, ...] | None:
+    """Check `count` names, or none at all."""
+    if value is None:
+        return None
+    names = listed("names", value, count, f"a list of {count} names")
+    return tuple(text(f"names[{i}]", name) for i, name in enumerate(names))
+
+
+def line_names(segment: str, letter: str, given: tuple[str, ...] | None, count: int) -> tuple[str, ...]:
+    """Names of the tendons (letter `t`) or chambers (`c`) of a segment; by default `s1.t1`, `s1.t2`, ..."""
+    return given or tuple(f"{segment}.{letter}{j + 1}" for j in range(count))
+
+
+def refuse_repeated(named: Iterable[tuple[str, str]]) -> None:
+    """Refuse a name that stands twice, among pairs of the key that gives a name and the name."""
+    first: dict[str, str] = {}
+    for key, name in named:
+        if name in first:
+            raise InputError(key, f"is that of {first[name]} already", name, "a name of its own")
+        first[name] = key
+
+
+def motor_columns(actuators: Iterable[str], joints: Collection[str]) -> list[str]:
+    """Names of the columns of motors in tables: those of actuators, `roll.motor` beside a joint `roll`."""
+    return [f"{name}.motor" if name in joints else name for name in actuators]

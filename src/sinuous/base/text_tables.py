@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, warn_of
-from sinuous.base.words import counted
+from sinuous.base.errors import InputError, counted, warn_of
 
 SAMPLED = 200
 """Rows by which the separator is told."""

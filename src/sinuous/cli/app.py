@@ -226,7 +226,7 @@ def _kinds_like(begun: str) -> list[str]:
     return [kind for kind in KINDS if kind.startswith(begun)]
 
 
-@command("new", "write_new")
+@command("check", "write_new")
 @dataclass(frozen=True, kw_only=True)
 class New:
     """Write a commented problem file to start from."""

@@ -13,9 +13,9 @@ from sinuous.files.documents import json_line, read_part, read_values
 from sinuous.files.nouns import read_robot
 from sinuous.model.robot import Robot
 from sinuous.studies.calibration.calibrate import Frame, calibrate
+from sinuous.studies.calibration.measurements import read_table
 from sinuous.studies.calibration.parameters import with_joint_motors
-from sinuous.studies.calibration.table import read_table
-from sinuous.view.pictures.charts import plot_calibration
+from sinuous.view.pictures.diagrams import plot_calibration
 
 
 def calibrate_file(asked: Calibrate) -> int:

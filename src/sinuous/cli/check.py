@@ -1,17 +1,19 @@
-"""The command check: what problem files contain, and whether their starts are answers."""
+"""The commands check and new: what problem files contain, and a commented one to start from."""
 
+import shlex
 from dataclasses import asdict
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import typer
 
 from sinuous.answer.verification import Verification, verified, verify
+from sinuous.base import checks
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.base.words import counted, number, one_of_body, span
-from sinuous.cli.app import Check
-from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
+from sinuous.base.errors import InputError, counted, number, one_of_body, span
+from sinuous.cli.app import KINDS, Check, New
+from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED, check_writable
 from sinuous.cli.reading import read_all
 from sinuous.files.documents import json_line
 from sinuous.model.joints import Fixed
@@ -158,3 +160,25 @@ def _where(start: Verification) -> str:
     if isinstance(one, str) or isinstance(other, str):
         return f" between {one_of_body(one)} and {one_of_body(other)}"
     return f" between segments {one} and {other}"
+
+
+def write_new(asked: New) -> int:
+    """Write the problem file of a kind, and say what to do with it.
+
+    Raises
+    ------
+    InputError
+        When there is no such kind, or the file cannot be written, or is there already and `force` is not said.
+    """
+    kind, file = checks.choice("KIND", asked.kind, tuple(KINDS)), asked.file
+    if file.suffix.lower() == ".json":
+        raise InputError("FILE", "has comments, which JSON has not", str(file), "a name that ends in .yaml")
+    if file.exists() and not (asked.force and file.is_file()):
+        raise InputError("FILE", "is there already", str(file), "a new file, or --force")
+    check_writable("FILE", file)
+    text = (files("sinuous.cli") / "templates" / f"{kind}.yaml").read_text(encoding="utf-8")
+    typed = shlex.quote(" ".join(str(file).split()))
+    file.write_text(text.replace("FILE", typed), encoding="utf-8", newline="\n")
+    command = "track" if "\npath:" in text else "solve"
+    typer.echo(f"{file}: {KINDS[kind]}; next: sinuous {command} {typed}")
+    return SOLVED

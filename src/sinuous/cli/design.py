@@ -9,9 +9,8 @@ from sinuous.cli.app import Design
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs
 from sinuous.cli.reading import interruptible, say, say_notes
 from sinuous.files.documents import parse
-from sinuous.studies.designing.find import design
-from sinuous.studies.designing.reading import read_design
-from sinuous.studies.runs.checkpoint import Checkpoint
+from sinuous.studies.designing.find import design, read_design
+from sinuous.studies.runs.engine import Checkpoint
 
 
 def design_file(asked: Design) -> int:
@@ -46,7 +45,7 @@ def design_file(asked: Design) -> int:
     if asked.out is not None and found.solved:
         found.robot.save(asked.out)
     if asked.plot is not None and found.solved:
-        from sinuous.view.pictures.charts import plot_design  # noqa: PLC0415
+        from sinuous.view.pictures.diagrams import plot_design  # noqa: PLC0415
 
         plot_design(found, asked.plot)
     say(asked.file, found, json=asked.json)

@@ -20,7 +20,7 @@ from sinuous.cli.options import Solving, as_typed
 from sinuous.motion.job import Job
 from sinuous.problem.target import target_table
 from sinuous.solver.options import SolveOptions
-from sinuous.studies.runs.checkpoint import Checkpoint, hash_of, problem_record
+from sinuous.studies.runs.engine import Checkpoint, hash_of, problem_record
 
 WRITE_SECONDS = 1.0
 """Seconds of work that may be lost when a process is killed."""

@@ -10,11 +10,11 @@ from sinuous.base.errors import InputError
 from sinuous.cli.app import Batch, Explore, Reach, Train
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs, names_in
 from sinuous.cli.reading import interruptible, remembered, say, setting_of
-from sinuous.methods.learned.training import train
+from sinuous.methods.learned import train
 from sinuous.solver.memory import Memory
 from sinuous.studies.batch.solve import solve_batch
 from sinuous.studies.exploring.explore import explore
-from sinuous.studies.runs.checkpoint import Checkpoint
+from sinuous.studies.runs.engine import Checkpoint
 from sinuous.studies.workspace.find import reach
 
 WORKSPACE = ("spacing", "directions", "within")

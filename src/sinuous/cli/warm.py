@@ -25,8 +25,7 @@ from sinuous.kernels.compile.sources import COMPILER
 from sinuous.kernels.compile.store import CACHE, clear, size_of
 from sinuous.kernels.compile.targets import shipped
 from sinuous.kernels.compile.tiers import TOOK, Piece, told_to
-from sinuous.methods.learned.search import Learned
-from sinuous.methods.learned.training import FEWEST_TARGETS, train
+from sinuous.methods.learned import FEWEST_TARGETS, Learned, train
 from sinuous.methods.method import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion

@@ -23,9 +23,8 @@ from sinuous.answer.status import Status
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of, written
-from sinuous.base.errors import InputError, SuspiciousInput
+from sinuous.base.errors import InputError, SuspiciousInput, counted
 from sinuous.base.progress import ProgressBar
-from sinuous.base.words import counted
 from sinuous.cli.app import Plan, Solve, Track
 from sinuous.cli.options import (
     INTERRUPTED,

@@ -5,19 +5,32 @@ is a revolute joint about x, by -uy / m, and one about y, by ux / m. Finite turn
 alternates: x y, y x, x y, ... (Strang's splitting), and what is left of it shrinks as the error of the polygon does,
 with 1 / m^2. A link that stretches has a prismatic joint. Joints before the first segment are what they are. All joint
 values are linear in the configuration.
+
+Trajectories of joints as ROS 2 has them: `trajectory_msgs/JointTrajectory` as JSON.
+
+A chain of joints as URDF, the robot description of ROS, which RViz, MuJoCo and PyBullet load.
+
+Shapes are cylinders and balls of the radius of the body. Masses are nominal, one unit a link: the file is meant for
+kinematics, pictures and collision checks, not for dynamics. An arm without a radius has shapes to look at, and none
+that collide.
 """
 
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import JointsAndBatch, Whole
 from sinuous.base.checks import Floats, closed
+from sinuous.base.documents import write_xml, written
+from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.packing import BendLine
 from sinuous.model.joints import Fixed, LinkCapsule, Prismatic
@@ -243,3 +256,180 @@ def _pieces(turns: int) -> Iterator[tuple[float, tuple[Axis, ...]]]:
     for i in range(1, turns):
         yield 1.0 / turns, ("y", "x") if i % 2 else ("x", "y")
     yield 0.5 / turns, ()
+
+
+NANO = 1_000_000_000
+"""Nanoseconds of a second."""
+
+Of = Literal["joints", "actuators"]
+"""Whose values a trajectory has: joints of the chain, as in the URDF, or actuators of the robot."""
+
+
+class JointMap(NamedTuple):
+    """How values of joints or actuators come of flat configurations: `matrix q + offset`.
+
+    Their names (j,), the matrix (j, 3 n) and the offset (j,).
+    """
+
+    names: tuple[str, ...]
+    matrix: Floats
+    offset: Floats
+
+
+def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> JointMap:
+    """Return the map to the joints of the chain, or to the motors of the robot."""
+    if checks.choice("of", of, ("joints", "actuators")) == "joints":
+        chain = JointChain(robot, joints_per_segment)
+        return JointMap(chain.names, chain.matrix, chain.offsets)
+    if not robot.actuators:
+        raise InputError("of", "the robot has none", of, "joints")
+    names = tuple(actuator.name for actuator in robot.actuators)
+    return JointMap(names, robot.drive.value_jacobian, robot.drive.motors.offset)
+
+
+def joint_trajectory(
+    names: Sequence[str], times: Floats, positions: Floats, velocities: Floats | None = None
+) -> dict[str, Any]:
+    """Return the message as plain values; times count from the first.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the joints (j,).
+    times : ndarray (T,)
+        Seconds.
+    positions, velocities : ndarray (T, j)
+        A controller of ROS 2 moves along straight lines between positions alone, and along cubic splines where there
+        are velocities.
+    """
+    begin = float(times[0])
+    points = []
+    for i, time in enumerate(times.tolist()):
+        seconds, nanoseconds = divmod(round((time - begin) * NANO), NANO)
+        point: dict[str, Any] = {"positions": positions[i].tolist()}
+        if velocities is not None:
+            point["velocities"] = velocities[i].tolist()
+        points.append(point | {"time_from_start": {"sec": seconds, "nanosec": nanoseconds}})
+    header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base"}
+    return {"header": header, "joint_names": list(names), "points": points}
+
+
+def write_json(file: str | Path, values: dict[str, Any]) -> None:
+    """Write plain values as JSON.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with written(file):
+        Path(file).write_text(json.dumps(values, allow_nan=False) + "\n", encoding="utf-8")
+
+
+THIN = 0.005
+"""Radius, as a share of the robot's mean length, of an arm that has none, to be looked at."""
+
+LINKS = ("world", "base", "tip", "tool")
+"""Links of every file."""
+
+
+def write_urdf(file: str | Path, chain: JointChain) -> None:
+    """Write a chain as URDF: links `world`, `base`, one for each joint under its name, `tip` and `tool`.
+
+    Raises
+    ------
+    InputError
+        When a joint has the name of one of these links, or the file cannot be written.
+    """
+    for name in chain.names:
+        if name in LINKS:
+            raise InputError("joints", "a URDF has a link of that name already", name, "another name for the joint")
+    write_xml(file, robot_element(chain))
+
+
+def robot_element(chain: JointChain) -> Element:
+    """Return the chain as an element of XML."""
+    robot = chain.robot
+    root = Element("robot", name=robot.name or "robot")
+    compiler = SubElement(SubElement(root, "mujoco"), "compiler")  # an extension of URDF that other readers pass over
+    compiler.attrib.update(fusestatic="false", discardvisual="false", strippath="false")
+    thin = THIN * robot.mean_length
+    SubElement(root, "link", name="world")
+    _fixed(root, "world", "base", robot.base)
+    _link(root, "base", chain.first, thin)
+    parent = "base"
+    for joint in chain.joints:
+        _joint(root, parent, joint)
+        _link(root, joint.name, joint.link, thin)
+        parent = joint.name
+    for name, place in (("tip", chain.tip), ("tool", robot.tool)):
+        _fixed(root, parent, name, place)
+        _link(root, name, Link(), thin)
+        parent = name
+    return root
+
+
+def _link(root: Element, name: str, link: Link, thin: float) -> None:
+    element = SubElement(root, "link", name=name)
+    inertial = SubElement(element, "inertial")
+    SubElement(inertial, "mass", value="1")
+    moment = text(0.4 * thin * thin)
+    SubElement(inertial, "inertia", ixx=moment, iyy=moment, izz=moment, ixy="0", ixz="0", iyz="0")
+    for start, end, radius in link.cylinders:
+        along, middle = end - start, 0.5 * (start + end)
+        length = float(np.linalg.norm(along))
+        _shape(element, "cylinder", pose(middle, direction=along), radius, thin, {"length": text(length)})
+    for place, radius in link.balls:
+        _shape(element, "sphere", pose(place), radius, thin, {})
+
+
+def _shape(element: Element, kind: str, place: Floats, radius: float, thin: float, size: dict[str, str]) -> None:
+    for use in ("visual", "collision") if radius > 0.0 else ("visual",):
+        shape = SubElement(element, use)
+        _origin(shape, place)
+        SubElement(SubElement(shape, "geometry"), kind, {"radius": text(radius or thin), **size})
+
+
+def _origin(element: Element, place: Floats) -> None:
+    turned = {} if np.array_equal(place[:3, :3], np.eye(3)) else {"rpy": texts(roll_pitch_yaw(place[:3, :3]))}
+    SubElement(element, "origin", {"xyz": texts(place[:3, 3].tolist())} | turned)
+
+
+def _joint(root: Element, parent: str, joint: ChainJoint) -> None:
+    element = SubElement(root, "joint", name=joint.name, type="prismatic" if joint.slides else "revolute")
+    _origin(element, joint.origin)
+    _ends(element, parent, joint.name)
+    SubElement(element, "axis", xyz=texts(joint.axis))
+    low, high = map(text, joint.limits)
+    fast = text(joint.rate) if joint.rate < math.inf else "1"
+    SubElement(element, "limit", lower=low, upper=high, effort="1", velocity=fast)
+
+
+def _fixed(root: Element, parent: str, child: str, place: Floats) -> None:
+    element = SubElement(root, "joint", name=f"{child}_joint", type="fixed")
+    _origin(element, place)
+    _ends(element, parent, child)
+
+
+def _ends(element: Element, parent: str, child: str) -> None:
+    SubElement(element, "parent", link=parent)
+    SubElement(element, "child", link=child)
+
+
+def text(value: float) -> str:
+    """A number to the last digit."""
+    return repr(float(value))
+
+
+def texts(values: Iterable[float]) -> str:
+    """Numbers with spaces between them."""
+    return " ".join(map(text, values))
+
+
+def roll_pitch_yaw(rotation: Floats) -> tuple[float, float, float]:
+    """Angles about the fixed axes x, y and z, in this order, that make a matrix (3, 3); yaw is 0 where two agree."""
+    level = math.hypot(rotation[0, 0], rotation[1, 0])
+    pitch = math.atan2(-rotation[2, 0], level)
+    if level < 1e-12:
+        return math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0
+    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])

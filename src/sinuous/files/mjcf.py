@@ -25,8 +25,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
-from sinuous.files.joint_chain import ChainJoint, JointChain, Link
-from sinuous.files.urdf import THIN, text, texts
+from sinuous.files.joint_chain import THIN, ChainJoint, JointChain, Link, text, texts
 from sinuous.kernels.packing import BendLine
 from sinuous.model.poses import pose
 from sinuous.model.segment import coordinate_names

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats
+from sinuous.base.checks import MOST_SEGMENTS, Floats, segment_number
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import axis_of, read_table
 from sinuous.files.documents import join, parse_json, read_part, read_text
@@ -21,7 +21,6 @@ from sinuous.files.urdf_joints import read_joints
 from sinuous.model.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 from sinuous.model.loads import Payload
-from sinuous.model.names import MOST_SEGMENTS, segment_number
 from sinuous.model.poses import pose
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.model.segment import Segment, Stiffness

@@ -24,8 +24,7 @@ from sinuous.files.nouns import (
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Preferences
-from sinuous.problem.target import Target, Tolerance, target_list
-from sinuous.problem.workspace import Workspace
+from sinuous.problem.target import Target, Tolerance, Workspace, target_list
 from sinuous.scene.scene import Scene
 
 QUESTIONS = ("target", "targets", "path", "goal")

@@ -18,8 +18,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable
-from sinuous.base.errors import InputError, suggested
-from sinuous.base.words import counted, number
+from sinuous.base.errors import InputError, counted, number, suggested
 from sinuous.files import link_capsules
 from sinuous.files.link_capsules import Shape
 from sinuous.model.joints import Fixed, Joint, LinkCapsule, Prismatic, Revolute

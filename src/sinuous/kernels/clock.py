@@ -21,7 +21,7 @@ from typing import Any
 
 from numba import types
 
-from sinuous.base.work_time import LOOK, looked, work_time
+from sinuous.base.progress import LOOK, looked, work_time
 from sinuous.kernels.compile import interpreted_as, shared
 from sinuous.kernels.maths.vectors import Array
 

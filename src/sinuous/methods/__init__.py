@@ -7,9 +7,7 @@ __getattr__, __dir__, __all__ = entrance(
     {
         "sinuous.methods.dls": "Dls",
         "sinuous.methods.fabrik.reaching": "FabrikAvoid Fabrikc Fabrikx",
-        "sinuous.methods.learned.network": "Network",
-        "sinuous.methods.learned.search": "Learned",
-        "sinuous.methods.learned.training": "train",
+        "sinuous.methods.learned": "Learned Network train",
         "sinuous.methods.monte_carlo": "MonteCarlo",
         "sinuous.methods.newton": "Newton",
         "sinuous.methods.opti_path.options": "OptiPath",

@@ -435,7 +435,7 @@ METHODS: dict[MethodName, str] = {
     "fabrikx": "fabrik.reaching.Fabrikx",
     "fabrik_avoid": "fabrik.reaching.FabrikAvoid",
     "monte_carlo": "monte_carlo.MonteCarlo",
-    "learned": "learned.search.Learned",
+    "learned": "learned.Learned",
 }
 """Where the options of every method are, within `sinuous.methods`; they are imported when they are asked for. Ours is
 the first."""

@@ -18,14 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, line_names, refuse_repeated
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels.packing import actuator_row
 from sinuous.model.actuators import UNLIMITED, Actuators, Lines, Motors, Stage
 from sinuous.model.coordinates import Coordinates
 from sinuous.model.elastic import Elastic
-from sinuous.model.names import line_names, refuse_repeated
 from sinuous.model.segment import Segment, segment_names
 
 Kind = Literal["tendon", "chamber", "stage", "linear"]

@@ -21,10 +21,9 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vector, Whole
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, listed, listed_names, optional_name
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, Noun
-from sinuous.model.names import listed, listed_names, optional_name
 
 Each = Number | Vector
 """One number for all motors, or one for each."""

@@ -14,14 +14,12 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Limits, Number, Rows, Vector
-from sinuous.base.checks import Floats, closed
+from sinuous.base.checks import Floats, closed, optional_name
 from sinuous.base.documents import plain, pose_arguments
-from sinuous.base.errors import InputError, suggested
+from sinuous.base.errors import InputError, counted, span, suggested
 from sinuous.base.frozen import Noun
-from sinuous.base.words import counted, span
 from sinuous.kernels import packing, tables
 from sinuous.model.actuators import Actuators
-from sinuous.model.names import optional_name
 from sinuous.model.poses import as_pose, pose, rotation_of
 from sinuous.model.segment import Segment
 
@@ -268,12 +266,16 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
     ahead: Floats = np.eye(4)
     link = 0
 
+    def end(there: Floats) -> None:
+        """Say where the last row ends, seen from where what moves it leaves it."""
+        if drafts:
+            drafts[-1]["tail"] = there
+        elif not np.array_equal(there, np.eye(4)):
+            drafts.append({"name": "origin", "link": 0, "tail": there})
+
     def add(begin: Floats, **own: Any) -> int:
         """Lay on a row that begins there, seen from the end of the one before; return its number."""
-        if drafts:
-            drafts[-1]["tail"] = begin
-        elif not np.array_equal(begin, np.eye(4)):
-            drafts.append({"name": "origin", "link": 0, "tail": begin})
+        end(begin)
         drafts.append({"link": link, "owner": name, **own})
         return len(drafts) - 1
 
@@ -302,10 +304,7 @@ def rigid_rows(joints: Sequence[Joint]) -> RigidRows:
             one = {"name": f"{name}.body{c}", "length": length, "radius": capsule.radius, "has_body": True}
             add(ahead @ begin, **one)
             ahead = np.asarray(np.linalg.inv(begin @ pose((0.0, 0.0, length))), np.float64)
-    if drafts:
-        drafts[-1]["tail"] = ahead
-    elif not np.array_equal(ahead, np.eye(4)):
-        drafts.append({"name": "origin", "link": 0, "tail": ahead})
+    end(ahead)
     rows = tuple(_row(may_touch, **draft) for draft in drafts)
     moving = tuple(joint for joint in joints if not isinstance(joint, Fixed))
     return RigidRows(rows, np.array(values, np.intp), np.array(columns, np.intp), np.array(shifts), moving)

@@ -5,10 +5,9 @@ from typing import Any
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Vector, Which
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, any_segment, segment_number
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Noun
-from sinuous.model.names import any_segment, segment_number
 
 
 class Payload(Noun):

@@ -25,16 +25,15 @@ from sinuous.base.arguments import (
     Which,
     Whole,
 )
-from sinuous.base.checks import Floats
+from sinuous.base.checks import MOST_SEGMENTS, Floats, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.base.documents import counted, described, write_document
 from sinuous.base.entrance import Renamed, door
-from sinuous.base.errors import InputError, answers_attributes
+from sinuous.base.errors import InputError, answers_attributes, listed, number
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
-from sinuous.base.words import listed, number
 from sinuous.kernels import packing, tables
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
-from sinuous.model.home import find_home
+from sinuous.model.coordinates import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
 from sinuous.model.joints import (
     Joint,
@@ -53,7 +52,6 @@ from sinuous.model.joints import (
 from sinuous.model.limits import LimitSet, Violation, curvature_limits, held_back
 from sinuous.model.link_overlaps import overlap_notes
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
-from sinuous.model.names import MOST_SEGMENTS, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.model.poses import as_pose
 from sinuous.model.segment import Locked, Segment, Stiffness, segment_names, straight
 
@@ -549,7 +547,7 @@ class Robot(NotebookMixin, Frozen):
             When the file cannot be written.
         """
         chain: sn.files.JointChain = door("files.joint_chain").JointChain(self, joints_per_segment)
-        door("files.urdf").write_urdf(file, chain)
+        door("files.joint_chain").write_urdf(file, chain)
         return chain
 
     def to_mjcf(self, file: str | Path, joints_per_segment: Whole = 8, mass: Number = 1.0) -> "sn.files.DrivenChain":

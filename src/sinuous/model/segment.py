@@ -9,13 +9,12 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Limits, Number, Stack, Vector, Whole
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, optional_name
 from sinuous.base.documents import described, plain
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call, text
 from sinuous.kernels.packing import BendLine
 from sinuous.model.actuators import Chambers, Stage, Tendons
-from sinuous.model.names import optional_name
 
 AXIS = 1e-15
 """Sine of an angle up to which a direction is along an axis."""

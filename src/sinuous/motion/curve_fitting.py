@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import random_configuration, within_limits
-from sinuous.problem.curve import Curve
+from sinuous.problem.path import Curve
 from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver

@@ -8,8 +8,8 @@ import numpy as np
 
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.measures.between import shares_between
 from sinuous.measures.body import segment_ends
+from sinuous.measures.following import shares_between
 from sinuous.model.robot import Robot
 from sinuous.motion.knots import TipLine
 from sinuous.problem.problem import ask_body

@@ -9,7 +9,7 @@ from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base import checks
 from sinuous.base.arguments import Constraint, Number
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene

@@ -11,7 +11,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import described, plain, write_document
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, text
-from sinuous.base.work_time import gc_paused
+from sinuous.base.progress import gc_paused
 from sinuous.files.documents import read_results, read_values
 from sinuous.files.nouns import known_entries, read_place, read_robot, read_scene
 from sinuous.files.problem_file import QUESTIONS, problem_arguments, read_waypoints
@@ -21,10 +21,8 @@ from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import TimedArguments, track
-from sinuous.problem.problem import Preferences, Problem, check_sizes
-from sinuous.problem.suspicions import all_suspicions
-from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance
-from sinuous.problem.workspace import Workspace
+from sinuous.problem.problem import Preferences, Problem, all_suspicions, check_sizes
+from sinuous.problem.target import Target, Targets, Tolerance, Workspace, as_tolerance
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.options import SolveArguments

@@ -11,7 +11,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Rows
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.measures.following import line_in_front
 from sinuous.model.actuators import Stage
 from sinuous.model.robot import Robot, Uncertainty
@@ -19,7 +19,7 @@ from sinuous.model.segment import Segment
 from sinuous.motion.curve_fitting import depths_of, fit_chains_along
 from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
-from sinuous.problem.curve import Curve
+from sinuous.problem.path import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot

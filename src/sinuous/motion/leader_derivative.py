@@ -16,7 +16,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.parameter_groups import ByGroups, Column, read_names
 from sinuous.model.robot import Robot
 from sinuous.motion.curve_fitting import fit_chains_along
-from sinuous.problem.curve import Curve
+from sinuous.problem.path import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.solver.solver import Solver
 from sinuous.statics.response import KINK, motions_of_base

@@ -17,10 +17,9 @@ from sinuous.base.arguments import Number, Pair, Reconfigure, Rows, Stack, Vecto
 from sinuous.base.checks import Floats
 from sinuous.base.documents import described, result_of, result_value, write_document
 from sinuous.base.entrance import door
-from sinuous.base.errors import InputError, NotSolvedError, answers_attributes, warn_of
+from sinuous.base.errors import InputError, NotSolvedError, answers_attributes, duration, ranges, warn_of
 from sinuous.base.frozen import Frozen, NotebookMixin
-from sinuous.base.words import duration, ranges
-from sinuous.files.ros import Of
+from sinuous.files.joint_chain import Of
 from sinuous.kernels.packing import read_only
 from sinuous.model.robot import Robot
 from sinuous.motion import report, tables
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
     from sinuous.measures.following import Deviation
     from sinuous.model.rates import Rates
     from sinuous.motion.leader_derivative import LeaderDerivative
-    from sinuous.problem.curve import Curve
+    from sinuous.problem.path import Curve
     from sinuous.problem.problem import Problem
 
 Between = Literal["proved", "sampled", "unproved"]

@@ -17,7 +17,7 @@ import numpy as np
 
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.motion.configurations import lever_metric, random_configuration
 from sinuous.motion.knots import Knot
 from sinuous.motion.strands import Strand, backwards, slide, stations_along

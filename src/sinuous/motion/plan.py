@@ -28,8 +28,7 @@ from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedP
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.timetable import spread_times
-from sinuous.problem.problem import check_sizes
-from sinuous.problem.suspicions import suspicions
+from sinuous.problem.problem import check_sizes, suspicions
 from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot

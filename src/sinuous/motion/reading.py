@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, motor_columns
 from sinuous.base.documents import readable
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import read_table
 from sinuous.files.documents import read_text, read_values
 from sinuous.files.joint_chain import JointChain
-from sinuous.model.names import motor_columns
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
 from sinuous.motion.job import load

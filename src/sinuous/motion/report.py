@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.reading import Entries
 from sinuous.answer.solution import Solution
+from sinuous.answer.solve_again import Entries
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base import checks

@@ -14,7 +14,7 @@ from sinuous.base.arguments import Whole
 from sinuous.base.checks import Floats
 from sinuous.base.documents import readable, write_archive, write_table
 from sinuous.base.errors import InputError
-from sinuous.files.ros import Of, joint_map, joint_trajectory, write_json
+from sinuous.files.joint_chain import Of, joint_map, joint_trajectory, write_json
 from sinuous.model.robot import Robot
 
 

@@ -10,7 +10,7 @@ from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
 from sinuous.base.arguments import Reconfigure, Shortest
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.kernels.certificate.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by, settle
 from sinuous.motion.knots import Knot, TipLine, TrackedWaypoint

@@ -11,7 +11,7 @@ from sinuous.base.arguments import Number, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, NotebookMixin, call
-from sinuous.files.ros import Of
+from sinuous.files.joint_chain import Of
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion import tables

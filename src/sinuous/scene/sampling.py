@@ -13,8 +13,8 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.base.documents import draft_of
+from sinuous.base.progress import work_time
 from sinuous.base.system import places, writable
-from sinuous.base.work_time import work_time
 from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, TRIANGLES
 
 MOST_FILES = 32

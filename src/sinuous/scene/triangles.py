@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.base.words import counted
+from sinuous.base.errors import InputError, counted
 from sinuous.scene.trees import tree_of_boxes
 
 Integers = NDArray[np.int64]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, RANDOM, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.problem.problem import Problem
 from sinuous.solver.options import SCATTERED, UNBOUNDED

@@ -10,7 +10,7 @@ import numpy as np
 
 from sinuous.answer.route_class import RouteClass
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import LOOK
+from sinuous.base.progress import LOOK
 from sinuous.kernels import packing
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF

@@ -11,7 +11,7 @@ import numpy as np
 
 from sinuous.answer.residual import residual_under_load
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome

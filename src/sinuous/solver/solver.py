@@ -8,8 +8,8 @@ from typing import Any, Self, Unpack
 
 import numpy as np
 
-from sinuous.answer.descent_within_limits import descend_within_limits
 from sinuous.answer.observer import GAIN
+from sinuous.answer.residual import descend_within_limits
 from sinuous.answer.route_class import RouteClass
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
@@ -21,16 +21,14 @@ from sinuous.base.checks import Floats
 from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError, warn_of
 from sinuous.base.frozen import call, text
-from sinuous.base.progress import ProgressBar
-from sinuous.base.work_time import no_work, work_time
+from sinuous.base.progress import ProgressBar, no_work, work_time
 from sinuous.kernels.compile import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
 from sinuous.methods.method import Call, Options, name_of, prepare, ready
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
-from sinuous.problem.problem import Problem, base_blocked, check_sizes
-from sinuous.problem.suspicions import suspicions
+from sinuous.problem.problem import Problem, base_blocked, check_sizes, suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene

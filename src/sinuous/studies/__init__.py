@@ -6,7 +6,7 @@ __getattr__, __dir__, __all__ = entrance(
     __name__,
     {
         "sinuous.base.errors": "UnfinishedError",
-        "sinuous.problem.workspace": "Workspace",
+        "sinuous.problem.target": "Workspace",
         "sinuous.studies.batch.batch": "Batch",
         "sinuous.studies.batch.solve": "solve_batch",
         "sinuous.studies.calibration.calibrate": "calibrate suggest",
@@ -14,8 +14,7 @@ __getattr__, __dir__, __all__ = entrance(
         "sinuous.studies.designing.design": "Change Cut Design FoundRobot",
         "sinuous.studies.designing.find": "design",
         "sinuous.studies.exploring.explore": "Exploration explore",
-        "sinuous.studies.tasks.assess": "Assessment assess",
-        "sinuous.studies.tasks.sweep": "sweep",
+        "sinuous.studies.tasks.assess": "assess Assessment sweep",
         "sinuous.studies.tasks.tasks": "Cover Follow Move",
         "sinuous.studies.workspace.find": "reach",
         "sinuous.studies.workspace.reach": "Reach Verdict",

@@ -1,7 +1,7 @@
 """The names of `__init__.py` for type checkers."""
 
 from sinuous.base.errors import UnfinishedError as UnfinishedError
-from sinuous.problem.workspace import Workspace as Workspace
+from sinuous.problem.target import Workspace as Workspace
 from sinuous.studies.batch.batch import Batch as Batch
 from sinuous.studies.batch.solve import solve_batch as solve_batch
 from sinuous.studies.calibration.calibrate import calibrate as calibrate
@@ -16,7 +16,7 @@ from sinuous.studies.exploring.explore import Exploration as Exploration
 from sinuous.studies.exploring.explore import explore as explore
 from sinuous.studies.tasks.assess import Assessment as Assessment
 from sinuous.studies.tasks.assess import assess as assess
-from sinuous.studies.tasks.sweep import sweep as sweep
+from sinuous.studies.tasks.assess import sweep as sweep
 from sinuous.studies.tasks.tasks import Cover as Cover
 from sinuous.studies.tasks.tasks import Follow as Follow
 from sinuous.studies.tasks.tasks import Move as Move

@@ -6,8 +6,7 @@ __getattr__, __dir__, __all__ = entrance(
     __name__,
     {
         "sinuous.view.pictures.plot": "animate",
-        "sinuous.view.pictures.diagrams": "diagram",
-        "sinuous.view.pictures.charts": "plot_assessment plot_calibration plot_design",
+        "sinuous.view.pictures.diagrams": "diagram plot_assessment plot_calibration plot_design",
         "sinuous.view.pictures.workspace": "plot_reach",
     },
 )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.answer.derivatives.layers import HostGoals, solved
+from sinuous.answer.derivatives.many import HostGoals, solved
 from sinuous.base.errors import NotSolvedError
 from tests.helpers import Floats, refused
 

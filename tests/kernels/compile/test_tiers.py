@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.base.work_time import AbandonedError, counting_looks, looked, no_work, work_time
+from sinuous.base.progress import AbandonedError, counting_looks, looked, no_work, work_time
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compile import helpers, store, tiers
 from sinuous.kernels.maths.vectors import Array
@@ -153,7 +153,7 @@ def test_where_interpreted_calls_took_long_code_is_waited_for(orders: Orders, mo
 
 def test_interpreted_time_is_what_looks_are_worth(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [100.0]
-    monkeypatch.setattr("sinuous.base.work_time.perf_counter", lambda: wall[0])
+    monkeypatch.setattr("sinuous.base.progress.perf_counter", lambda: wall[0])
     began = work_time()
     with counting_looks():
         wall[0] += 7.0

@@ -8,9 +8,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from sinuous.methods.learned import search
-from sinuous.methods.learned.network import MOST_WIDTH
-from sinuous.methods.learned.search import Learned
+from sinuous.methods import learned
+from sinuous.methods.learned import MOST_WIDTH, Learned
 from tests.helpers import refused
 from tests.methods import laws
 
@@ -25,9 +24,9 @@ def network() -> sn.methods.Network:
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_kernel_says_what_the_network_says(kind: str) -> None:
     own, targets = network(), laws.tip_targets(laws.ARM, 10, kind=kind)
-    scratch, q = search.Pass(np.empty(MOST_WIDTH), np.empty(MOST_WIDTH)), np.full((5, 3), np.nan)
+    scratch, q = learned.Pass(np.empty(MOST_WIDTH), np.empty(MOST_WIDTH)), np.full((5, 3), np.nan)
     for target, shape in zip(targets, own.shapes(targets), strict=True):
-        search.predict(own.table(), target.table[0], scratch, q)
+        learned.predict(own.table(), target.table[0], scratch, q)
         np.testing.assert_allclose(q, shape, atol=1e-9)
 
 
@@ -80,7 +79,7 @@ def test_the_file_brings_it_back_and_others_are_refused(tmp_path: Path) -> None:
 
 
 def test_what_it_does_not_handle_is_refused_before_it_is_trained(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "train", lambda *_: pytest.fail("trained"))
+    monkeypatch.setattr(learned, "train", lambda *_: pytest.fail("trained"))
     robot = sn.Robot.uniform(2, (0.8, 1.2))
     refused("prefer", lambda: sn.Solver(robot, method="learned", prefer=sn.Preferences(bends=1.0)), "learned")
 

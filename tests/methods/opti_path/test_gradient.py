@@ -11,8 +11,7 @@ from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
-from sinuous.methods.opti_path.path import Aim, Path
-from sinuous.methods.opti_path.potential import Potential, interpolated, sample
+from sinuous.methods.opti_path.path import Aim, Path, Potential, interpolated, sample
 from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene

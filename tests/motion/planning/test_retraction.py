@@ -22,7 +22,7 @@ from sinuous.motion.planning.retraction import (
     slid_back,
 )
 from sinuous.motion.planning.rrt_connect import RRTConnect, rrt_connect
-from sinuous.problem.curve import Curve
+from sinuous.problem.path import Curve
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore, query

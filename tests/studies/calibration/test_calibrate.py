@@ -13,10 +13,9 @@ import sinuous as sn
 from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
 from sinuous.model.joints import moved_joints
-from sinuous.studies.calibration.bodies import at_rest, holds
 from sinuous.studies.calibration.fit import begun, extended, fitted, moved, predict
-from sinuous.studies.calibration.measurements import Place, read
-from sinuous.studies.calibration.model import derivatives, model, predicted
+from sinuous.studies.calibration.measurements import Place, read, read_table
+from sinuous.studies.calibration.model import at_rest, derivatives, holds, model, predicted
 from sinuous.studies.calibration.parameters import (
     GROUPS,
     Values,
@@ -26,7 +25,6 @@ from sinuous.studies.calibration.parameters import (
     group,
     with_joint_motors,
 )
-from sinuous.studies.calibration.table import read_table
 from tests.helpers import Floats, refused, refused_each
 
 DRAWN = sn.Robot([sn.Segment(length, tendons=sn.Tendons(3, 4.0, 0.5 * k)) for k, length in enumerate((50.0, 60.0))])

@@ -16,9 +16,8 @@ from sinuous.cli.app import main
 from sinuous.model.segment import straight
 from sinuous.studies.designing import descent, find
 from sinuous.studies.designing.design import Design
-from sinuous.studies.designing.fields import Space
 from sinuous.studies.designing.judge import Judge
-from sinuous.studies.designing.search import RobotCandidates, RobotSearch, front
+from sinuous.studies.designing.search import RobotCandidates, RobotSearch, Space, front
 from sinuous.studies.tasks.tasks import read_tasks
 from tests.helpers import refused
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sinuous.base.errors import InputError
-from sinuous.studies.runs.checkpoint import Checkpoint
+from sinuous.studies.runs.engine import Checkpoint
 
 CHUNK: dict[str, Any] = {"q": np.arange(6.0).reshape(2, 3), "text": np.array(["a", "größe"]), "none": np.empty((0, 3))}
 

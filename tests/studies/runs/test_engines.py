@@ -12,7 +12,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.studies.batch.work import ChunkSolver
+from sinuous.studies.batch.batch import ChunkSolver
 from sinuous.studies.runs.engine import MOST_TRIES, Engine, Failure, LostError, Task
 from sinuous.studies.runs.engines import (
     GivenExecutor,

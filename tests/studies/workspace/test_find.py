@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.studies.runs.checkpoint import Checkpoint
-from sinuous.studies.workspace import find, rounds
+from sinuous.studies.runs.engine import Checkpoint
+from sinuous.studies.workspace import find
 from sinuous.studies.workspace.reach import Verdict
 from tests.studies.workspace.maps import ROBOT, SPACING, WALL, made
 
@@ -73,7 +73,7 @@ def test_a_cone_holds_what_random_shapes_reach_in_it() -> None:
     places = tips[tips[:, :3, 2] @ axis > np.cos(within), :3, 3]
     assert len(places) > 300
     solver = sn.Solver(ROBOT, None, max_starts=1, routes=False)
-    query, calls = rounds.PlaceQuery(solver, axis[None], within), rounds.Calls(1, Checkpoint(None, {}, "this map"))
+    query, calls = find.PlaceQuery(solver, axis[None], within), find.Calls(1, Checkpoint(None, {}, "this map"))
     codes, shapes = query.solve(calls, places, np.zeros(len(places), np.int64), None)
     assert (codes == Verdict.SOLVED).mean() > 0.98
     assert not ((codes > Verdict.SOLVED) & (codes <= Verdict.BASE_BLOCKED)).any()
@@ -122,7 +122,7 @@ def test_the_obstacle_in_the_way_is_named(found: sn.studies.Reach) -> None:
 def test_neighbours_find_what_the_arc_does_not() -> None:
     robot = sn.Robot.uniform(4, length=(45, 70), max_bend=2.4, radius=4)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rounds, "TRIES", 0)
+        patch.setattr(find, "TRIES", 0)
         without = sn.studies.reach(robot, WALL, 40.0, 6)
     found = sn.studies.reach(robot, WALL, 40.0, 6)
     gained = (found.verdicts == Verdict.SOLVED) & (without.verdicts != Verdict.SOLVED)
@@ -140,7 +140,7 @@ def test_a_base_that_is_blocked_is_said_of_all() -> None:
 def test_wherever_it_ends_the_same_call_goes_on(
     found: sn.studies.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rounds, "CALL_SIZE", 3000)
+    monkeypatch.setattr(find, "CALL_SIZE", 3000)
     calls, solve_many = 0, sn.Solver.solve_many
 
     def interrupted(*arguments: Any, **options: Any) -> Any:

@@ -9,7 +9,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.problem.workspace import Workspace, directions_of
+from sinuous.problem.target import Workspace, directions_of
 from sinuous.studies.workspace.reach import Codes, Verdict, Voxels, reach_of
 from tests.studies.workspace.maps import ROBOT
 

@@ -6,9 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.answer.derivatives.parameters import DerivativePlan, circles_of, plan_for, read_wrt
+from sinuous.answer.derivatives.parameters import (
+    DerivativePlan,
+    Kept,
+    KeptRows,
+    circles_of,
+    fixed_lengths,
+    least_motion,
+    plan_for,
+    read_wrt,
+)
 from sinuous.answer.derivatives.preferred import Wish, follow_minimum
-from sinuous.answer.derivatives.rows import Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.answer.step import Active
 from sinuous.base import checks
 from sinuous.base.arguments import Parameter, Rows, Vector

@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.answer.derivatives.parameters import DerivativePlan
-from sinuous.answer.derivatives.rows import RANK, Kept, KeptRows, fixed_lengths, least_motion
+from sinuous.answer.derivatives.parameters import RANK, DerivativePlan, Kept, KeptRows, fixed_lengths, least_motion
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import CIRCLE, RADIUS_OF

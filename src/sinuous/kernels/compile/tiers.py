@@ -25,8 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from sinuous.base.progress import rich_progress
-from sinuous.base.work_time import AbandonedError, no_work
+from sinuous.base.progress import AbandonedError, no_work, rich_progress
 from sinuous.kernels.compile.helpers import CompileOrder, foreman
 from sinuous.kernels.compile.store import ENTRIES, Store, begun
 

@@ -8,7 +8,7 @@ straight line between both ends, but for how far stretches leave it. What is und
 import math
 from collections import namedtuple
 
-from sinuous.base.work_time import LOOK
+from sinuous.base.progress import LOOK
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify, forget

@@ -22,16 +22,17 @@ from sinuous.methods.opti_path.path import (
     Aim,
     Arc,
     Path,
+    Potential,
     arc_between,
     end_tangent,
     get_arc,
     offset,
+    potential_at,
     pull_length,
     pull_point,
     pull_tangent,
     pull_weight,
 )
-from sinuous.methods.opti_path.potential import Potential, potential_at
 
 Gradient = Literal["adjoint", "differences"]
 Exponent = Literal["adjacent", "literal"]

@@ -24,7 +24,7 @@ from sinuous.methods.opti_path.gradient import (
     PotentialKind,
     Schedule,
 )
-from sinuous.methods.opti_path.potential import sample
+from sinuous.methods.opti_path.path import sample
 from sinuous.methods.opti_path.search import scratch_size, search
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import Scene

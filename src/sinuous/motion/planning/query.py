@@ -10,7 +10,7 @@ import numpy as np
 
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.base.work_time import work_time
+from sinuous.base.progress import work_time
 from sinuous.model.rates import Rates, Spread
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import distances

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import call
-from sinuous.base.work_time import LOOK
+from sinuous.base.progress import LOOK
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED

@@ -14,7 +14,6 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.joints import Prismatic
 from sinuous.model.robot import Robot, Uncertainty
-from sinuous.studies.calibration.bodies import holds
 from sinuous.studies.calibration.calibration import (
     LEVEL,
     OUTLYING,
@@ -34,9 +33,12 @@ from sinuous.studies.calibration.fit import (
     by_pose,
     errors,
     extended,
+    find_mistake,
+    find_play,
     fitted,
     left_out,
     predict,
+    rows_after_play,
 )
 from sinuous.studies.calibration.measurements import (
     Measurements,
@@ -46,8 +48,7 @@ from sinuous.studies.calibration.measurements import (
     refuse_size,
     stalled,
 )
-from sinuous.studies.calibration.mistakes import find_mistake
-from sinuous.studies.calibration.model import derivatives, model
+from sinuous.studies.calibration.model import derivatives, holds, model
 from sinuous.studies.calibration.parameters import (
     ORDER,
     GroupName,
@@ -59,7 +60,6 @@ from sinuous.studies.calibration.parameters import (
     group,
     with_joint_motors,
 )
-from sinuous.studies.calibration.play import find_play, rows_after_play
 
 PLAY = "play"
 """What is fitted beside groups of parameters, told by name."""

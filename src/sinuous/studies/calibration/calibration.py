@@ -16,12 +16,10 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import ShortRepr, call
 from sinuous.model.inverse import fitting
 from sinuous.model.robot import Robot, Uncertainty
-from sinuous.studies.calibration.bodies import at_rest
-from sinuous.studies.calibration.fit import errors
+from sinuous.studies.calibration.fit import after_play, errors, lines_with_play
 from sinuous.studies.calibration.measurements import Measurements, read
-from sinuous.studies.calibration.model import model, predicted
+from sinuous.studies.calibration.model import at_rest, model, predicted
 from sinuous.studies.calibration.parameters import Values
-from sinuous.studies.calibration.play import after_play, lines_with_play
 
 if TYPE_CHECKING:
     import sinuous as sn

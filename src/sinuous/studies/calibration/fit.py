@@ -2,20 +2,32 @@
 
 The loss of a row whose points are off by `r` altogether is `2 s^2 (sqrt(1 + r^2 / s^2) - 1)`: squares of what is usual,
 no more than linear in outliers. Drawings count as measurements that are off by `parameters.WIDTHS`.
+
+Mistakes that tables of measurements have: exchanged columns, signs, units, rows that are late.
+
+Each is tried on the robot as drawn, aligned with the rows. One that leaves less error than the fit did is told, not
+mended.
+
+Play of actuators: how far a motor turns back before the tip follows, as friction makes it, too.
+
+A displacement stays where it is until the motor is more than half of the play away from it (the play operator: Brokate
+& Sprekels 1996, Hysteresis and Phase Transitions). So it depends on the motion before; rows are in the order of time.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, counted
+from sinuous.model.actuators import Motors
 from sinuous.model.poses import rotation_of
 from sinuous.model.robot import Robot
-from sinuous.studies.calibration.measurements import Measurements
+from sinuous.studies.calibration.measurements import UNIT_FACTORS, Measurements
 from sinuous.studies.calibration.model import RobotModel, derivatives, model, predicted
-from sinuous.studies.calibration.parameters import ParameterGroup, Values
+from sinuous.studies.calibration.parameters import ParameterGroup, Values, lines_of
 
 OUTLIER_MEDIANS = 3.0
 """Medians of the residuals from which on a row counts as an outlier."""
@@ -252,3 +264,124 @@ def extended(state: FitState, group: ParameterGroup) -> FitState:
     """The same state with one more group of parameters, as drawn."""
     values = Values((*state.values.groups, group), np.concatenate([state.values.x, np.zeros(len(group.names))]))
     return state._replace(values=values)
+
+
+LEAST_ERROR = 0.03
+"""Median error of a fit, in lengths of the robot, from which on mistakes are looked for."""
+
+EXPLAINED = 0.5
+"""Share of that error that the drawn robot has at most without the mistake, where it is told."""
+
+MOST_ROWS, MOST_LOADED_ROWS = 120, 20
+"""Rows with which mistakes are tried; of a robot under load, each of which is an equilibrium."""
+
+MOST_DELAY = 3
+"""Most rows that a stream of measurements may be late or early."""
+
+
+def find_mistake(drawn: Robot, rows: Measurements, levelled: bool, left: float) -> str | None:
+    """Say which mistake explains most of the median error that a fit has left, if one does."""
+    if left <= LEAST_ERROR * drawn.mean_length:
+        return None
+    most = MOST_LOADED_ROWS if drawn.has_external_load else MOST_ROWS
+    chosen = np.zeros(len(rows.actuators), np.bool_)
+    chosen[:: max(1, len(chosen) // most)] = True
+
+    def error_of(actuators: Floats) -> float:
+        part = rows._replace(actuators=actuators).part(chosen)
+        try:
+            residuals = predict(drawn, begun(drawn, part, levelled), part) - part.points
+        except (InputError, np.linalg.LinAlgError, OverflowError):
+            return np.inf
+        return float(np.median(errors(np.where(np.isfinite(residuals), residuals, 0.0))))
+
+    after, said = min((error_of(actuators), text) for text, actuators in _candidates(drawn, rows))
+    if after > EXPLAINED * left:
+        return None
+    return f"{said} would explain these rows: the median error is {after:.3g} then, and {left:.3g} as it is fitted"
+
+
+def _candidates(drawn: Robot, rows: Measurements) -> Iterator[tuple[str, Floats]]:
+    """Yield what may be wrong, and the actuator values (N, m) if it is."""
+    own, names = rows.actuators, [actuator.name for actuator in drawn.actuators]
+    for i, j in combinations(range(len(names)), 2):
+        order = list(range(len(names)))
+        order[i], order[j] = j, i
+        yield f"exchanging the columns {names[i]} and {names[j]}", own[:, order]
+    for i, name in enumerate(names):
+        turned = own.copy()
+        turned[:, i] *= -1.0
+        yield f"turning the sign of {name}", turned
+    yield "turning the signs of all actuators", -own
+    for factor in UNIT_FACTORS:
+        yield f"actuator values times {factor:g}", own * factor
+    for rows_late in (*range(1, MOST_DELAY + 1), *range(-MOST_DELAY, 0)):
+        word = "late" if rows_late > 0 else "early"
+        yield f"measurements that come {counted(abs(rows_late), 'row')} {word}", np.roll(own, rows_late, axis=0)
+
+
+TRIED = 0.0025, 0.005, 0.01, 0.02, 0.04, 0.08
+"""Plays that are tried first: of the largest range of a tendon."""
+
+REFINED = 2.0**-0.5, 2.0**0.5
+"""And of the best of these, afterwards."""
+
+RISEN = 1.2
+"""Times the least error from which on larger plays are not tried."""
+
+FEWEST_ROWS = 20
+"""Rows from which on play is looked for."""
+
+TRIAL_STEPS = 3
+"""Most steps of a fit that tries one."""
+
+
+def after_play(motors: Motors, lines: Floats, actuators: Floats, play: float) -> Floats:
+    """Values (N, m) that motors without play would have, of rows in the order of time; `lines` (m,) is 1 for what has.
+
+    `play` is that of displacements, in the length unit.
+    """
+    half = 0.5 * play * lines
+    displaced = motors.displacements(actuators)
+    result = np.empty_like(displaced)
+    now = displaced[0]
+    for i, there in enumerate(displaced):
+        now = result[i] = np.clip(now, there - half, there + half)
+    return motors.values(result)
+
+
+def rows_after_play(drawn: Robot, rows: Measurements, play: float) -> Measurements:
+    """The same rows with the values that motors without play would have."""
+    if play == 0.0:
+        return rows
+    return rows._replace(actuators=after_play(drawn.drive.motors, lines_with_play(drawn), rows.actuators, play))
+
+
+def lines_with_play(robot: Robot) -> Floats:
+    """Which actuators (m,) have play: tendons and chambers."""
+    lines = np.zeros(len(robot.drive))
+    lines[lines_of(robot)[0]] = 1.0
+    return lines
+
+
+def find_play(drawn: Robot, state: FitState, rows: Measurements, chosen: slice) -> tuple[float, float, float]:
+    """The play with which held-back rows are off by the least, their mean error without it, and with it."""
+    places = lines_of(drawn)[0]
+    if not len(places) or len(rows.labels) < FEWEST_ROWS:
+        return 0.0, 0.0, 0.0
+    largest = float(np.ptp(drawn.drive.motors.displacements(rows.actuators)[:, places], axis=0).max())
+
+    def error_of(play: float) -> float:
+        part = rows_after_play(drawn, rows, play).part(chosen)
+        return float(errors(left_out(fitted(drawn, state, part, TRIAL_STEPS), part, drawn)).mean())
+
+    before, best, least = error_of(0.0), 0.0, np.inf
+    for play in (largest * each for each in TRIED):
+        after = error_of(play)
+        best, least = (play, after) if after < least else (best, least)
+        if after > RISEN * min(least, before):
+            break
+    for play in (best * each for each in REFINED):
+        after = error_of(play)
+        best, least = (play, after) if after < least else (best, least)
+    return best, before, least

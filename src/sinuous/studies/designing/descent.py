@@ -10,16 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous.answer.derivatives.parameters import plan_for
-from sinuous.answer.derivatives.rows import KeptRows
+from sinuous.answer.derivatives.parameters import KeptRows, plan_for
 from sinuous.answer.residual import residual_of
 from sinuous.base.checks import Floats
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.packing import scales_of, turns_of
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
-from sinuous.studies.designing.judge import Judge, Judged
-from sinuous.studies.designing.objectives import Objective, of_robot
+from sinuous.studies.designing.judge import Judge, Judged, Objective, of_robot
 from sinuous.studies.runs.engine import Arrays
 from sinuous.studies.tasks.tasks import Meet
 

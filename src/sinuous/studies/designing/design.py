@@ -7,11 +7,10 @@ from typing import Any, NamedTuple
 
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of, write_table
-from sinuous.base.errors import InputError
+from sinuous.base.errors import InputError, duration
 from sinuous.base.frozen import ShortRepr
-from sinuous.base.words import duration
 from sinuous.model.robot import Robot
-from sinuous.studies.designing.objectives import Objective
+from sinuous.studies.designing.judge import Objective
 
 
 class FoundRobot(NamedTuple):

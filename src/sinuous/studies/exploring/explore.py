@@ -19,14 +19,12 @@ from sinuous.base import checks
 from sinuous.base.arguments import Batch, Number, Truth, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of
-from sinuous.base.errors import InputError, refuse_unknown, warn_of
+from sinuous.base.errors import InputError, duration, refuse_unknown, warn_of
 from sinuous.base.frozen import ShortRepr
 from sinuous.base.progress import ProgressBar
-from sinuous.base.words import duration
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, violated_by
-from sinuous.problem.problem import check_sizes
-from sinuous.problem.suspicions import suspicions
+from sinuous.problem.problem import check_sizes, suspicions
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import Explored, Memory
@@ -34,9 +32,8 @@ from sinuous.solver.options import SolveArguments, SolveOptions
 from sinuous.solver.shapes import Graph
 from sinuous.solver.shapes import Whole as Numbers
 from sinuous.studies.exploring.explorer import Explorer, TaskKind
-from sinuous.studies.runs.checkpoint import hash_of
-from sinuous.studies.runs.engine import Arrays, Engine
-from sinuous.studies.runs.open_engine import open_engine
+from sinuous.studies.runs.engine import Arrays, Engine, hash_of
+from sinuous.studies.runs.engines import open_engine
 from sinuous.studies.workspace.reach import reach_of
 
 MOST_PARTS = 20

@@ -19,7 +19,7 @@ from sinuous.base.documents import read_archive, write_archive
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.model.robot import Robot
-from sinuous.problem.workspace import Workspace
+from sinuous.problem.target import Workspace
 
 VOXELS_IN_REACH = 35
 """Voxels from the base to the farthest place, where no spacing is given."""

@@ -16,7 +16,7 @@ from sinuous.answer.solutions import Solutions
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.measures.body_place import BodyPlace
+from sinuous.measures.body import BodyPlace
 from sinuous.model.robot import Robot
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion

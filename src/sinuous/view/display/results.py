@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.base.words import counted, duration
+from sinuous.base.errors import counted, duration
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion, left_in_words, reached_in_words

@@ -9,8 +9,7 @@ import numpy as np
 from sinuous.answer.binding import in_words
 from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError
-from sinuous.base.words import labelled
+from sinuous.base.errors import InputError, labelled
 from sinuous.measures.body import segment_ends
 from sinuous.measures.reach import target_errors
 from sinuous.model.limits import Violation

@@ -12,7 +12,7 @@ from sinuous.answer.explanation import Explanation
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
 from sinuous.base.documents import written
-from sinuous.base.words import duration, listed, span
+from sinuous.base.errors import duration, listed, span
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.trajectory import Trajectory

@@ -11,8 +11,8 @@ import pytest
 from pyarrow import parquet
 
 import sinuous as sn
+from sinuous.studies.batch.batch import valid
 from sinuous.studies.batch.tables.reading import open_source
-from sinuous.studies.batch.work import valid
 from tests.studies.batch.questions import write_csv
 
 ROWS = np.random.default_rng(0).normal(size=(23, 7))

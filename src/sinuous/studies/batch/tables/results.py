@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from sinuous.answer.solutions import Solutions
 from sinuous.answer.status import Status, places_of
 from sinuous.base import checks
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, motor_columns
 from sinuous.base.errors import InputError
 from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
-from sinuous.model.names import motor_columns
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
 from sinuous.studies.batch.tables.reading import ending_of, parquet

@@ -25,7 +25,7 @@ import sinuous as sn
 from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
 from sinuous.base.checks import Floats
-from sinuous.problem.problem import all_suspicions
+from sinuous.problem.problem import problem_warnings
 from sinuous.studies.batch.tables.reading import open_source
 from sinuous.studies.calibration.measurements import read_table as read_measured
 
@@ -493,11 +493,11 @@ def suspicious(plan: Plan) -> Iterator[Line]:
 
 def _said(rng: Generator, wrong: str = "") -> list[str]:
     robot, scene, waypoints = arm(rng, wrong)
-    return all_suspicions(robot, scene.snapshot(), waypoints)
+    return problem_warnings(robot, scene.snapshot(), waypoints)
 
 
 def _of_job(job: sn.Job) -> list[str]:
-    return all_suspicions(job.robot, job.scene.snapshot(), job.waypoints)
+    return problem_warnings(job.robot, job.scene.snapshot(), job.waypoints)
 
 
 MANY, HUGE, BODIES, SIDES_OF_BODY = 300_000, 2_600_000, 1000, 320

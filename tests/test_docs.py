@@ -183,7 +183,7 @@ def test_the_table_of_methods_is_true() -> None:
     assert list(rows) == list(METHODS)
     for name in METHODS:
         can = capabilities(name)
-        flags = can.direction, can.rotation, can.orientation_alone, can.elbows, can.tool
+        flags = can.direction, can.rotation, can.orientation_alone, can.several_targets, can.tool
         limits = "all" if can.limits == LIMITS else ", ".join(can.limits)
         rest = can.obstacles, can.preferences, can.initial
         assert rows[name] == [*map(word, flags), limits, *map(word, rest)]

@@ -64,8 +64,8 @@ def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
         (can.direction, "target.direction", sn.Target((60, 20, 240), direction=(0, 0, 1))),
         (can.rotation, "target.rotation", sn.Target((60, 20, 240), rotation=upright)),
         (can.orientation_alone and can.direction, "target.position", sn.Target(direction=(0, 0, 1))),
-        (can.elbows, "target.segment", sn.Target((10, 0, 100), segment=2)),
-        (can.elbows, "targets", [EASY, sn.Target((10, 0, 100), segment=2)]),
+        (can.several_targets, "target.segment", sn.Target((10, 0, 100), segment=2)),
+        (can.several_targets, "targets", [EASY, sn.Target((10, 0, 100), segment=2)]),
     )
     solver = Solver(ARM, method=quick(name, ARM), time=0.2)
     for handled, key, target in cases:

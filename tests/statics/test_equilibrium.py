@@ -11,7 +11,7 @@ from scipy.linalg import expm
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
-from sinuous.problem.problem import suspicions
+from sinuous.problem.problem import input_warnings
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import refused
 
@@ -223,7 +223,7 @@ def test_bad_input_is_refused() -> None:
 
 
 def test_units_that_do_not_fit_are_noted() -> None:
-    assert not suspicions(arm(), Snapshot(()))
+    assert not input_warnings(arm(), Snapshot(()))
     for wrong in (1e-3, 1e6):
-        (note,) = suspicions(arm(stiffness=sn.Stiffness(wrong)), Snapshot(()))
+        (note,) = input_warnings(arm(stiffness=sn.Stiffness(wrong)), Snapshot(()))
         assert "stiffness" in note

@@ -1,4 +1,4 @@
-"""By how much a real robot was elsewhere than its model, as an observer estimates it tick by tick.
+"""By how much a real robot was elsewhere than its model, as an observer estimates it step by step.
 
 The disturbance `d` of a place is taken as slowly varying: `d += gain (measured - modelled - d)`, a first-order filter.
 Targets are moved by `-d`, so that the real place meets them, whatever is wrong with the model (output-disturbance
@@ -20,7 +20,7 @@ from sinuous.problem.problem import ask_body
 from sinuous.problem.target import Target
 
 GAIN = 0.1
-"""Share of what is new that a tick takes over, by default: about a quarter of the noise of a tick passes."""
+"""Share of what is new that a control step takes over, by default: about a quarter of the noise passes."""
 
 MOST_DELAY = 100
 """Ticks."""
@@ -41,7 +41,7 @@ class Observed(NamedTuple):
     turn : ndarray (3,)
         By how much the tip was turned: rotation vector, rad, in world axes.
     past : tuple of ndarray (n, 3)
-        Configurations of the model at the last ticks, the newest last.
+        Configurations of the model at the last control steps, the newest last.
     """
 
     shares: Floats
@@ -72,7 +72,7 @@ def update_observer(
     gain: Number,
     delay: Whole,
 ) -> Observed | None:
-    """The disturbance after a tick whose model is at `q` (n, 3); see `Solver.step`."""
+    """The disturbance after a control step whose model is at `q` (n, 3); see `Solver.step`."""
     share = checks.number("gain", gain, above=0.0, high=1.0)
     ago = checks.integer("delay", delay, 0, MOST_DELAY)
     if measured is None and before is None:

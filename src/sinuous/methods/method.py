@@ -61,7 +61,7 @@ class Capabilities:
         Whether a target's position may come with a direction of the tangent, with a whole rotation.
     orientation_alone : bool
         Whether an orientation may be asked for without a position.
-    elbows : bool
+    several_targets : bool
         Whether targets may concern other segments than the last, and several be met at once.
     tool : bool
         Whether the robot may have a tool.
@@ -84,7 +84,7 @@ class Capabilities:
     direction: bool = True
     rotation: bool = False
     orientation_alone: bool = False
-    elbows: bool = False
+    several_targets: bool = False
     tool: bool = True
     limits: tuple[str, ...] = ("length", "bend", "curvature")
     obstacles: bool = False
@@ -96,7 +96,7 @@ class Capabilities:
     @property
     def any_target(self) -> bool:
         """Whether there is no target that is refused."""
-        return self.direction and self.rotation and self.orientation_alone and self.elbows
+        return self.direction and self.rotation and self.orientation_alone and self.several_targets
 
     def refuse_robot(self, method: str, robot: Robot) -> None:
         """Refuse a robot that the method does not handle.
@@ -121,11 +121,11 @@ class Capabilities:
         if self.any_target:
             return
         problem = f"not handled by the method {method}"
-        if len(rows) > 1 and not self.elbows:
+        if len(rows) > 1 and not self.several_targets:
             raise InputError("targets", problem, f"{len(rows)} targets at once", "one target")
         for row in rows:
             segment, placed, orientation = int(row[TARGET_SEGMENT]), row[HAS_POSITION], int(row[ORIENTATION])
-            if not self.elbows and segment not in (-1, segments - 1):
+            if not self.several_targets and segment not in (-1, segments - 1):
                 raise InputError("target.segment", problem, segment + 1, "a target of the last segment")
             if not self.orientation_alone and not placed:
                 raise InputError("target.position", problem, None, "a target with a position")

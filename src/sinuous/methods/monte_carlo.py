@@ -172,7 +172,7 @@ class MonteCarlo(Options):
         "Qin et al. 2022",
         rotation=True,
         orientation_alone=True,
-        elbows=True,
+        several_targets=True,
         limits=LIMITS,
         obstacles=True,
         planes=True,

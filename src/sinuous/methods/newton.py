@@ -19,14 +19,14 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
-ROOM = 0.1
+MARGIN = 0.1
 """Clearance that an answer in contact is given, although nobody wished for it, where it costs nothing; in radii of the
 thinnest part of the body that has one, beyond what is demanded."""
 
 THIN = 0.01
 """What counts as the radius of a body that has none, in mean lengths of the robot."""
 
-NEARLY_GRAZING = 1.2 * GRAZING * ROOM
+NEARLY_GRAZING = 1.2 * GRAZING * MARGIN
 """Clearance up to which an answer beside it may be in contact: what is proved is less by up to a tenth."""
 
 
@@ -44,7 +44,7 @@ class PreparedNewton(Prepared):
     def __init__(self, name: str, capabilities: Capabilities, compiled: Compiled, robot: Robot, *place: Any) -> None:
         super().__init__(name, capabilities, compiled, robot, *place)
         self._shape = self._segments, 3
-        self._settings[tables.CLEARANCE_MARGIN] = 0.0 if self._preferences else ROOM * thinnest(robot)
+        self._settings[tables.CLEARANCE_MARGIN] = 0.0 if self._preferences else MARGIN * thinnest(robot)
 
     def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
@@ -126,7 +126,7 @@ class Newton(Options):
         source="this library; docs/design.md",
         rotation=True,
         orientation_alone=True,
-        elbows=True,
+        several_targets=True,
         limits=LIMITS,
         obstacles=True,
         preferences=True,

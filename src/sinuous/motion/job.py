@@ -21,7 +21,7 @@ from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import TimedArguments, track
-from sinuous.problem.problem import Preferences, Problem, all_suspicions, check_sizes
+from sinuous.problem.problem import Preferences, Problem, check_sizes, problem_warnings
 from sinuous.problem.target import Target, Targets, Tolerance, Workspace, as_tolerance
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -153,7 +153,7 @@ class Job(Frozen):
             if isinstance(obstacle, Mesh)
             for defect in obstacle.defects
         ]
-        suspicious = all_suspicions(self.robot, self.scene.snapshot(), self.waypoints)
+        suspicious = problem_warnings(self.robot, self.scene.snapshot(), self.waypoints)
         return (*defects, *suspicious, *self.robot.coordinate_notes, *self.robot.joint_notes)
 
     def _shown(self) -> Iterator[str]:

@@ -28,7 +28,7 @@ from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, ProvedP
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.timetable import spread_times
-from sinuous.problem.problem import check_sizes, suspicions
+from sinuous.problem.problem import check_sizes, input_warnings
 from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
@@ -191,7 +191,7 @@ class Planner:
         check_sizes(robot, self._scene)
         if self._options.memory is not None:
             self._options.memory.check(robot)
-        warn_of(suspicions(robot, self._scene.snapshot()))
+        warn_of(input_warnings(robot, self._scene.snapshot()))
         self._workspaces = Workspaces(robot)
 
     def _load(self) -> None:

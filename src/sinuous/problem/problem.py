@@ -340,14 +340,14 @@ KEPT = 64
 FULL_TURN = 2.0 * math.pi
 
 
-def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
+def input_warnings(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
     return [*_of_robot(robot), *_of_obstacles(robot, scene)]
 
 
-def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
+def problem_warnings(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
     """The same, with what is suspicious of the base and of targets: what a solve says in its status."""
-    return [*suspicions(robot, scene), *_of_base(robot, scene.first), *_of_targets(robot, waypoints)]
+    return [*input_warnings(robot, scene), *_of_base(robot, scene.first), *_of_targets(robot, waypoints)]
 
 
 @lru_cache(maxsize=KEPT)

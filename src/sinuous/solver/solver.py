@@ -28,7 +28,7 @@ from sinuous.methods.method import Call, Options, name_of, prepare, ready
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.model.rates import Changes, Rates
 from sinuous.model.robot import Robot
-from sinuous.problem.problem import Problem, base_blocked, check_sizes, suspicions
+from sinuous.problem.problem import Problem, base_blocked, check_sizes, input_warnings
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import ManyProblems, TargetSets, read_target_sets
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -511,7 +511,7 @@ class Solver:
         gain: Number = GAIN,
         delay: Whole = 0,
     ) -> Step:
-        """Go on from a configuration with a twist of the tip, or towards a target, for one tick of a control loop.
+        """Go on from a configuration with a twist of the tip, or towards a target, for one step of a control loop.
 
         The damped least-squares step within limits, rates, obstacles and the body itself, for the scene as it is now.
         It is the exact one of the Jacobian, by the least motion, but near singular shapes, where nothing moves by more
@@ -531,14 +531,14 @@ class Solver:
         dt : float
             Seconds.
         target : Target or list of Target
-            To go to instead: all the way in this tick where nothing holds it back.
+            To go to instead: all the way in this step where nothing holds it back.
         rates : Rates, optional
             Rates and accelerations of joints hold without them, too.
         clearance : float, optional
             The body is pushed away from obstacles until it has this clearance, before anything else that is asked for.
             By default that of `prefer`, or just more than none.
         velocity : array_like (r, 3), optional
-            Of all r rows in the tick before, by default of `q` where that is a step: what an acceleration starts from.
+            Of all r rows in the step before, by default of `q` where that is a step: what an acceleration starts from.
             Limits, rates and obstacles come first.
 
         measured : array_like (3,), (4, 4), (n, 2) or (k, 3), optional
@@ -549,7 +549,7 @@ class Solver:
         places : array_like (k,), optional
             Shares of the length of the body, increasing, 1 = its end.
         gain : float
-            Of the observer: share of what is new that a tick takes over; less of it is slower, and less moved by noise.
+            Of the observer: share of what is new that a step takes over; less of it is slower, and less moved by noise.
         delay : int
             Ticks by which the measurement is late.
 
@@ -764,5 +764,5 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
         chosen.memory.check(robot)
     if isinstance(chosen.method, Options):
         chosen.method.refuse(robot)
-    warn_of(suspicions(robot, place.snapshot()))
+    warn_of(input_warnings(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

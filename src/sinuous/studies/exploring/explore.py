@@ -24,7 +24,7 @@ from sinuous.base.frozen import ShortRepr
 from sinuous.base.progress import ProgressBar
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, violated_by
-from sinuous.problem.problem import check_sizes, suspicions
+from sinuous.problem.problem import check_sizes, input_warnings
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solver.many import read_workers
 from sinuous.solver.memory import Explored, Memory
@@ -203,7 +203,7 @@ def explore(
     snapshot = place.snapshot()
     snapshot.refuse_moving()
     check_sizes(robot, place)
-    warn_of(suspicions(robot, snapshot))
+    warn_of(input_warnings(robot, snapshot))
     wanted = _starts(chosen.demanded_of(robot), starts)
     explorer = Explorer(chosen.demanded_of(robot), Scene.of(snapshot), chosen)
     count = read_workers(workers)

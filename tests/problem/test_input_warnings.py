@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.problem.problem import all_suspicions, suspicions
+from sinuous.problem.problem import input_warnings, problem_warnings
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
@@ -16,7 +16,7 @@ FACES = [face for a, b, c, d in SIDES for face in ([a, b, c], [a, c, d])]
 
 
 def said(robot: sn.Robot, scene: list[sn.Sphere] | list[sn.Mesh] | list[sn.Box] | None = None) -> list[str]:
-    return suspicions(robot, sn.Scene(scene or []).snapshot())
+    return input_warnings(robot, sn.Scene(scene or []).snapshot())
 
 
 def test_ordinary_problems_are_not_suspicious() -> None:
@@ -24,7 +24,7 @@ def test_ordinary_problems_are_not_suspicious() -> None:
     stage = sn.Robot([sn.Segment((0.0, 1.0), 0.0), sn.Segment((0.0, 1.0), 3.0)], radius=0.1)
     full = sn.Robot.uniform(2, 1.0, 2.0 * np.pi, radius=0.01)
     for robot in (ROBOT, stage, full):
-        assert all_suspicions(robot, sn.Scene(scene).snapshot(), [[sn.Target((0, 1, 2))]]) == []
+        assert problem_warnings(robot, sn.Scene(scene).snapshot(), [[sn.Target((0, 1, 2))]]) == []
 
 
 def test_degrees_for_radians() -> None:
@@ -59,7 +59,7 @@ def test_right_units_are_silent() -> None:
     for unit, own in arms():
         robot = arm(unit, **{key: value / unit for key, value in own.items()})
         target = [[sn.Target((0.1 / unit, 0.0, 0.2 / unit))]]
-        assert all_suspicions(robot, sn.Scene().snapshot(), target) == []
+        assert problem_warnings(robot, sn.Scene().snapshot(), target) == []
 
 
 @pytest.mark.parametrize("key", ["tendons", "limit", "radius", "tool", "target"])
@@ -68,7 +68,7 @@ def test_one_length_in_another_unit_is_said_once(key: str) -> None:
         factor = 1000.0 if unit in (1.0, 0.0254) else 0.001
         lengths = {name: value / unit * (factor if name == key else 1.0) for name, value in own.items()}
         place = np.array([0.1, 0.0, 0.2]) / unit * (factor if key == "target" else 1.0)
-        found = all_suspicions(arm(unit, **lengths), sn.Scene().snapshot(), [[sn.Target(place)]])
+        found = problem_warnings(arm(unit, **lengths), sn.Scene().snapshot(), [[sn.Target(place)]])
         assert any("one length unit?" in text for text in found), (unit, own, key)
 
 
@@ -114,13 +114,13 @@ def test_a_mesh_in_metres_beside_a_robot_in_millimetres() -> None:
 def test_a_base_that_touches_what_it_stands_on() -> None:
     floor = sn.Scene([sn.Box((0, 0, -0.5), (4, 4, 1), name="floor")]).snapshot()
     expected = "the base touches floor; where the robot stands on it or sits in it, say so with mount"
-    assert all_suspicions(ROBOT, floor, []) == [expected]
-    assert suspicions(ROBOT, floor) == []
-    assert all_suspicions(ROBOT.changed(mount=0.2), floor, []) == []
+    assert problem_warnings(ROBOT, floor, []) == [expected]
+    assert input_warnings(ROBOT, floor) == []
+    assert problem_warnings(ROBOT.changed(mount=0.2), floor, []) == []
 
 
 def test_a_target_in_another_unit() -> None:
-    (text,) = all_suspicions(ROBOT, sn.Scene().snapshot(), [[sn.Target((0, 1, 2))], [sn.Target((0, 1000, 2000))]])
+    (text,) = problem_warnings(ROBOT, sn.Scene().snapshot(), [[sn.Target((0, 1, 2))], [sn.Target((0, 1000, 2000))]])
     assert text.startswith("a target is 2236 from the base, the robot 3.6 long")
 
 

@@ -226,6 +226,7 @@ WRONG = {
     "scene: [{half_space: {normal: [0, 0, 1], inside: true}}]": "scene[0].half_space.inside: unknown key; expected",
     "scene: [{mesh: {file: a.stl, scale: 1}}]": "scene[0].mesh.file: cannot be read: No such file or directory;",
     "scene: [{mesh: {file: [a.stl], scale: 1}}]": "scene[0].mesh.file: expected a text, got ['a.stl']",
+    "scene: [{mesh: {file: a.stl}}]": "scene[0].mesh.scale: missing; expected units of the scene in one of the file: ",
     "scene: [{points: {file: a.ply}}]": "scene[0].points.radius: missing; expected a value, got {'file': 'a.ply'}",
     "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: unknown key; expected one of file, name, exact, ",
     "target: {position: [0, 0, 1]}\npath: tips.csv": "target: cannot be combined with path; expected one of target, ",

@@ -41,6 +41,10 @@ OBSTACLES: dict[str, Callable[..., Obstacle]] = {
     "cylinder": Cylinder,
     "half_space": HalfSpace,
 }
+
+WANTED = {"scale": "units of the scene in one of the file: 0.001 for a file in mm and a robot in m"}
+"""What a key that is missing would say, where its name alone does not tell."""
+
 FROM_FILES: dict[str, Callable[..., Obstacle]] = {"mesh": Mesh.load, "points": PointCloud.load, "grid": Grid.load}
 """Obstacles of which the problem file says in which file they are."""
 
@@ -122,7 +126,7 @@ def known_entries(value: Any, known: Iterable[str], required: Iterable[str] = ()
             raise InputError(join("", key), "unknown key", entry, suggested(key, names))
     for key in required:
         if key not in value:
-            raise InputError(key, "missing", value, "a value")
+            raise InputError(key, "missing", value, WANTED.get(key, "a value"))
     return dict(value)
 
 

@@ -551,7 +551,7 @@ class Solver:
         gain : float
             Of the observer: share of what is new that a step takes over; less of it is slower, and less moved by noise.
         delay : int
-            Ticks by which the measurement is late.
+            Control steps by which the measurement is late.
 
         Returns
         -------

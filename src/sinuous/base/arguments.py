@@ -104,17 +104,7 @@ Constraint = Literal[LimitKind, RateKind, "clearance", "self_clearance"]
 """What may hold a configuration back."""
 
 Parameter = Literal[
-    "target",
-    "base",
-    "tool",
-    "lengths",
-    "bends",
-    "curvatures",
-    "radii",
-    "tendons",
-    "actuators",
-    "obstacles",
-    "initial",
+    "target", "base", "tool", "lengths", "bends", "curvatures", "radii", "tendons", "actuators", "obstacles", "initial"
 ]
 """What an answer can be derived by."""
 

@@ -62,14 +62,7 @@ def instance(key: str, value: Any, kind: Any, expected: str) -> None:
         raise InputError(key, "", value, expected)
 
 
-def number(
-    key: str,
-    value: Any,
-    *,
-    low: float = -math.inf,
-    above: float = -math.inf,
-    high: float = math.inf,
-) -> float:
+def number(key: str, value: Any, *, low: float = -math.inf, above: float = -math.inf, high: float = math.inf) -> float:
     """Check a finite number: at least `low`, greater than `above`, at most `high`."""
     if type(value) is float and max(low, -LARGEST_FLOAT) <= value <= min(high, LARGEST_FLOAT) and value > above:
         return value

@@ -267,8 +267,7 @@ class Design:
 
 @app.callback(invoke_without_command=True)
 def _start(
-    context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    context: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False
 ) -> None:
     if version:
         typer.echo(f"sinuous {__version__}")

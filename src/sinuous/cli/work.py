@@ -477,12 +477,7 @@ def _solve(solver: Solver, problem: Job, journal: "Journal | None", advance: Cal
 
 
 def _solve_all(
-    count: int,
-    by: Kind | None,
-    solver: Solver,
-    problem: Job,
-    journal: "Journal | None",
-    advance: Callable[[], None],
+    count: int, by: Kind | None, solver: Solver, problem: Job, journal: "Journal | None", advance: Callable[[], None]
 ) -> Alternatives:
     """Find several solutions."""
     asked = problem.waypoints[0], problem.start

@@ -6,9 +6,5 @@ Robots for other programs, too: URDF, MJCF and ROS.
 from sinuous.base.entrance import entrance
 
 __getattr__, __dir__, __all__ = entrance(
-    __name__,
-    {
-        "sinuous.files.joint_chain": "JointChain",
-        "sinuous.files.mjcf": "DrivenChain",
-    },
+    __name__, {"sinuous.files.joint_chain": "JointChain", "sinuous.files.mjcf": "DrivenChain"}
 )

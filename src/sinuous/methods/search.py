@@ -28,16 +28,7 @@ from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, now, over
 from sinuous.kernels.compile import entry_around, shared
 from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import (
-    ZERO,
-    Array,
-    add,
-    copy,
-    dot,
-    get_vec,
-    norm,
-    put_vec,
-)
+from sinuous.kernels.maths.vectors import ZERO, Array, add, copy, dot, get_vec, norm, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of

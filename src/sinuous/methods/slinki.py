@@ -215,14 +215,7 @@ def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
 
 
 def expand(
-    problem: Problem,
-    check: Check,
-    scratch: Search,
-    node: int,
-    size: int,
-    open_nodes: int,
-    goal: Goal,
-    growth: Growth,
+    problem: Problem, check: Check, scratch: Search, node: int, size: int, open_nodes: int, goal: Goal, growth: Growth
 ) -> tuple[int, int]:
     """Give a node its children, as far as there is room and time; returns how many nodes there are, how many open."""
     tree = scratch.tree

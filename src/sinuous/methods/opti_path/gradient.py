@@ -167,11 +167,7 @@ def body_pull(
     share = weights.obstacles * setting.arcs_weight / count
     more = pull_length(arc, share * total)
     share *= arc.length
-    return (
-        scale(share, on_place),
-        add_scaled(more[0], share, on_chord),
-        add_scaled(more[1], share, on_tangent),
-    )
+    return (scale(share, on_place), add_scaled(more[0], share, on_chord), add_scaled(more[1], share, on_tangent))
 
 
 def speed(path: Path, i: int) -> float:

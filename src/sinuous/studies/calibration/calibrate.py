@@ -40,14 +40,7 @@ from sinuous.studies.calibration.fit import (
     predict,
     rows_after_play,
 )
-from sinuous.studies.calibration.measurements import (
-    Measurements,
-    Place,
-    read,
-    refuse_loose,
-    refuse_size,
-    stalled,
-)
+from sinuous.studies.calibration.measurements import Measurements, Place, read, refuse_loose, refuse_size, stalled
 from sinuous.studies.calibration.model import derivatives, holds, model
 from sinuous.studies.calibration.parameters import (
     ORDER,

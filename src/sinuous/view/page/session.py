@@ -73,11 +73,7 @@ class Worker:
     """
 
     def __init__(
-        self,
-        name: str,
-        failed: Callable[[Exception], object],
-        after: Event = _nothing,
-        idle: Event = _nothing,
+        self, name: str, failed: Callable[[Exception], object], after: Event = _nothing, idle: Event = _nothing
     ) -> None:
         self._failed, self._after, self._idle = failed, after, idle
         self._queue: dict[Hashable, Event] = {}

@@ -158,10 +158,7 @@ def record_page(contents: Contents) -> str:
             nodes.show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
             body = nodes.BodyNode(
-                server.scene,
-                f"/robots/{i}",
-                arm.robot,
-                nodes.BodyStyle(bounds.span, opacity=GHOST if ghost else None),
+                server.scene, f"/robots/{i}", arm.robot, nodes.BodyStyle(bounds.span, opacity=GHOST if ghost else None)
             )
             body.show(arm.q, nodes.colours_of(arm))
         page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))

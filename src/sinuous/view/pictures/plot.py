@@ -40,10 +40,7 @@ WAY_STEPS = 24
 
 
 def plot(
-    *things: Things,
-    ax: "Axes3D | None" = None,
-    view: Sequence[Number] = (30, -60),
-    path: str | Path | None = None,
+    *things: Things, ax: "Axes3D | None" = None, view: Sequence[Number] = (30, -60), path: str | Path | None = None
 ) -> "Axes3D":
     """Draw robots, scenes, targets, solutions and motions together.
 
@@ -210,11 +207,7 @@ def draw_target(axes: Any, placed: PlacedTarget, size: float) -> None:
 
 
 def animate(
-    *things: Things,
-    path: str | Path,
-    view: Sequence[Number] = (30, -60),
-    seconds: Number = 4.0,
-    fps: Whole = 15,
+    *things: Things, path: str | Path, view: Sequence[Number] = (30, -60), seconds: Number = 4.0, fps: Whole = 15
 ) -> None:
     """Write an animation: motions from beginning to end; what has none is shown from all sides.
 

@@ -190,12 +190,7 @@ def _draw_legend(figure: Any, kinds: list[_Kind], shared: bool) -> None:
     handles += [Patch(facecolor=colour, label=words) for colour, words in kinds]
     handles.append(Line2D([], [], color=style.PALE, linestyle=DASHED, label="without obstacles"))
     figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=4,
-        frameon=False,
-        fontsize=style.SMALL_PT,
-        labelcolor=style.PALE,
+        handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=style.SMALL_PT, labelcolor=style.PALE
     )
 
 

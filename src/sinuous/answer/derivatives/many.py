@@ -145,13 +145,9 @@ def _nothing_asked(problems: ManyProblems) -> Problem:
     sets = problems.target_sets
     target = Target((0.0, 0.0, 0.0))
     if isinstance(sets, TipGoals):
-        place, axis, turn = (
-            None if part is None else each
-            for part, each in zip(
-                (sets.positions, sets.directions, sets.rotations), (np.zeros(3), np.eye(3)[2], np.eye(3)), strict=True
-            )
-        )
-        target = Target(place, direction=axis, rotation=turn)
+        place, axis, turn = (part is not None for part in (sets.positions, sets.directions, sets.rotations))
+        origin, axes = np.zeros(3), np.eye(3)
+        target = Target(origin if place else None, direction=axes[2] if axis else None, rotation=axes if turn else None)
     return Problem.prepared(problems.robot, (target,), problems.scene, problems.tolerance)
 
 
@@ -230,15 +226,8 @@ def lead_of(positions: Any, directions: Any, rotations: Any) -> tuple[int, ...]:
     InputError
         When nothing is asked, or both directions and rotations, or the axes in front differ.
     """
-    given = {
-        key: (value, axes)
-        for key, value, axes in (
-            ("positions", positions, 1),
-            ("directions", directions, 1),
-            ("rotations", rotations, 2),
-        )
-        if value is not None
-    }
+    every = {"positions": (positions, 1), "directions": (directions, 1), "rotations": (rotations, 2)}
+    given = {key: (value, axes) for key, (value, axes) in every.items() if value is not None}
     if not given:
         raise InputError("positions", "nothing is asked", None, "positions, directions or rotations")
     if directions is not None and rotations is not None:
@@ -263,11 +252,8 @@ def solved(solver: Any, goals: HostGoals, initial: Rows | None, unsolved: str, l
     The p columns are three for a position, and three for an orientation, as a small rotation in world axes.
     """
     front, n = lead_of(*goals), len(solver.robot)
-    flat = {
-        key: value.reshape(-1, *value.shape[len(front) :])
-        for key, value in goals._asdict().items()
-        if value is not None
-    }
+    given_goals = {key: value for key, value in goals._asdict().items() if value is not None}
+    flat = {key: value.reshape(-1, *value.shape[len(front) :]) for key, value in given_goals.items()}
     columns = 3 * len(flat)
     if math.prod(front) == 0:
         return np.empty((*front, n, 3)), np.empty((*front, n, 3, columns))

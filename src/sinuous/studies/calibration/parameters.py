@@ -35,38 +35,26 @@ GroupName = Literal[
 
 GROUPS: tuple[GroupName, ...] = get_args(GroupName)
 
-ORDER: tuple[GroupName, ...] = (
-    "stretch",
-    "offsets",
-    "joints",
-    "stiffness",
-    "payload",
-    "rest",
-    "lengths",
-    "circles",
-    "angles",
-    "gains",
-)
-"""In which order groups are tried."""
-
 WIDTHS: dict[GroupName, float] = {
     "base": 1e3,
     "device": 1e3,
+    "tool": 0.1,
     "stretch": 1.0,
+    "offsets": 0.02,
+    "joints": 0.05,
     "stiffness": 1.0,
     "payload": 1.0,
     "rest": 0.5,
-    "offsets": 0.02,
     "lengths": 0.1,
     "circles": 0.3,
     "angles": 0.3,
     "gains": 0.1,
-    "tool": 0.1,
-    "joints": 0.05,
 }
 """How far a drawing may well be off: logarithms of ratios; rad; of `offsets`, `tool` and sliding `joints` lengths of
-the robot; of
-`payload` masses that bend the softest segment by 1 rad, carried by a lever as long as the robot."""
+the robot; of `payload` masses that bend the softest segment by 1 rad, carried by a lever as long as the robot."""
+
+ORDER: tuple[GroupName, ...] = tuple(name for name in WIDTHS if name not in ("base", "device", "tool"))
+"""In which order groups are tried: that of `WIDTHS`."""
 
 SOFTNESS_RATIO = 3.0
 """Where a robot has rigid tendons: ratio of the stiffness of a tendon times its lever squared to that of its segment,

@@ -345,10 +345,10 @@ def each_segment(key: str, value: Any, names: Sequence[str]) -> float | tuple[fl
     """Check a number of at least 0 for all segments, or one for each, or some by the names of segments."""
     if not isinstance(value, Mapping):
         return one_each(key, value, len(names), "segment")
-    listed = [0.0] * len(names)
-    for name, number in value.items():
-        listed[segment_number(key, name, names) - 1] = number(f"{key}.{name}", number, low=0.0)
-    return tuple(listed)
+    result = [0.0] * len(names)
+    for name, each in value.items():
+        result[segment_number(key, name, names) - 1] = number(f"{key}.{name}", each, low=0.0)
+    return tuple(result)
 
 
 def optional_name(value: Any) -> str | None:

@@ -54,18 +54,10 @@ class Answers:
         return int(self.confirmed.sum()), len(self.confirmed)
 
     @property
-    def percent(self) -> float:
-        """Share of confirmed ones."""
-        return 100.0 * float(self.confirmed.mean())
-
-    @property
     def complaint(self) -> str:
         """Numbers of problems that are not confirmed, to begin a search with."""
-        failed = np.flatnonzero(~self.confirmed)
-        lies = np.flatnonzero(self.claimed & ~self.confirmed)
-        parts = [f"not solved: {_some(failed)}"] if len(failed) else []
-        parts += [f"FALSE: {_some(lies)}"] if len(lies) else []
-        return "; ".join(parts)
+        failed = {"not solved": ~self.confirmed, "FALSE": self.claimed & ~self.confirmed}
+        return "; ".join(f"{what}: {_some(np.flatnonzero(own))}" for what, own in failed.items() if own.any())
 
 
 def _some(numbers: NDArray[np.intp]) -> str:
@@ -106,19 +98,16 @@ ARMS = {3: 2.4, 5: 2.4, 8: 2.0, 20: 1.2}
 
 def measure(plan: Plan) -> Iterator[Line]:
     """Through `Solver.solve` and inside the kernel, at the default tolerance and at 1e-6."""
-    count = plan.count(2000, 50)
-    free = reachable(arm(5, 2.4), count, plan.rng(1))
-    crowded = [
-        among_spheres(arm(5, 2.4, radius=4.0), SPHERES, count // SCENES, plan.rng(2, i))
-        for i in range(plan.count(SCENES, 2))
-    ]
-    for words, relative in TOLERANCES.items():
-        yield _called(plan, [_at(free, relative)], f"Solver.solve, {words}", Goal(15e-6))
-        yield _inside([_at(free, relative)], f"inside the kernel, {words}", Goal(6e-6))
-    for words, relative in TOLERANCES.items():
-        sets = [_at(problems, relative) for problems in crowded]
-        yield _called(plan, sets, f"{SPHERES} spheres, Solver.solve, {words}", Goal(35e-6))
-        yield _inside(sets, f"{SPHERES} spheres, inside the kernel, {words}", None)
+    count, robot = plan.count(2000, 50), arm(5, 2.4, radius=4.0)
+    free = [reachable(arm(5, 2.4), count, plan.rng(1))]
+    scenes = range(plan.count(SCENES, 2))
+    crowded = [among_spheres(robot, SPHERES, count // SCENES, plan.rng(2, i)) for i in scenes]
+    goals = Goal(15e-6), Goal(6e-6), Goal(35e-6), None
+    for where, sets, called, inside in (("", free, *goals[:2]), (f"{SPHERES} spheres, ", crowded, *goals[2:])):
+        for words, relative in TOLERANCES.items():
+            asked = [_at(problems, relative) for problems in sets]
+            yield _called(plan, asked, f"{where}Solver.solve, {words}", called)
+            yield _inside(asked, f"{where}inside the kernel, {words}", inside)
 
 
 def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:
@@ -127,7 +116,7 @@ def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:
     return problems.with_tolerance(relative_tolerance(problems.robot, relative))
 
 
-def _called(plan: Plan, sets: list[ProblemSet], what: str, goal: Goal) -> Line:
+def _called(plan: Plan, sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
     answers = [solve_all(plan, problems, what) for problems in sets]
     times = Times.of([s for a in answers for s in a.seconds])
     solved = sum(a.solved[0] for a in answers), sum(a.solved[1] for a in answers)
@@ -171,7 +160,16 @@ def reachable_targets(plan: Plan) -> Iterator[Line]:
         what = f"solved, {n} segments, bends to {max_bend}"
         answers = solve_all(plan, asked, what)
         goal = Goal(100.0, at_most=False, correctness=True)
-        yield Line(REACHED, what, answers.percent, "%", goal, answers.times, answers.solved, answers.complaint)
+        yield Line(
+            REACHED,
+            what,
+            100.0 * float(answers.confirmed.mean()),
+            "%",
+            goal,
+            answers.times,
+            answers.solved,
+            answers.complaint,
+        )
 
 
 POSES = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9, se(3) error below 1e-6"
@@ -210,16 +208,7 @@ STARTS = 3
 
 
 class Tally(NamedTuple):
-    """What came of one scene.
-
-    Attributes
-    ----------
-    claimed : int
-    false : list of int
-        Numbers of the targets whose claim the judge rejects.
-    outside : list of int
-        Numbers of the targets whose answer, solved or not, is outside the limits.
-    """
+    """Of one scene: claims, targets whose claim the judge rejects, and those whose answer is outside the limits."""
 
     claimed: int
     false: list[int]
@@ -242,19 +231,10 @@ def false_claims(plan: Plan) -> Iterator[Line]:
     """Count false claims, and answers outside the limits."""
     seeds = range(1000 * plan.seed, 1000 * plan.seed + plan.count(1000, 5))
     found = list(plan.track(in_processes(examine, seeds, alone=plan.quick, chunk=5), "false claims", len(seeds)))
-    claimed, total = sum(tally.claimed for tally in found), TARGETS * len(seeds)
-    false = {seed: tally.false for seed, tally in zip(seeds, found, strict=True) if tally.false}
-    outside = {seed: tally.outside for seed, tally in zip(seeds, found, strict=True) if tally.outside}
-    solved = claimed - _sum(false), total
-    goal = Goal(0, correctness=True)
-    yield Line(CLAIMS, "false claims", _sum(false), "", goal, None, solved, _seeds(false))
-    yield Line(CLAIMS, "answers outside limits, solved or not", _sum(outside), "", goal, None, None, _seeds(outside))
-
-
-def _sum(numbers: dict[int, list[int]]) -> int:
-    return sum(len(found) for found in numbers.values())
-
-
-def _seeds(numbers: dict[int, list[int]]) -> str:
-    """Scene seeds and targets of the first few, to make them again."""
-    return "; ".join(f"clutter({seed}): {found[:5]}" for seed, found in list(numbers.items())[:5])
+    total = TARGETS * len(seeds)
+    for what, name in (("false claims", "false"), ("answers outside limits, solved or not", "outside")):
+        wrong = {seed: own for seed, tally in zip(seeds, found, strict=True) if (own := getattr(tally, name))}
+        count = sum(map(len, wrong.values()))
+        solved = (sum(tally.claimed for tally in found) - count, total) if name == "false" else None
+        note = "; ".join(f"clutter({seed}): {own[:5]}" for seed, own in list(wrong.items())[:5])  # to make them again
+        yield Line(CLAIMS, what, count, "", Goal(0, correctness=True), None, solved, note)

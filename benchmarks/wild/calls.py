@@ -3,21 +3,18 @@
 import json
 import pickle
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
 from benchmarks.wild import odd
-from benchmarks.wild.trials import named
+from benchmarks.wild.trials import Judged
 from sinuous.base.checks import Floats
-
-SECTION = "public calls of odd robots in odd scenes: whether each ends in an answer"
 
 BUDGETS = (0.0, 1e-4, 0.01, 0.05)
 """Seconds of a call."""
@@ -30,24 +27,6 @@ METHODS: tuple[Any, ...] = ("newton", "dls", "fabrikc", "fabrikx", "fabrik_avoid
 
 OF_THE_DRAWN = ("scene", "load")
 """What any call may be refused about: an obstacle that moves where none may, and a load that no shape holds."""
-
-
-class Called(NamedTuple):
-    """What came of one call, and of everything that was asked of its answer.
-
-    Attributes
-    ----------
-    what : str
-        The call.
-    answered : bool
-        Whether there was an answer; else it was refused with words about an argument.
-    false : str
-        How it ended instead; empty where it did not.
-    """
-
-    what: str
-    answered: bool
-    false: str
 
 
 class Drawn:
@@ -97,8 +76,11 @@ class Drawn:
         return drawn | more
 
 
-def called(seed: int, number: int) -> Called:
-    """Make one call, with a robot, a scene and arguments that can be meant, and ask everything of its answer."""
+def called(seed: int, number: int) -> Judged:
+    """Make one call, with a robot, a scene and arguments that can be meant, and ask everything of its answer.
+
+    Returns whether there was an answer; else it was refused with words about an argument, or it is said how it ended.
+    """
     drawn = Drawn(np.random.default_rng([seed, 21, number]))
     what = str(drawn.rng.choice(list(CALLS)))
     make, refusals = CALLS[what]
@@ -109,21 +91,10 @@ def called(seed: int, number: int) -> Called:
             ask(make(drawn))
     except sn.InputError as error:
         refused = error.key.partition("[")[0].partition(".")[0] in (*refusals, *OF_THE_DRAWN)
-        return Called(what, False, "" if refused else f"InputError {error}")
+        return Judged(False, "" if refused else f"{what}: InputError {error}")
     except Exception as error:  # whatever it is, it is no answer
-        return Called(what, False, f"{type(error).__name__} {error}")
-    return Called(what, True, "")
-
-
-def lines_of(kind: str, shares: Sequence[Sequence[Sequence[Any]]]) -> list[Line]:
-    """Sum up calls, of which shares hold plain values: how many were answered, and which ended otherwise."""
-    made = [Called(*each) for share in shares for each in share]
-    answered = sum(each.answered for each in made)
-    wrong = [f"{i}: {each.what}: {each.false}" for i, each in enumerate(made) if each.false]
-    return [
-        Line(SECTION, f"{kind}: answered", 100.0 * answered / len(made), "%", None, None, (answered, len(made))),
-        Line(SECTION, f"{kind}: exceptions", len(wrong), "", Goal(0, correctness=True), note=named(wrong)),
-    ]
+        return Judged(False, f"{what}: {type(error).__name__} {error}")
+    return Judged(True, "")
 
 
 def ask(found: Any) -> None:

@@ -15,6 +15,12 @@ AUDIT = (
     "under load 0.2 s, with joints 0.3 s"
 )
 
+CALLS = "public calls of odd robots"
+SECTIONS = (
+    "motions of wild worlds: what is called proved, looked at by the judges",
+    "public calls of odd robots in odd scenes: whether each ends in an answer",
+)
+
 BLOCK, BLOCKS, AUDITED = 22, 100, 10
 """Worlds of one share, about a thousand problems; shares of one round, 100,000 problems; those of one audited kind."""
 
@@ -46,13 +52,10 @@ def wild(plan: Plan) -> Experiment:
     for kind, make in worlds.AUDITED.items():
         work, summed = partial(trials.tallied, partial(make, seed)), partial(trials.lines_of, AUDIT, kind, math.inf)
         parts[kind] = Divided(shares(work, count(BLOCK, 10), count(AUDITED, 1) * rounds), summed)
-    for kind, judge, lines_of in (
-        *((kind, judge, motions.lines_of) for kind, judge in motions.KINDS.items()),
-        ("public calls of odd robots", calls.called, calls.lines_of),
-    ):
-        parts[kind] = Divided(
-            shares(partial(made, judge, seed), count(MADE, 2), count(MADES, 1) * rounds), partial(lines_of, kind)
-        )
+    for kind, judge in (motions.KINDS | {CALLS: calls.called}).items():
+        words = ("answered", "exceptions") if kind == CALLS else ("proved", "false claims")
+        summed = partial(trials.lines_of_judged, SECTIONS[kind == CALLS], kind, *words)
+        parts[kind] = Divided(shares(partial(made, judge, seed), count(MADE, 2), count(MADES, 1) * rounds), summed)
     work, summed = partial(trials.tallied, partial(worlds.make, seed)), partial(trials.lines_of, SECTION, "wild", MOST)
     parts["wild"] = Divided(shares(work, count(BLOCK, 10), count(BLOCKS, 1) * rounds), summed)
     return Experiment("wild", plan, parts, fresh=True)

@@ -1,26 +1,22 @@
 """Motions of wild worlds, judged: timed, planned, and tracked, stepped and solved while an obstacle moves."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges.clearances import GRACE
 from benchmarks.judges.judge import IMPOSSIBLE, within_limits
 from benchmarks.judges.motions import overlap, samples, too_fast, wrong_at
 from benchmarks.wild import worlds
-from benchmarks.wild.trials import named
+from benchmarks.wild.trials import Judged
 from benchmarks.wild.worlds import World, standing
 from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at
-
-SECTION = "motions of wild worlds: what is called proved, looked at by the judges"
 
 SAMPLES, LOADED_SAMPLES, JOINTED_SAMPLES = 400, 100, 200
 """Configurations of a motion that are looked at, of one under load, and of one with joints."""
@@ -36,13 +32,6 @@ RACES, SHORT = 12, 0.02
 
 WAYPOINTS, BUDGET = 8, 0.2
 """Waypoints of a path in a live scene, and seconds for each."""
-
-
-class Judged(NamedTuple):
-    """What came of one motion: whether it is called proved, and what the judges refute of that (nothing: "")."""
-
-    proved: bool
-    false: str
 
 
 def timed(seed: int, number: int) -> Judged:
@@ -170,17 +159,6 @@ KINDS: dict[str, Callable[[int, int], Judged]] = {
     "arms with joints, planned": partial(planned, worlds.jointed),
     "arms with joints, ticks while an obstacle moves": partial(ticks, worlds.jointed),
 }
-
-
-def lines_of(kind: str, shares: Sequence[Sequence[Sequence[Any]]]) -> list[Line]:
-    """Sum up motions of one kind, of which shares hold plain values."""
-    judged = [Judged(*each) for share in shares for each in share]
-    proved = sum(each.proved for each in judged)
-    wrong = [f"{i}: {each.false}" for i, each in enumerate(judged) if each.false]
-    return [
-        Line(SECTION, f"{kind}: proved", 100.0 * proved / len(judged), "%", None, None, (proved, len(judged))),
-        Line(SECTION, f"{kind}: false claims", len(wrong), "", Goal(0, correctness=True), note=named(wrong)),
-    ]
 
 
 def _way(one: Floats, other: Floats, count: int, rng: Generator) -> Floats:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,6 +54,13 @@ class Trial:
     def solved(self) -> bool:
         """Whether it says so, and nothing of it is false."""
         return self.status == sn.Status.SOLVED and not self.false
+
+
+class Judged(NamedTuple):
+    """What came of one motion, or call: whether it is called proved, or ended in an answer; and what is false of it."""
+
+    good: bool
+    false: str
 
 
 def solutions_of(world: World) -> tuple[list[sn.Solution | Exception], list[float]]:
@@ -166,6 +173,19 @@ def lines_of(section: str, what: str, most: float, parts: Sequence[dict[str, Any
         told, solved = f"{what}, not solved and found right by the judges within {limit:g} s", count - len(names)
         yield Line(section, told, MANY * len(names) / count, UNIT, goal, times, (solved, count), named(names))
     yield Line(section, f"{what}, false claims", len(false), "", Goal(0, correctness=True), note=named(false))
+
+
+def lines_of_judged(
+    section: str, kind: str, good: str, false: str, shares: Sequence[Sequence[Sequence[Any]]]
+) -> Iterator[Line]:
+    """Sum up motions or calls of one kind, of which shares hold plain values: how many are good, and which false."""
+    judged = [Judged(*each) for share in shares for each in share]
+    count, wrong = (
+        sum(each.good for each in judged),
+        [f"{i}: {each.false}" for i, each in enumerate(judged) if each.false],
+    )
+    yield Line(section, f"{kind}: {good}", 100.0 * count / len(judged), "%", None, None, (count, len(judged)))
+    yield Line(section, f"{kind}: {false}", len(wrong), "", Goal(0, correctness=True), note=named(wrong))
 
 
 def named(names: Sequence[str]) -> str:

@@ -15,8 +15,6 @@ from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.kinematics import Bodies, body_places
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import calls, motions, odd, trials, worlds
-from benchmarks.wild.calls import Called
-from benchmarks.wild.motions import Judged
 from benchmarks.wild.trials import (
     CLEARANCE,
     DEMAND,
@@ -26,6 +24,7 @@ from benchmarks.wild.trials import (
     SELF_CLEARANCE,
     SELF_OVERLAP,
     TARGET,
+    Judged,
     Trial,
     examine,
     refuted,
@@ -166,7 +165,7 @@ def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: p
     made = motions.KINDS[kind]
     found = [made(0, number) for number in range(4)]
     assert all(each.false == "" for each in found)
-    assert any(each.proved for each in found)
+    assert any(each.good for each in found)
     for name in ("needed_body", "self_body"):
         monkeypatch.setattr(f"benchmarks.judges.motions.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
     assert any(made(0, number).false for number in range(4))
@@ -177,7 +176,7 @@ def test_links_are_judged(judged: Callable[..., Judged], monkeypatch: pytest.Mon
     made = cache(worlds.jointed)
     found = [judged(made, 0, number) for number in range(3)]
     assert all(each.false == "" for each in found)
-    assert any(each.proved for each in found)
+    assert any(each.good for each in found)
 
     def thick(*given: Any) -> Bodies:
         return [(link, places, 9.0 * radius) for link, places, radius in body_places(*given)]
@@ -226,8 +225,8 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
 
     monkeypatch.setattr(calls, "CALLS", {"call": (make, ("rates",))})
     found = calls.called(0, 0)
-    assert (found.answered, found.false.split(" ")[0]) == (error is None, false)
-    _, line = calls.lines_of("calls", [[list(found), list(Called("call", True, ""))]])
+    assert (found.good, found.false.split(" ")[:2]) == (error is None, ["call:", false] if false else [""])
+    _, line = trials.lines_of_judged("s", "calls", "answered", "exceptions", [[list(found), [True, ""]]])
     assert line.reached == bool(false)
 
 
@@ -235,7 +234,7 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
 def test_calls_can_be_made(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calls, "CALLS", {what: calls.CALLS[what]})
     made = [calls.called(3, number) for number in range(3)]
-    assert any(call.answered for call in made)
+    assert any(call.good for call in made)
     assert not any(call.false for call in made)
     for number in range(30):
         rng = np.random.default_rng(number)

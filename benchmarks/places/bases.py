@@ -14,7 +14,7 @@ from benchmarks.judges.kinematics import link_poses
 from benchmarks.places import cells, tubes
 from benchmarks.places.parts.robots import SLENDER
 from benchmarks.places.parts.shapes import arc
-from benchmarks.places.parts.surfaces import WALL, open_tube, plate, solid
+from benchmarks.places.parts.surfaces import plate, solid
 from benchmarks.places.place import Sketch, Trap
 from sinuous.model.joints import Fixed, Joint
 
@@ -51,8 +51,7 @@ def sleeve(robot: sn.Robot, rng: Generator) -> Sketch:
     radius, width = max(robot.radii), rng.uniform(*DEEP_WIDTH)
     q, curve = tubes.tube_shape(robot, width, rng)
     begin, end = (round(rng.uniform(*share) * (len(curve.poses) - 1)) for share in (SLEEVE_BEGINS, SLEEVE_ENDS))
-    wall = open_tube(curve.poses[begin : end + 1], width * radius, (width + WALL) * radius)
-    return Sketch(robot, [solid(wall, "sleeve")], q)
+    return Sketch(robot, [tubes.walled(curve.poses[begin : end + 1], width, radius, "sleeve")], q)
 
 
 def port(robot: sn.Robot, rng: Generator) -> Sketch | None:

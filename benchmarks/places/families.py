@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from benchmarks.places import bases, cells, crowds, media, polyhedra, tubes
+from benchmarks.places import bases, cells, media, polyhedra, tubes
 from benchmarks.places.around import drum, duct, pipe, plates, shelf, spheres
 from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
@@ -41,12 +41,11 @@ class Family:
 
 
 _DRAWN: dict[str, tuple[Draw, str]] = {
-    "spheres 12": (partial(spheres, 12), "12 balls beside the hidden shape"),
-    "spheres 40": (partial(spheres, 40), "40 balls beside the hidden shape"),
-    "spheres 100": (partial(spheres, 100), "100 balls beside the hidden shape"),
-    "pipe 2.2": (partial(pipe, 2.2), "closed curved pipe of 2.2 times the body's radius, a mesh"),
-    "pipe 1.6": (partial(pipe, 1.6), "closed curved pipe of 1.6 times the body's radius, a mesh"),
-    "pipe 1.3": (partial(pipe, 1.3), "closed curved pipe of 1.3 times the body's radius, a mesh"),
+    **{f"spheres {n}": (partial(spheres, n), f"{n} balls beside the hidden shape") for n in (12, 40, 100)},
+    **{
+        f"pipe {w}": (partial(pipe, w), f"closed curved pipe of {w} times the body's radius, a mesh")
+        for w in (2.2, 1.6, 1.3)
+    },
     "plates": (plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
     "drum": (drum, "rows of blades on a drum, meshes; the target deep between two blades"),
     "shelf": (shelf, "a shelf of boxes; the target deep in a compartment"),
@@ -55,29 +54,24 @@ _DRAWN: dict[str, tuple[Draw, str]] = {
 SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
 
 _TRAPS: dict[str, tuple[Trap, str]] = {
-    "open pipe 2.2": (
-        partial(tubes.open_pipe, 2.2),
-        "base in a mouth of a pipe of 2.2 times the body's radius, a mesh",
-    ),
-    "open pipe 1.6": (
-        partial(tubes.open_pipe, 1.6),
-        "base in a mouth of a pipe of 1.6 times the body's radius, a mesh",
-    ),
-    "open pipe 1.3": (
-        partial(tubes.open_pipe, 1.3),
-        "base in a mouth of a pipe of 1.3 times the body's radius, a mesh",
-    ),
+    **{
+        f"open pipe {w}": (
+            partial(tubes.open_pipe, w),
+            f"base in a mouth of a pipe of {w} times the body's radius, a mesh",
+        )
+        for w in (2.2, 1.6, 1.3)
+    },
     "pipe between": (partial(tubes.pipe_between, 1.6), "an open pipe between base and target, a mesh"),
     "guide tube": (tubes.guide_tube, "base in a straight tube that hardly leaves room, a mesh"),
     "channel": (partial(tubes.open_channel, 1.5), "base in a straight channel of boxes"),
-    "bore": (tubes.bore, "target in a blind bore, the base outside, a mesh"),
-    "square bore": (tubes.square_bore, "target in a blind square bore, the base outside, boxes"),
+    "bore": (partial(tubes.bore, False), "target in a blind bore, the base outside, a mesh"),
+    "square bore": (partial(tubes.bore, True), "target in a blind square bore, the base outside, boxes"),
     "door out": (cells.door_out, "base in a cell with one door, the target outside, boxes"),
     "door in": (cells.door_in, "target in a cell with one door, the base outside, boxes"),
     "door beside": (cells.door_beside, "base in a cell whose door is beside or behind it, boxes"),
     "two doors": (cells.two_doors, "two cells, and between them a door and one that is too narrow, boxes"),
-    "cells": (tubes.channel_between_cells, "from cell to cell through a straight channel, boxes"),
-    "cells pipe": (tubes.pipe_between_cells, "from cell to cell through a bent pipe, boxes and a mesh"),
+    "cells": (partial(tubes.between_cells, True), "from cell to cell through a straight channel, boxes"),
+    "cells pipe": (partial(tubes.between_cells, False), "from cell to cell through a bent pipe, boxes and a mesh"),
     "two tubes": (tubes.two_tubes, "base in one pipe, target in another, the open between them, meshes"),
     "funnel": (tubes.funnel, "target in a bent pipe whose mouth widens, the base outside, a mesh"),
     "branches": (tubes.branches, "base in a mouth of a pipe with a dead end on its way, a mesh"),
@@ -99,12 +93,12 @@ _JUDGING: dict[str, tuple[Trap, str]] = {
     "nested": (cells.nested, "a cell within a cell, a door each, boxes"),
 }
 _CROWDS: dict[str, tuple[Trap, str]] = {
-    "rods": (crowds.rods, "hundreds of rods thrown about, capsules"),
-    "sheets": (crowds.sheets, "hundreds of thin sheets, boxes"),
-    "hoops": (crowds.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
-    "cables": (crowds.cables, "trays of curved cables, hundreds of capsules"),
-    "profiles": (crowds.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
-    "assembly": (crowds.assembly, "dozens of bars that one mesh holds"),
+    "rods": (media.rods, "hundreds of rods thrown about, capsules"),
+    "sheets": (media.sheets, "hundreds of thin sheets, boxes"),
+    "hoops": (media.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
+    "cables": (media.cables, "trays of curved cables, hundreds of capsules"),
+    "profiles": (media.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
+    "assembly": (media.assembly, "dozens of bars that one mesh holds"),
 }
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
 _STAGED: dict[str, tuple[Draw, str]] = {

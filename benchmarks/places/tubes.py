@@ -13,6 +13,7 @@ from benchmarks.places.parts.surfaces import WALL, Surface, around, blind_bore, 
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Obstacle
 
 RINGS = 9
@@ -34,7 +35,7 @@ GUIDE = (1.1, 1.35)
 def open_pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put the base into one mouth of a pipe of `width` times the radius of the body, bent or straight."""
     straight = _first(robot, rng) if rng.random() < STRAIGHT else 0
-    q, curve = _pipe_shape(robot, width, range(straight), rng)
+    q, curve = tube_shape(robot, width, rng, range(straight))
     end = straight * RINGS if straight else round(rng.uniform(*REACH) * (len(curve.poses) - 1))
     return _piped(robot, q, curve.poses[: end + 1], width, rng)
 
@@ -42,7 +43,7 @@ def open_pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
 def guide_tube(robot: Robot, rng: Generator) -> Sketch:
     """Put the base into a straight tube that hardly leaves room; the shape bends beyond its mouth."""
     straight, width = _first(robot, rng), rng.uniform(*GUIDE)
-    q, curve = _pipe_shape(robot, width, range(straight), rng)
+    q, curve = tube_shape(robot, width, rng, range(straight))
     return _piped(robot, q, curve.poses[: straight * RINGS + 1], width, rng)
 
 
@@ -51,20 +52,18 @@ def pipe_between(width: float, robot: Robot, rng: Generator) -> Sketch:
     n = len(robot)
     first = int(rng.integers(1, n - 1))
     straight = range(first, first + 1 + (n - first) // 3) if rng.random() < STRAIGHT else range(0)
-    q, curve = _pipe_shape(robot, width, straight, rng)
+    q, curve = tube_shape(robot, width, rng, straight)
     last = len(curve.poses) - 1
     begin, end = straight.start * RINGS, min(straight.stop * RINGS, last)
     if not straight:
         begin, end = (round(share * last) for share in (rng.uniform(0.15, 0.4), rng.uniform(0.6, 0.85)))
-    radius = max(robot.radii)
-    wall = open_tube(curve.poses[begin : end + 1], width * radius, (width + WALL) * radius)
-    return sketch_of(robot, [solid(wall, "pipe")], q, rng)
+    return sketch_of(robot, [walled(curve.poses[begin : end + 1], width, max(robot.radii), "pipe")], q, rng)
 
 
 def open_channel(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put the base into a straight channel of four boxes."""
     straight = _first(robot, rng)
-    q, curve = _pipe_shape(robot, math.sqrt(2.0) * width, range(straight), rng)
+    q, curve = tube_shape(robot, math.sqrt(2.0) * width, rng, range(straight))
     poses = backwards(curve.poses[: straight * RINGS + 1], max(robot.radii), rng)
     length = float(np.linalg.norm(poses[-1, :3, 3] - poses[0, :3, 3]))
     radius = max(robot.radii)
@@ -77,9 +76,15 @@ def _first(robot: Robot, rng: Generator) -> int:
     return int(stage + rng.integers(0 if stage else 1, max(2, (len(robot) - stage) // 2)))
 
 
-def _pipe_shape(robot: Robot, width: float, straight: range, rng: Generator) -> tuple[Floats, Curve]:
+def tube_shape(robot: Robot, width: float, rng: Generator, straight: range = range(0)) -> tuple[Floats, Curve]:
+    """Draw a shape with room for a tube of this width, in radii of the body; return its curve, too."""
     q = draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng, straight=straight)
     return q, curve_of(robot, q, RINGS)
+
+
+def walled(poses: Floats, width: float, radius: float, name: str, bottom: bool = False) -> Mesh:
+    """Return the wall about frames (m, 4, 4) of an open pipe of this width, in radii of the body."""
+    return solid(open_tube(poses, width * radius, (width + WALL) * radius, bottom), name)
 
 
 def backwards(poses: Floats, radius: float, rng: Generator) -> Floats:
@@ -96,8 +101,7 @@ def _piped(robot: Robot, q: Floats, poses: Floats, width: float, rng: Generator)
     closed = rng.random() < CLOSED
     if closed:
         enclosed[0, :3, 3] = poses[0, :3, 3] - 1.2 * radius * poses[0, :3, 2]
-    wall = open_tube(enclosed, width * radius, (width + WALL) * radius, bottom=closed)
-    return sketch_of(robot, [solid(wall, "pipe")], q, rng)
+    return sketch_of(robot, [walled(enclosed, width, radius, "pipe", bottom=closed)], q, rng)
 
 
 CORRIDOR_WIDTH = (1.3, 1.8)
@@ -107,39 +111,25 @@ FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 """Turns a frame about its x axis, so that z leads back."""
 
 
-def channel_between_cells(robot: Robot, rng: Generator) -> Sketch | None:
-    """Put base and target into two cells that a straight channel of boxes leads between."""
-    radius, width = max(robot.radii), rng.uniform(*CORRIDOR_WIDTH)
-    n = len(robot)
-    first = int(rng.integers(1, n - 1))
-    straight = range(first, min(n - 1, first + 1 + n // 5))
-    q = _corridor_shape(robot, width, straight, rng)
+def between_cells(straight: bool, robot: Robot, rng: Generator) -> Sketch | None:
+    """Put base and target into two cells: a straight channel of boxes leads between them, or a bent pipe, a mesh."""
+    radius, width, n, held = max(robot.radii), rng.uniform(*CORRIDOR_WIDTH), len(robot), range(0)
+    if straight:
+        first = int(rng.integers(1, n - 1))
+        held = range(first, min(n - 1, first + 1 + n // 5))
+    q, _ = tube_shape(robot, width, rng, held)
     line = line_of(robot, q)
-    begin, end = straight.start * SAMPLES, straight.stop * SAMPLES
+    begin, end = held.start * SAMPLES, held.stop * SAMPLES
+    if not straight:
+        begin, end = (round(share * (len(line.poses) - 1)) for share in (rng.uniform(0.2, 0.4), rng.uniform(0.5, 0.8)))
     cells = _cells(line, begin, end, width * radius, rng)
     if cells is None:
         return None
-    length = float(np.linalg.norm(line.poses[end, :3, 3] - line.poses[begin, :3, 3]))
-    return sketch_of(
-        robot, [*cells, *channel(line.poses[begin], width * radius, length, WALL * radius, "channel")], q, rng
-    )
-
-
-def pipe_between_cells(robot: Robot, rng: Generator) -> Sketch | None:
-    """Put base and target into two cells of boxes that a bent pipe leads between, a mesh."""
-    radius, width = max(robot.radii), rng.uniform(*CORRIDOR_WIDTH)
-    q = _corridor_shape(robot, width, range(0), rng)
-    line = line_of(robot, q)
-    begin, end = (round(share * (len(line.poses) - 1)) for share in (rng.uniform(0.2, 0.4), rng.uniform(0.5, 0.8)))
-    cells = _cells(line, begin, end, width * radius, rng)
-    if cells is None:
-        return None
-    wall = open_tube(line.poses[begin : end + 1], width * radius, (width + WALL) * radius)
-    return sketch_of(robot, [*cells, solid(wall, "pipe")], q, rng)
-
-
-def _corridor_shape(robot: Robot, width: float, straight: range, rng: Generator) -> Floats:
-    return draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng, straight=straight)
+    wall: list[Obstacle] = [walled(line.poses[begin : end + 1], width, radius, "pipe")]
+    if straight:
+        length = float(np.linalg.norm(line.poses[end, :3, 3] - line.poses[begin, :3, 3]))
+        wall = [*channel(line.poses[begin], width * radius, length, WALL * radius, "channel")]
+    return sketch_of(robot, [*cells, *wall], q, rng)
 
 
 def _cells(line: Line, begin: int, end: int, half: float, rng: Generator) -> list[Obstacle] | None:
@@ -176,10 +166,10 @@ def two_tubes(robot: Robot, rng: Generator) -> Sketch:
     q, curve = tube_shape(robot, max(near, far), rng)
     last = len(curve.poses) - 1
     begin, end = round(rng.uniform(*GAP_BEGINS) * last), round(rng.uniform(*GAP_ENDS) * last)
-    first = open_tube(backwards(curve.poses[: begin + 1], radius, rng), near * radius, (near + WALL) * radius)
+    first = walled(backwards(curve.poses[: begin + 1], radius, rng), near, radius, "base tube")
     within = past(robot, q, curve.poses[end:], rng)
     other = around_target(within, far * radius, radius, rng)
-    return sketch_of(robot, [solid(first, "base tube"), solid(other, "target tube")], q, rng)
+    return sketch_of(robot, [first, solid(other, "target tube")], q, rng)
 
 
 def funnel(robot: Robot, rng: Generator) -> Sketch | None:
@@ -191,12 +181,6 @@ def funnel(robot: Robot, rng: Generator) -> Sketch | None:
     share = np.linspace(0.0, 1.0, len(poses))
     inside = width * radius * (1.0 + (widened - 1.0) * np.clip(1.0 - share / CONE, 0.0, 1.0))
     return sketch_of(robot, [solid(widening_tube(poses, inside, inside + WALL * radius), "funnel")], q, rng)
-
-
-def tube_shape(robot: Robot, width: float, rng: Generator) -> tuple[Floats, Curve]:
-    """Draw a shape with room for a tube of this width, in radii of the body; return its curve, too."""
-    q = draw_shape(robot, 2.1 * (width + WALL) * max(robot.radii), rng)
-    return q, curve_of(robot, q, RINGS)
 
 
 def past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
@@ -217,26 +201,19 @@ BORE_WIDTH, BLOCK, BOTTOM = (1.3, 1.8), (3.0, 8.0), (1.1, 3.0)
 """Inner radius of a bore; half the edge of the block; how far the bottom is beyond the tip. In radii of the body."""
 
 
-def bore(robot: Robot, rng: Generator) -> Sketch | None:
-    """Drill a round bore into a block, a mesh."""
+def bore(square: bool, robot: Robot, rng: Generator) -> Sketch | None:
+    """Drill a round bore into a block, a mesh; or leave a square one between four boxes and one at the bottom."""
     radius = max(robot.radii)
     width, block = radius * rng.uniform(*BORE_WIDTH), radius * rng.uniform(*BLOCK)
     q, frame, depth = _drilled(robot, rng)
-    if not _tool_fits(robot, q, frame, width):
+    tool = in_frame(frame, line_of(robot, q).end[None])[0]
+    if float(np.linalg.norm(tool[:2])) >= width - 0.2 * radius:  # the tool is in the wall
         return None
-    return sketch_of(robot, [solid(blind_bore(frame, width, depth, block, radius), "block")], q, rng)
-
-
-def square_bore(robot: Robot, rng: Generator) -> Sketch | None:
-    """Leave a square bore between four boxes and one at the bottom."""
-    radius = max(robot.radii)
-    width, block = radius * rng.uniform(*BORE_WIDTH), radius * rng.uniform(*BLOCK)
-    q, frame, depth = _drilled(robot, rng)
-    if not _tool_fits(robot, q, frame, width):
-        return None
-    low, high = np.array([-block, -block, depth]), np.array([block, block, depth + radius])
-    bottom = box_between(frame, low, high, "bottom")
-    return sketch_of(robot, [*channel(frame, width, depth, block - width), bottom], q, rng)
+    made: list[Obstacle] = [solid(blind_bore(frame, width, depth, block, radius), "block")]
+    if square:
+        low, high = np.array([-block, -block, depth]), np.array([block, block, depth + radius])
+        made = [*channel(frame, width, depth, block - width), box_between(frame, low, high, "bottom")]
+    return sketch_of(robot, made, q, rng)
 
 
 def _drilled(robot: Robot, rng: Generator) -> tuple[Floats, Floats, float]:
@@ -249,12 +226,6 @@ def _drilled(robot: Robot, rng: Generator) -> tuple[Floats, Floats, float]:
     local = in_frame(mouth, np.stack([line.poses[-1, :3, 3], line.end]))
     depth = float(local[0, 2] + max(radius * rng.uniform(*BOTTOM), local[1, 2] - local[0, 2] + 0.3 * radius))
     return q, mouth, depth
-
-
-def _tool_fits(robot: Robot, q: Floats, frame: Floats, width: float) -> bool:
-    """Whether the tool is not in the wall."""
-    tool = in_frame(frame, line_of(robot, q).end[None])[0]
-    return float(np.linalg.norm(tool[:2])) < width - 0.2 * max(robot.radii)
 
 
 BRANCH_WIDTH = (1.4, 2.2)
@@ -287,14 +258,21 @@ def branches(robot: Robot, rng: Generator) -> Sketch | None:
     open_at = [tool[-1] + beyond * curve.tangents[-1]]
     if rng.random() < OPENED:
         open_at.append(curve.points[0] - beyond * curve.tangents[0])
-    wall, hollow = cKDTree(axes), cKDTree(np.concatenate([axes, *open_at]))
-
-    def signed(points: Floats) -> Floats:
-        to_wall = wall.query(points)[0] - (width + WALL) * radius
-        return np.asarray(np.maximum(to_wall, width * radius - hollow.query(points)[0]))
-
-    surface = around(axes, (width + WALL) * radius, BRANCH_CELL * radius, signed)
+    hollow = np.concatenate([axes, *open_at])
+    outer, inner = np.full(len(axes), (width + WALL) * radius), np.full(len(hollow), width * radius)
+    surface = lumen(axes, outer, hollow, inner, BRANCH_CELL * radius)
     return sketch_of(robot, [solid(surface, "pipe")], q, rng)
+
+
+def lumen(axes: Floats, outer: Floats, hollow: Floats, inner: Floats, cell: float) -> Surface:
+    """Return the wall within radii (m,) of points (m, 3) that leaves radii (k,) of points (k, 3) hollow."""
+    walls, hollows = cKDTree(axes), cKDTree(hollow)
+
+    def signed(places: Floats) -> Floats:
+        (out, i), (within, j) = walls.query(places), hollows.query(places)
+        return np.asarray(np.maximum(out - outer[i], inner[j] - within))
+
+    return around(axes, float(outer.max()), cell, signed)
 
 
 def _dead_end(poses: Floats, outside: float, radius: float, rng: Generator) -> Floats | None:
@@ -416,7 +394,7 @@ def helix(robot: Robot, rng: Generator) -> Sketch | None:
     if not keeps_from_itself(curve, 2.1 * (width + WALL) * radius):
         return None
     poses = _vessel_piped(curve.poses, radius, rng)
-    return sketch_of(robot, [solid(open_tube(poses, width * radius, (width + WALL) * radius), "helix")], q, rng)
+    return sketch_of(robot, [walled(poses, width, radius, "helix")], q, rng)
 
 
 def stenosis(robot: Robot, rng: Generator) -> Sketch:
@@ -455,13 +433,7 @@ def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
     points, inside = np.concatenate(axes), np.concatenate(widths)
     mouth = poses[0, :3, 3] - np.linspace(0.0, (begin + 2.0) * radius, 20)[:, None] * poses[0, :3, 2]
     hollow, room = np.concatenate([points, mouth]), np.concatenate([inside, np.full(20, begin * radius)])
-    walls, hollows = cKDTree(points), cKDTree(hollow)
-
-    def signed(places: Floats) -> Floats:
-        (outer, i), (inner, j) = walls.query(places), hollows.query(places)
-        return np.asarray(np.maximum(outer - inside[i] - WALL * radius, room[j] - inner))
-
-    surface = around(points, (begin + WALL) * radius, VESSEL_CELL * radius, signed)
+    surface = lumen(points, inside + WALL * radius, hollow, room, VESSEL_CELL * radius)
     return sketch_of(robot, [solid(surface, "tree")], q, rng)
 
 

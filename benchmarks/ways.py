@@ -24,7 +24,7 @@ from benchmarks.harness.parallel import ignore_suspicions, in_processes
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.judges.motions import wrong_in
-from benchmarks.motion.hidden import straight
+from benchmarks.motion.known import straight
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import feasible, right
 from sinuous.base import checks

@@ -1,5 +1,16 @@
-"""Plans for which a motion is known: from the straight robot into places that were made around a hidden motion."""
+"""Plans for which a motion is known: from the straight robot into places that were made around a hidden motion.
 
+Hidden motions lead to a shape, within all limits, and nowhere near themselves. In one kind the straight body wanders
+through random shapes. In the others the tip leads in: the body is drawn back from the hidden shape along itself. In one
+of these the whole body is, as far as a share of its length, and straightened there. Backwards that is a way in that
+sweeps little where the hidden shape ends. In the other only what is beyond a place of the shape slides back, to just
+before that place, and nothing is straightened: backwards the body comes out of folds, through a hole at that place that
+it hardly needs wider than it is. The least squares of that are NumPy's, and share nothing with the planner.
+
+What is put around leaves room for all of it: balls, plates of bars, cells with doors, pipes.
+"""
+
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -7,18 +18,288 @@ from zlib import crc32
 
 import numpy as np
 from numpy.random import Generator
+from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.parallel import in_processes
-from benchmarks.judges.motions import wrong_in
-from benchmarks.motion.around import balls, door_in, door_out, pipe, plates, two_doors
-from benchmarks.motion.hidden import KINDS, THREADING, draw_motion, keeps_apart
+from benchmarks.judges.kinematics import body_points, segment_ends
+from benchmarks.judges.motions import samples, wrong_in
+from benchmarks.judges.self_collision import look
+from benchmarks.places.cells import WALL as WALLS
+from benchmarks.places.cells import Cell, cell_around, common_wall, in_frame
 from benchmarks.places.parts.robots import longest, robot_of
+from benchmarks.places.parts.shapes import curve_of, draw_shape
+from benchmarks.places.parts.surfaces import WALL, open_tube, solid
 from benchmarks.places.scans import one_mesh
+from benchmarks.places.tubes import RINGS
 from sinuous.base.checks import Floats
+from sinuous.model.robot import Robot
 from sinuous.scene.obstacles import Obstacle
+
+WANDERING, LEADING, THREADING = "wandering", "leading", "threading"
+KINDS = (WANDERING, LEADING, THREADING)
+
+APART = 4.0
+"""Distance of the shapes from themselves, in radii of the body."""
+
+ROOM = 0.2
+"""Clearance from itself that the whole motion has, in radii of the body."""
+
+SHAPES, FEW = (2, 4), 9
+"""Range of the shapes that a wandering body goes through, the last is where it ends; robots of so many segments or more
+go to the last one at once, because they hardly ever get from one shape to another without running into themselves."""
+
+BACK = (0.25, 0.6)
+"""Range of the share of its length that a leading body is drawn back by."""
+
+HOLE, OUT = (0.45, 0.8), 0.04
+"""Range of the share of its length where the hole of a threading body is, and how far the tip is drawn out of it."""
+
+BEFORE = 0.5
+"""What is as near before the hole slides, too, in segments."""
+
+STEP = 0.02
+"""Of a body that is drawn back, in its lengths."""
+
+ROUNDS, DAMPING, NUDGE = 4, 1e-3, 1e-6
+"""Steps of the least squares for each step back; their damping, as a share; and the step of finite differences."""
+
+CURVE_SAMPLES = 12
+"""Intervals of a segment in the curve that it is drawn back along."""
+
+LOOKS = 12
+"""Configurations a step at most, and more than one where the motion is looked at whether it keeps clear of itself."""
+
+
+def draw_motion(robot: Robot, kind: str, rng: Generator) -> Floats:
+    """Draw the knots (T, n, 3) of a motion that is linear between them; see `keeps_apart`."""
+    radius = max(robot.radii)
+    count = int(rng.integers(*SHAPES)) if kind == WANDERING and len(robot) < FEW else 1
+    shapes = [draw_shape(robot, APART * radius, rng) for _ in range(count)]
+    if kind == THREADING:
+        hole = rng.uniform(*HOLE)
+        return np.stack(drawn_back(robot, shapes[0], 1.0 - hole + OUT, hole)[::-1])
+    if kind == LEADING:
+        shapes = drawn_back(robot, shapes[0], rng.uniform(*BACK))[::-1]
+    return np.stack([straight(robot), *shapes])
+
+
+def keeps_apart(robot: Robot, knots: Floats) -> bool:
+    """Whether a motion through knots (T, n, 3) is nowhere near itself."""
+    room = ROOM * max(robot.radii)
+    return bool(look(robot, samples(knots, LOOKS), room).least.min() > room)
+
+
+def straight(robot: Robot) -> Floats:
+    """Return the straight robot (n, 3): every stage drawn in, every other segment at its mean length."""
+    lengths = [
+        segment.length[0] if segment.max_bend == 0.0 else 0.5 * sum(segment.length) for segment in robot.segments
+    ]
+    return np.stack([np.zeros(len(lengths)), np.zeros(len(lengths)), lengths], axis=-1)
+
+
+def drawn_back(robot: Robot, q: Floats, share: float, hole: float | None = None) -> list[Floats]:
+    """Return configurations (n, 3) from `q` to one whose tip is back by a share of the length.
+
+    Ends of segments are to lie where the curve of `q` was so much before, the more the nearer they are to the tip; what
+    would be behind the base is free. With a hole, at a share of the length, all ends beyond it count the same, and what
+    is before it is free. Gauss and Newton, damped, with finite differences.
+    """
+    curve = curve_of(robot, q, CURVE_SAMPLES)
+    ends, length = np.cumsum(q[:, 2]), float(curve.along[-1])
+    weights, free = np.arange(1, len(q) + 1) / len(q), 0.0
+    if hole is not None:
+        weights, free = np.ones(len(q)), (hole - BEFORE / len(q)) * length
+    found = [q]
+    for by in np.arange(1, math.floor(share / STEP) + 1) * STEP * length:
+        places = np.stack([np.interp(ends - by, curve.along, axis) for axis in curve.points.T], axis=-1)
+        held = np.where(ends - by > free, weights, 0.0)
+        held[-1] = 1.0
+        new = found[-1]
+        for _ in range(ROUNDS):
+            new = _step(robot, new, places, held[:, None])
+        found.append(new)
+    return found
+
+
+def _step(robot: Robot, q: Floats, places: Floats, weights: Floats) -> Floats:
+    """Bring the ends of segments nearer to places (n, 3)."""
+    flat = q.ravel()
+    nudges = np.tile([NUDGE, NUDGE, NUDGE * robot.mean_length / len(q)], len(q))
+    tried = (flat + np.vstack([np.zeros(len(flat)), np.diag(nudges)])).reshape(-1, *q.shape)
+    seen = (weights * (segment_ends(robot, tried)[:, 1:, :3, 3] - places)).reshape(len(tried), -1)
+    jacobian = ((seen[1:] - seen[0]) / NUDGE).T
+    normal = jacobian.T @ jacobian
+    normal[np.diag_indices_from(normal)] += DAMPING * np.trace(normal) / len(normal)
+    change = nudges / NUDGE * np.linalg.solve(normal, jacobian.T @ seen[0])
+    return _within_limits(robot, (flat - change).reshape(q.shape))
+
+
+def _within_limits(robot: Robot, q: Floats) -> Floats:
+    """Return the configuration (n, 3) with lengths and bends (3 n) no greater than they may be."""
+    low, high, most = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
+    bends = np.hypot(q[:, 0], q[:, 1])
+    share = np.where(bends > most, most / np.maximum(bends, 1e-12), 1.0)
+    return np.stack([share * q[:, 0], share * q[:, 1], np.clip(q[:, 2], low, high)], axis=-1)
+
+
+BODY_SAMPLES = 10
+"""Intervals of a segment where the body is looked at."""
+
+LEAST_GAP, MOST_GAP = 0.2, 6.0
+"""Range of the room that a ball leaves beside a shape on the way; cubes of an even draw, so that most are close."""
+
+SMALLEST, LARGEST = 1.5, 5.0
+"""Range of the radius of a ball."""
+
+FROM = 0.3
+"""Share of the motion after which balls are beside it: before, the robot is straight."""
+
+FEWEST, MOST = 2, 4
+"""Range of the number of plates."""
+
+HALF, BAR, THICKNESS, OPEN = 10.0, 0.8, 0.5, 0.4
+"""Half the edge of a plate; width of its bars; its thickness; and the least room beside the motion in its opening.
+
+All but shares and numbers in radii of the body.
+"""
+
+BEYOND = (0.04, 0.1)
+"""How far a door is beyond where the tip begins, in lengths of the hidden shape."""
+
+GAP = (0.2, 0.45)
+"""Least room beside the motion in a door and in a pipe, in radii of the body."""
+
+WIDEST = 3.0
+"""Half of the wider side of a door, and the inner radius of a pipe, at most, in radii of the body."""
+
+FINE = 4
+"""Frames along a pipe for each of its rings, where its width is measured."""
+
+ENDS = (0.1, 0.5)
+"""How far before the tip a pipe ends, in what of the hidden shape is beyond its beginning."""
+
+ALONG = 1.0
+"""How much farther than `WIDEST` from the axis of a pipe a body counts as one in it, in radii of the body."""
+
+DRAWS = 400
+"""Balls that are drawn for each that is wanted."""
+
+
+def swept(robot: sn.Robot, knots: Floats) -> Floats:
+    """Points (m, 3) of the backbone on the whole way, that no place of it is far from."""
+    points, _ = body_points(robot, samples(knots), BODY_SAMPLES)
+    return points.reshape(-1, 3)
+
+
+def balls(robot: sn.Robot, knots: Floats, rng: Generator, count: int) -> list[sn.Sphere] | None:
+    """Put balls beside shapes of a motion (T, n, 3), clear of all of it; `None` where there is no room for so many."""
+    unit, tree = max(robot.radii), cKDTree(swept(robot, knots))
+    way = samples(knots)
+    found: list[sn.Sphere] = []
+    for _ in range(DRAWS * count):
+        size = unit * rng.uniform(SMALLEST, LARGEST)
+        gap = unit * (LEAST_GAP + (MOST_GAP - LEAST_GAP) * rng.random() ** 3)
+        shape = way[int(rng.uniform(FROM, 1.0) * len(way))]
+        points = curve_of(robot, shape, BODY_SAMPLES).points
+        aside = rng.normal(size=3)
+        center = points[rng.integers(len(points))] + (size + unit + gap) * aside / np.linalg.norm(aside)
+        if tree.query(center)[0] >= size + (1.0 + LEAST_GAP) * unit:
+            found.append(sn.Sphere(center, size))
+            if len(found) == count:
+                return found
+    return None
+
+
+def plates(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Box]:
+    """Put plates of bars across the shape where a motion (T, n, 3) ends, with openings that the motion needs."""
+    unit, points = max(robot.radii), swept(robot, knots)
+    poses = curve_of(robot, knots[-1], 40).poses
+    count = int(rng.integers(FEWEST, MOST + 1))
+    shares = 0.25 + 0.65 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count
+    return [
+        bar
+        for number, share in enumerate(shares)
+        for bar in _plate(poses[round(share * (len(poses) - 1))], points, unit, f"plate {number + 1}")
+    ]
+
+
+def _plate(pose: Floats, points: Floats, unit: float, name: str) -> list[sn.Box]:
+    """Cut a plate across a frame (4, 4) into bars, and leave out what is too near to points (m, 3)."""
+    room, thick, width = (1.0 + OPEN) * unit, 0.5 * THICKNESS * unit, BAR * unit
+    local = (points - pose[:3, 3]) @ pose[:3, :3]
+    local = local[np.abs(local[:, 2]) < room + thick]
+    deep = np.maximum(np.abs(local[:, 2]) - thick, 0.0)
+    count = math.ceil(2.0 * HALF / BAR)
+    middles = width * (np.arange(count) - 0.5 * (count - 1))
+    aside = np.maximum(np.abs(local[:, :2, None] - middles) - 0.5 * width, 0.0)
+    near = (aside[:, 0, :, None] ** 2 + aside[:, 1, None, :] ** 2 + deep[:, None, None] ** 2 < room**2).any(axis=0)
+    found: list[sn.Box] = []
+    for row in range(count):
+        edges = np.flatnonzero(np.diff(np.concatenate([[True], near[row], [True]]).astype(int)))
+        for first, last in edges.reshape(-1, 2):
+            middle = np.array([middles[row], 0.5 * (middles[first] + middles[last - 1]), 0.0])
+            size = np.array([width, (last - first) * width, 2.0 * thick])
+            found.append(
+                sn.Box(pose[:3, 3] + pose[:3, :3] @ middle, size, pose[:3, :3], name=f"{name}, {len(found) + 1}")
+            )
+    return found
+
+
+def doors(which: str, robot: sn.Robot, knots: Floats, rng: Generator, mesh: bool = False) -> list[Obstacle] | None:
+    """Put a cell with one door around where a motion (T, n, 3) ends (`in`) or around the base (`out`), or both (`two`).
+
+    The common wall of two has a slit, too, that is too narrow. `None` where it needs too wide a door. Walls are boxes,
+    or one mesh.
+    """
+    cells = _cells(robot, knots, rng)
+    if cells is None:
+        return None
+    walls = common_wall(*cells, min(robot.radii), rng) if which == "two" else cells[which == "in"].boxes("cell")
+    return [one_mesh(walls, robot)] if walls is not None and mesh else walls  # type: ignore[return-value]
+
+
+def _cells(robot: sn.Robot, knots: Floats, rng: Generator) -> tuple[Cell, Cell] | None:
+    """Cells on both sides of the middle of a wall: around the base, and around where the motion ends."""
+    points, unit = swept(robot, knots), max(robot.radii)
+    frame = _ahead(robot, knots, rng)[0]
+    local = in_frame(frame, points)
+    through = local[np.abs(local[:, 2]) < (1.0 + WALLS[1]) * unit, :2]
+    low, high = through.min(axis=0), through.max(axis=0)
+    half = 0.5 * (high - low) + (1.0 + rng.uniform(*GAP)) * unit
+    begin = in_frame(frame, curve_of(robot, knots[0], RINGS).points)
+    if half.max() > WIDEST * unit or begin[:, 2].max() > 0.0:
+        return None
+    frame[:3, 3] += frame[:3, :2] @ (0.5 * (low + high))
+    before, after = points[local[:, 2] <= 0.0], points[local[:, 2] >= 0.0]
+    flipped = frame @ np.diag([1.0, -1.0, -1.0, 1.0])
+    first, other = (cell_around(side, at, half, unit, rng) for side, at in ((before, frame), (after, flipped)))
+    return None if first is None or other is None else (first, other)
+
+
+def _ahead(robot: sn.Robot, knots: Floats, rng: Generator) -> Floats:
+    """Frames (m, 4, 4) along the hidden shape, `FINE` a ring, from a little beyond where the tip begins."""
+    curve = curve_of(robot, knots[-1], FINE * RINGS)
+    tip = curve_of(robot, knots[0], RINGS).points[-1]
+    begin = int(np.linalg.norm(curve.points - tip, axis=1).argmin())
+    begin += round(rng.uniform(*BEYOND) * (len(curve.poses) - 1))
+    return curve.poses[min(begin, len(curve.poses) - 1 - FINE) :].copy()
+
+
+def pipe(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Mesh] | None:
+    """Put a pipe, open at both ends, where a motion (T, n, 3) leads in; `None` as before."""
+    unit = max(robot.radii)
+    ahead = _ahead(robot, knots, rng)
+    axis = ahead[: max(FINE + 1, round((1.0 - rng.uniform(*ENDS)) * len(ahead)))]
+    gaps, at = map(np.asarray, cKDTree(axis[:, :3, 3]).query(swept(robot, knots)))
+    along = gaps[(at > 0) & (at < len(axis) - 1) & (gaps < (WIDEST + ALONG) * unit)]
+    inside = float(along.max(initial=0.0)) + (1.0 + rng.uniform(*GAP)) * unit
+    if inside > WIDEST * unit:
+        return None
+    return [solid(open_tube(axis[::FINE], inside, inside + WALL * unit), "pipe")]
+
 
 PLANNED = "plans for which a motion is known: planned and proved within 5 s, and found clear by the judges"
 FALSE = "plans for which a motion is known: called proved, and a judge finds a collision"
@@ -54,55 +335,22 @@ class Trial(NamedTuple):
     wrong: str
 
 
-class Family(NamedTuple):
-    """Places of one kind.
-
-    Attributes
-    ----------
-    kind : str
-        How the hidden motion goes.
-    around : callable
-        What stands around it.
-    robots : callable
-        From a seed and its random numbers to a robot.
-    """
-
-    kind: str
-    around: Around
-    robots: Callable[[int, Generator], sn.Robot] = robot_of
-
-
-def _meshed(walls: Callable[[sn.Robot, Floats, Generator], list[sn.Box] | None]) -> Around:
-    """The same walls as one mesh."""
-
-    def around(robot: sn.Robot, knots: Floats, rng: Generator) -> list[Obstacle] | None:
-        boxes = walls(robot, knots, rng)
-        return None if boxes is None else [one_mesh(boxes, robot)]
-
-    return around
-
-
-_DOORS: dict[str, Callable[[sn.Robot, Floats, Generator], list[sn.Box] | None]] = {
-    "door in": door_in,
-    "door out": door_out,
-    "two doors": two_doors,
-}
-
 _ANY: dict[str, Around] = {
     "40 balls": partial(balls, count=40),
     "100 balls": partial(balls, count=100),
     "plates": plates,
 }
+_DOORS = {"door in": "in", "door out": "out", "two doors": "two"}
 
-FAMILIES: dict[str, Family] = {
-    **{f"{what}, {kind}": Family(kind, around) for what, around in _ANY.items() for kind in KINDS},
-    **{what: Family(THREADING, around) for what, around in _DOORS.items()},
-    **{f"{what} mesh": Family(THREADING, _meshed(around)) for what, around in _DOORS.items()},
-    "pipe between": Family(THREADING, pipe),
-    "folded": Family(THREADING, door_out, longest),
-    "folded mesh": Family(THREADING, _meshed(door_out), longest),
+FAMILIES: dict[str, tuple[str, Around, Callable[[int, Generator], sn.Robot]]] = {
+    **{f"{what}, {kind}": (kind, around, robot_of) for what, around in _ANY.items() for kind in KINDS},
+    **{what: (THREADING, partial(doors, which), robot_of) for what, which in _DOORS.items()},
+    **{f"{what} mesh": (THREADING, partial(doors, which, mesh=True), robot_of) for what, which in _DOORS.items()},
+    "pipe between": (THREADING, pipe, robot_of),
+    "folded": (THREADING, partial(doors, "out"), longest),
+    "folded mesh": (THREADING, partial(doors, "out", mesh=True), longest),
 }
-"""How the hidden motion goes, and what stands around it."""
+"""How the hidden motion goes, what stands around it, and what makes a robot of a seed."""
 
 
 def make(family: str, seed: int) -> Hidden:

@@ -9,7 +9,7 @@ import trimesh
 
 from benchmarks.judges.clearances import least_clearance, overlaps
 from benchmarks.judges.judge import Flags
-from benchmarks.motion import hidden, known
+from benchmarks.motion import known
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
@@ -106,7 +106,7 @@ def test_a_seed_makes_its_place_again(family: str) -> None:
 def test_a_motion_is_hidden_in_places_to_plan_into(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What `make` has looked at with few samples is clear at others, too, and what stands around is near."""
     monkeypatch.setattr("benchmarks.judges.motions.A_STEP", 10)
-    monkeypatch.setattr(hidden, "FINE", 4)
+    monkeypatch.setattr(known, "LOOKS", 4)
     place = known.make(family, 7)
     radius, gaps = max(place.robot.radii), least_clearance(place.robot, place.scene, place.knots)
     assert 0.1 * radius < gaps.min() < radius

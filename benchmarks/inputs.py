@@ -64,21 +64,11 @@ class Written(NamedTuple):
 
 
 class Dialect(NamedTuple):
-    """A text of columns, as some program might write it.
-
-    Attributes
-    ----------
-    content : bytes
-    lost : ndarray (k,)
-        Rows in which coordinates say nan.
-    whole : bool
-    titled : bool
-    """
+    """A text of columns, as some program might write it; rows (k,) in which coordinates say nan; and if it is whole."""
 
     content: bytes
     lost: Any
     whole: bool
-    titled: bool
 
 
 OTHERS = ["id", "r", "g", "b", "nx", "intensity", "frame"]
@@ -113,7 +103,7 @@ def dialect(rng: Generator, columns: dict[str, Any], others: int, titled: bool, 
     text = str(rng.choice(["\n", "\r\n"])).join(lines) + "\n"
     if rng.random() < 0.1:
         text, whole = text[: int(rng.integers(1, len(text)))], False
-    return Dialect(text.encode("utf-16" if gaps and rng.random() < 0.05 else "utf-8"), lost, whole, titled)
+    return Dialect(text.encode("utf-16" if gaps and rng.random() < 0.05 else "utf-8"), lost, whole)
 
 
 def _points(rng: Generator) -> Floats:
@@ -256,15 +246,19 @@ def threemf(rng: Generator) -> Written:
     return _cut(rng, Written("part.3mf", file.getvalue(), corners, {"scale": 1.0}, True))
 
 
+def _columns(points: Floats, rng: Generator, other: str) -> tuple[list[str], Floats, bytes]:
+    """Names of coordinates and one more column, in any order; the columns (m, 4); and these as text."""
+    names = [str(each) for each in rng.permutation([*AXES, other])]
+    columns = np.stack([points[:, AXES.index(n)] if n in AXES else np.ones(len(points)) for n in names], axis=1)
+    return names, columns, "".join(" ".join(f"{x:.6f}" for x in row) + "\n" for row in columns).encode()
+
+
 def ply(rng: Generator) -> Written:
     """A PLY file of points, as text or binary, with properties in any order."""
     points, kind = _cloud(rng), str(rng.choice(["ascii", "binary_little_endian", "binary_big_endian"]))
-    names = [str(each) for each in rng.permutation([*AXES, "quality"])]
+    names, columns, text = _columns(points, rng, "quality")
+    data = text if kind == "ascii" else columns.astype((">" if "big" in kind else "<") + "f4").tobytes()
     head = "".join(f"property float {name}\n" for name in names)
-    columns = np.stack([points[:, AXES.index(n)] if n in AXES else np.ones(len(points)) for n in names], axis=1)
-    sign = ">" if "big" in kind else "<"
-    data = "".join(" ".join(f"{x:.6f}" for x in row) + "\n" for row in columns).encode()
-    data = data if kind == "ascii" else columns.astype(sign + "f4").tobytes()
     header = f"ply\nformat {kind} 1.0\nelement vertex {len(points)}\n{head}end_header\n".encode()
     return _cut(rng, Written("scan.ply", header + data, _finite(points), _dropped(), True))
 
@@ -272,11 +266,9 @@ def ply(rng: Generator) -> Written:
 def pcd(rng: Generator) -> Written:
     """An organised PCD file, as text or binary, with fields in any order."""
     points, kind = _cloud(rng), str(rng.choice(["ascii", "binary"]))
-    names = [str(each) for each in rng.permutation([*AXES, "intensity"])]
+    names, columns, text = _columns(points, rng, "intensity")
     size = int(rng.choice([4, 8]))
-    columns = np.stack([points[:, AXES.index(n)] if n in AXES else np.ones(len(points)) for n in names], axis=1)
-    data = "".join(" ".join(f"{x:.6f}" for x in row) + "\n" for row in columns).encode()
-    data = data if kind == "ascii" else columns.astype(f"<f{size}").tobytes()
+    data = text if kind == "ascii" else columns.astype(f"<f{size}").tobytes()
     fields = f"FIELDS {' '.join(names)}\nSIZE {' '.join([str(size)] * 4)}\nTYPE F F F F\nCOUNT 1 1 1 1\n"
     head = f"# .PCD v0.7\nVERSION 0.7\n{fields}WIDTH {len(points)}\nHEIGHT 1\nPOINTS {len(points)}\nDATA {kind}\n"
     return _cut(rng, Written("scan.pcd", head.encode() + data, _finite(points), _dropped(), True))
@@ -444,35 +436,22 @@ def arm(rng: Generator, wrong: str = "") -> tuple[sn.Robot, sn.Scene, list[list[
     size["limit"] = max(size["limit"], 2.0 * size["tendons"])
     own = {key: value * metre * factor[key] for key, value in size.items()}
     angles = {key: float(np.degrees(1.0)) if key == wrong else 1.0 for key in ANGLES}
-    lines = sn.Tendons(
-        angles=np.array([0.0, 2.1, 4.2]) * angles["angles"],
-        radius=own["tendons"],
-        displacement=(-own["limit"], own["limit"]),
-    )
+    places, limits = np.array([0.0, 2.1, 4.2]) * angles["angles"], (-own["limit"], own["limit"])
+    lines = sn.Tendons(angles=places, radius=own["tendons"], displacement=limits)
     soft = 2e-3 * metre**3 * (1e6 if wrong == "stiffness" else 1.0)
     mass = 0.05 / metre * (1e3 if wrong == "mass" else 1.0)
-    segment = sn.Segment(
-        0.1 * metre,
-        1.5 * angles["max_bend"],
-        radius=own["radius"],
-        tendons=lines,
-        rest=(0.4 * angles["rest"], 0.0),
-        stiffness=soft,
-        mass=mass,
-    )
+    segment = sn.Segment(0.1 * metre, 1.5 * angles["max_bend"], radius=own["radius"], tendons=lines)
+    segment = segment.changed(rest=(0.4 * angles["rest"], 0.0), stiffness=soft, mass=mass)
     tool = np.eye(4)
     tool[2, 3] = own["tool"]
     robot = sn.Robot([segment] * 3, tool=tool, gravity=(0.0, 0.0, -9.81 * metre))
     far = np.array([0.4, 0.1, 0.2]) * metre
     corners, faces = _box(rng)
     unit = (corners - corners.min(axis=0)) / np.ptp(corners, axis=0).max()
-    scene = sn.Scene(
-        [
-            sn.Box(far * factor["box"], np.full(3, 0.1 * metre * factor["box"])),
-            sn.Mesh((far + 0.2 * metre * unit) * factor["mesh"], faces),
-            sn.PointCloud((far + 0.1 * metre * rng.random((20, 3))) * factor["cloud"], 0.002 * metre * factor["cloud"]),
-        ]
-    )
+    box = sn.Box(far * factor["box"], np.full(3, 0.1 * metre * factor["box"]))
+    mesh = sn.Mesh((far + 0.2 * metre * unit) * factor["mesh"], faces)
+    points = (far + 0.1 * metre * rng.random((20, 3))) * factor["cloud"]
+    scene = sn.Scene([box, mesh, sn.PointCloud(points, 0.002 * metre * factor["cloud"])])
     place = np.array([0.1, 0.0, 0.2]) * metre
     along = [place] if wrong == "target" else [place * share for share in np.linspace(0.9, 1.1, 5)]
     return robot, scene, [[sn.Target(each * factor["target"] * factor["path"])] for each in along]
@@ -487,17 +466,17 @@ def suspicious(plan: Plan) -> Iterator[Line]:
         missed = ARMS - sum(bool(_said(plan.rng(1 + i, number), wrong)) for number in range(ARMS))
         yield Line("notes", f"of {ARMS} arms with {wrong} in another unit", float(missed), "not noted", Goal(0.0))
     files = sorted(Path(__file__).parents[1].joinpath("examples").glob("*.yaml"))
-    noted = [file.name for file in files if (job := sn.load(file, sn.Job)) and _of_job(job)]
+    noted = [
+        file.name
+        for file in files
+        if (job := sn.load(file, sn.Job)) and problem_warnings(job.robot, job.scene.snapshot(), job.waypoints)
+    ]
     yield Line("notes", f"of {len(files)} examples", float(len(noted)), "noted", Goal(0.0), note=", ".join(noted))
 
 
 def _said(rng: Generator, wrong: str = "") -> list[str]:
     robot, scene, waypoints = arm(rng, wrong)
     return problem_warnings(robot, scene.snapshot(), waypoints)
-
-
-def _of_job(job: sn.Job) -> list[str]:
-    return problem_warnings(job.robot, job.scene.snapshot(), job.waypoints)
 
 
 MANY, HUGE, BODIES, SIDES_OF_BODY = 300_000, 2_600_000, 1000, 320

@@ -67,23 +67,20 @@ def measure(plan: Plan) -> Iterator[Line]:
         "S": bezier((0, 0, 0), (-0.575, 0, 0.9), (-1.725, 0, -0.1), END),
         "C": three_quarters(),
     }
+    alone = {name: [curve] for name, curve in named.items()} | {"own shapes": list(shapes(plan))}
+    for name, curves in alone.items():
+        yield from _lines(name, curves, plan)
     for name, curve in named.items():
-        yield from _lines(name, [curve], plan, None)
-    yield from _lines("own shapes", list(shapes(plan)), plan, None)
+        yield from _lines(f"{name} through a tunnel", [curve], plan, gap=GAP)
     for name, curve in named.items():
-        yield from _lines(f"{name} through a tunnel", [curve], plan, GAP)
-    for name, curve in named.items():
-        yield from _lines(f"{name} under load", [curve], plan, None, LOAD)
+        yield from _lines(f"{name} under load", [curve], plan, **LOAD)
 
 
-def _lines(
-    name: str, curves: list[Floats], plan: Plan, gap: float | None, load: dict[str, Any] | None = None
-) -> Iterator[Line]:
-    seconds, found = [], []
-    proved = 0
+def _lines(name: str, curves: list[Floats], plan: Plan, gap: float | None = None, **load: Any) -> Iterator[Line]:
+    seconds, found, proved = list[float](), list[tuple[float, float, float]](), 0
     for curve in curves:
         axis = curve[1] - curve[0]
-        arm = sn.Robot.uniform(3, 1.0, radius=0.05, base=sn.pose(curve[0], direction=axis), **(load or {}))
+        arm = sn.Robot.uniform(3, 1.0, radius=0.05, base=sn.pose(curve[0], direction=axis), **load)
         robot = sn.on_stage(arm, float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum()))
         scene = sn.Scene([] if gap is None else tunnel(curve, 0.05 + gap))
         points = curve[:: FINE // 200]
@@ -96,7 +93,7 @@ def _lines(
         found.append(deviations(robot, motion, curve))
     tip, shape, most = np.array(found).T
     times = Times.of(seconds)
-    goal = Goal(0.1) if load is None else None
+    goal = None if load else Goal(0.1)
     yield Line(SECTION, f"{name}: time", times.median, "ms", goal, times, (proved, len(curves)))
     yield Line(SECTION, f"{name}: tip, at worst", tip.max(), "%", Goal(0.001), slack=0.0002)
     yield Line(SECTION, f"{name}: shape, mean", shape.mean(), "%", Goal(1.0), slack=0.1)

@@ -5,7 +5,8 @@ with the package. A claim is false where a line is pulled by more than its limit
 are solved also at places between their knots.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -110,23 +111,20 @@ def _turn(bend: Floats) -> Floats:
     )
 
 
-def is_false(robot: sn.Robot, q: Floats) -> bool:
-    """Whether a line is pulled by more than its limit at some of the shapes (k, n, 3) of the drive."""
+def is_false(robot: sn.Robot, q: Floats, displacements: Floats | None = None) -> bool:
+    """Whether a line is pulled by more than its limit at shapes (k, n, 3) of the drive, or with other motors."""
     limit = robot.segments[0].tendons.tensions[1]  # type: ignore[union-attr]
-    pulled = max(most_pulled(robot, robot.to_actuators(one), one[:, 2], one) for one in q)
+    there = robot.to_actuators(q) if displacements is None else displacements
+    pulled = max(most_pulled(robot, own, one[:, 2], one) for own, one in zip(there, q, strict=True))
     return pulled > limit * (1.0 + EXACT)
 
 
 def is_false_between(robot: sn.Robot, one: Floats, other: Floats) -> bool:
     """The same on the way between two knots, while the motors run evenly under load, or the shape changes evenly."""
-    if not robot.has_external_load:
-        return is_false(robot, np.array([(1.0 - share) * one + share * other for share in BETWEEN]))
-    limit, ends = robot.segments[0].tendons.tensions[1], [robot.to_actuators(q) for q in (one, other)]  # type: ignore[union-attr]
-    for share in BETWEEN:
-        q = (1.0 - share) * one + share * other
-        if most_pulled(robot, (1.0 - share) * ends[0] + share * ends[1], q[:, 2], q) > limit * (1.0 + EXACT):
-            return True
-    return False
+    shares = np.array(BETWEEN)[:, None]
+    begin, end = robot.to_actuators(np.stack([one, other]))
+    q = (1.0 - shares[..., None]) * one + shares[..., None] * other
+    return is_false(robot, q, (1.0 - shares) * begin + shares * end if robot.has_external_load else None)
 
 
 def begun(robot: sn.Robot, rng: np.random.Generator) -> Floats | None:
@@ -181,21 +179,13 @@ def _motion(which: int, robot: sn.Robot, q: Floats, goal: Floats) -> sn.Motion:
 
 def measure(plan: Plan, number: int) -> Iterator[Line]:
     """Measure one kind of arm."""
-    kind = KINDS[number]
-    kinds: list[tuple[str, Callable[..., tuple[int, int, int]], int, str]] = [
-        ("control steps", steps, plan.count(STEPS, 100), "held back"),
-        ("motions", motions, plan.count(MOTIONS, 20), "solved"),
-    ]
-    for i, (what, make, count, word) in enumerate(kinds):
-        made, some, false = make(kind, count, plan.rng(91, number, i))
+    kind, counts = KINDS[number], (plan.count(STEPS, 100), plan.count(MOTIONS, 20))
+    for i, (what, make, word) in enumerate((("control steps", steps, "held back"), ("motions", motions, "solved"))):
+        made, some, false = make(kind, counts[i], plan.rng(91, number, i))
         note = f"of {made}, {some} {word}; judged by least energies"
         goal = Goal(0, correctness=True)
         yield Line("limits of tension", f"{kind}: {what} in which a line is pulled by more", false, "", goal, note=note)
 
 
-def _part(number: int) -> Part:
-    return lambda plan: measure(plan, number)
-
-
-PARTS: dict[str, Part] = {f"limits: {kind}": _part(number) for number, kind in enumerate(KINDS)}
+PARTS: dict[str, Part] = {f"limits: {kind}": partial(measure, number=number) for number, kind in enumerate(KINDS)}
 """What is measured, in order."""

@@ -116,11 +116,8 @@ def measure_clouds(plan: Plan) -> Iterator[Line]:
     for how in (MOVED, SEEN):
         loops = [drive_from_cloud(1000 * plan.seed + i, how) for i in range(plan.count(CLOUD_LOOPS, 1))]
         times = Times.of([second for loop in loops for second in loop.seconds])
-        for what, reached, noise in (
-            ("median", times.median, 0.25),
-            ("p99", times.p99, 1.0),
-            ("worst", times.worst, 3.0),
-        ):
+        figures = {"median": (times.median, 0.25), "p99": (times.p99, 1.0), "worst": (times.worst, 3.0)}
+        for what, (reached, noise) in figures.items():
             yield Line(WHAT.format(how), what, reached, "us", None, times, noise=noise)
         contacts += sum(loop.wrong for loop in loops)
         least = min(least, *(loop.least for loop in loops))

@@ -6,6 +6,7 @@ share nothing with the kernels. Where no motion is found, nobody knows whether t
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
@@ -40,10 +41,10 @@ class Trial(NamedTuple):
 
 def measure(plan: Plan) -> Iterator[Line]:
     """Plan and track in random places."""
-    count = plan.count(PLACES, 2)
+    count, rates = plan.count(PLACES, 2), sn.Rates(BEND, LENGTH)
     asked: dict[str, Callable[[int], Trial]] = {
-        f"planned with rates, {SECONDS:g} s": lambda i: planned(i, {"rates": sn.Rates(BEND, LENGTH)}),
-        f"planned for a duration, {SECONDS:g} s": lambda i: planned(i, {"duration": DURATION}),
+        f"planned with rates, {SECONDS:g} s": partial(planned, timing={"rates": rates}),
+        f"planned for a duration, {SECONDS:g} s": partial(planned, timing={"duration": DURATION}),
         "tracked along a line of the tip, in time": tracked,
     }
     for what, ask in asked.items():

@@ -37,61 +37,38 @@ def installed() -> bool:
     return find_spec("ompl") is not None
 
 
-def plan_all(
-    robot: sn.Robot, scene: sn.Scene, start: Floats, goal: Floats, seconds: float
-) -> dict[str, tuple[float, bool]]:
-    """Return the time that each planner took from one configuration (n, 3) to another, and whether it found a way."""
-    names = OTHER_PLANNERS if installed() else ()
-    return {name: _plan_by(name, _checker(robot, scene), start, goal, seconds) for name in names}
-
-
-def _plan_by(name: str, clear: Callable[..., bool], start: Floats, goal: Floats, seconds: float) -> tuple[float, bool]:
+def plan_by(name: str, pair: "Pair", seconds: float) -> tuple[float, bool]:
+    """Return the time that a planner of OMPL took, and whether it found a way."""
     from ompl import base, geometric, util  # noqa: PLC0415
 
     util.setLogLevel(util.LogLevel.LOG_ERROR)
-    n = len(start)
+    n, prover = len(pair.start), Prover(pair.robot, pair.scene.snapshot())
     space, bounds = base.RealVectorStateSpace(2 * n), base.RealVectorBounds(2 * n)
     bounds.setLow(-np.pi)
     bounds.setHigh(np.pi)
     space.setBounds(bounds)
-    setup = geometric.SimpleSetup(space)
-    setup.setStateValidityChecker(lambda state: clear(_of_state(state, n)))
+
+    def clear(one: Any, other: Any, *_: Any) -> bool:
+        q = np.array([[(state[2 * i], state[2 * i + 1], 1.0) for i in range(n)] for state in (one, other)])
+        within = (np.hypot(q[..., 0], q[..., 1]) <= np.pi).all()
+        return bool(within and prover.prove(q, slack=1.0)[0, VERDICT] == CLEAR)
 
     class Proof(base.MotionValidator):  # type: ignore[misc]
-        def checkMotion(self, one: Any, other: Any, *_: Any) -> bool:  # noqa: N802
-            return clear(_of_state(one, n), _of_state(other, n))
+        checkMotion = staticmethod(clear)  # noqa: N815
 
+    ends = [space.allocState(), space.allocState()]
+    for state, q in zip(ends, (pair.start, pair.goal), strict=True):
+        for i, value in enumerate(q[:, :2].ravel().tolist()):
+            state[i] = value
+    setup = geometric.SimpleSetup(space)
+    setup.setStateValidityChecker(lambda state: clear(state, state))
     information = setup.getSpaceInformation()
     information.setMotionValidator(Proof(information))
-    setup.setStartAndGoalStates(_state_of(space, start), _state_of(space, goal))
+    setup.setStartAndGoalStates(*ends)
     setup.setPlanner(getattr(geometric, name)(information))
     began = perf_counter()
     setup.solve(seconds)
     return perf_counter() - began, bool(setup.haveExactSolutionPath())
-
-
-def _checker(robot: sn.Robot, scene: sn.Scene) -> Callable[..., bool]:
-    prover = Prover(robot, scene.snapshot())
-
-    def clear(one: Floats, other: Floats | None = None) -> bool:
-        q = np.stack([one, one if other is None else other])
-        if (np.hypot(q[..., 0], q[..., 1]) > np.pi).any():
-            return False
-        return bool(prover.prove(q, slack=1.0)[0, VERDICT] == CLEAR)
-
-    return clear
-
-
-def _of_state(state: Any, n: int) -> Floats:
-    bends = np.array([state[i] for i in range(2 * n)]).reshape(n, 2)
-    return np.concatenate([bends, np.ones((n, 1))], axis=1)
-
-
-def _state_of(space: Any, q: Floats) -> Any:
-    state = space.allocState()
-    for i, value in enumerate(q[:, :2].ravel()):
-        state[i] = float(value)
-    return state
 
 
 RADIUS = 0.05
@@ -204,7 +181,7 @@ def examine(task: Task) -> Trial:
     motion = planner.plan(pair.start, goal)
     seconds = perf_counter() - began
     wrong = wrong_in(pair.robot, pair.scene, motion.q) if motion.solved else ""
-    others = plan_all(pair.robot, pair.scene, pair.start, pair.goal, PATIENCE) if task.compared else {}
+    others = {name: plan_by(name, pair, PATIENCE) for name in OTHER_PLANNERS if task.compared}
     return Trial(task.number, seconds, str(motion.status), wrong, others)
 
 

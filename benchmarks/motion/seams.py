@@ -50,10 +50,9 @@ class Seam(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """Statuses and CPU seconds where the line may be left and where not, and what the judge says of the latter."""
+    """Statuses where the line may be left and where not; CPU seconds of the latter, and what the judge says of it."""
 
     plain: str
-    plain_seconds: float
     status: str
     seconds: float
     off: float
@@ -155,16 +154,15 @@ def follow(item: tuple[str, int, bool]) -> Followed:
     """Follow a path twice: where the line may be left, and where it may not."""
     robot, path, scene = draw(*item)
     sn.track(robot, path[:2], scene)  # compiled, or loaded
-    begun = process_time()
     plain = sn.track(robot, path, scene, reconfigure="allow")
-    middle = process_time()
+    begun = process_time()
     motion = sn.track(robot, path, scene)
-    seconds = process_time() - middle
+    seconds = process_time() - begun
     left = plain.solved and bool(plain.left_steps)
     status = "left_path" if left else str(plain.status)
     off, turned = judged(motion) if motion.solved else (0.0, 0.0)
     wrong = wrong_in(robot, sn.Scene(scene), motion.q, LOOKED_AT) if motion.solved else ""
-    return Followed(status, middle - begun, str(motion.status), seconds, off, turned, wrong)
+    return Followed(status, str(motion.status), seconds, off, turned, wrong)
 
 
 def judged(motion: sn.Motion) -> tuple[float, float]:
@@ -216,32 +214,16 @@ def measure(plan: Plan, part: str) -> Iterator[Line]:
     found = list(plan.track(in_processes(follow, asked, alone=plan.quick), part, len(asked)))
     count, section = len(found), f"{part}: {len(asked)} paths of which every waypoint can be reached"
     solved = [one for one in found if one.status == "solved"]
-
-    def share(word: str, plain: bool) -> Line:
-        some = sum((one.plain if plain else one.status) == word for one in found)
-        way = "waypoint after waypoint" if plain else "track"
-        return Line(section, f"{way}: {word}", 100.0 * some / count, "%", note=f"{some} of {count}")
-
-    statuses = {one.status for one in found} | {one.plain for one in found}
-    for word in sorted(statuses, key=lambda each: (each != "solved", each)):
-        yield share(word, True)
-        yield share(word, False)
-    plain = [one.plain_seconds for one in found if one.plain == "solved"]
-    if plain:
-        times = Times.of([one.seconds for one in found if one.plain == "solved"])
-        yield Line(
-            section, "CPU seconds of track where waypoint after waypoint suffices", times.median, "ms", times=times
-        )
-    if len(plain) < count:
-        times = Times.of([one.seconds for one in found if one.plain != "solved"])
-        yield Line(
-            section,
-            "CPU time of track where waypoint after waypoint does not suffice",
-            times.median,
-            "ms",
-            times=times,
-            noise=1.0,
-        )
+    ways = {"waypoint after waypoint": [one.plain for one in found], "track": [one.status for one in found]}
+    for word in sorted({word for words in ways.values() for word in words}, key=lambda each: (each != "solved", each)):
+        for way, words in ways.items():
+            some = words.count(word)
+            yield Line(section, f"{way}: {word}", 100.0 * some / count, "%", note=f"{some} of {count}")
+    for suffices, word, noise in ((True, "suffices", 0.25), (False, "does not suffice", 1.0)):
+        seconds = [one.seconds for one in found if (one.plain == "solved") is suffices]
+        if seconds:
+            times, what = Times.of(seconds), f"CPU time of track where waypoint after waypoint {word}"
+            yield Line(section, what, times.median, "ms", times=times, noise=noise)
     off, turned = (max((getattr(one, name) for one in solved), default=0.0) for name in ("off", "turned"))
     right = Goal(1.0 + 1e-6, correctness=True)
     yield Line(section, "solved: largest distance of the tip from the line, in deviations", off, "", right)

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import pairwise
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -52,17 +53,19 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
         paths = [(segments, spheres, 1000 * plan.seed + i) for i in range(plan.count(SEEDS, 1))]
         followed = list(plan.track(in_processes(follow, paths, alone=plan.quick), what, len(paths)))
         times = Times.of([second for one in followed for second in one.seconds])
-        solved, reached = (sum(each) for each in zip(*((one.solved, one.reached) for one in followed), strict=True))
-        tried = sum(len(one.seconds) for one in followed)
-        around = sum(one.reconfigured for one in followed)
+        solved, reached, around = (
+            sum(getattr(one, name) for one in followed) for name in ("solved", "reached", "reconfigured")
+        )
+        tried = times.count
         note = f"{tried - solved} of {tried} waypoints were not solved; reconfigured {around} times"
         yield Line(REACHED, what, 100.0 * reached / max(1, solved), "%", Goal(99.9, at_most=False), note=note)
-        yield Line(LEFT, what, 100.0 * sum(one.left for one in followed) / len(followed), "%")
-        yield Line(WHOLE, what, 100.0 * sum(one.whole for one in followed) / len(followed), "%")
+        for section, name in ((LEFT, "left"), (WHOLE, "whole")):
+            yield Line(section, what, 100.0 * sum(getattr(one, name) for one in followed) / len(followed), "%")
         yield Line(WAYPOINT, what, times.median, "us", Goal(60e-6), times)
         yield Line(WORST, what, times.worst, "ms", Goal(50e-3), noise=1.0)
-        yield Line(FALSE, what, sum(one.wrong for one in followed), "", Goal(0.0, correctness=True))
-        yield Line(TIP, what, sum(one.missed for one in followed), "", Goal(0.0, correctness=True))
+        for section, name in ((FALSE, "wrong"), (TIP, "missed")):
+            count = sum(getattr(one, name) for one in followed)
+            yield Line(section, what, count, "", Goal(0.0, correctness=True))
 
 
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {
@@ -97,33 +100,23 @@ def _track(problems: ProblemSet, reconfigure: Reconfigure = "allow") -> tuple[sn
     def stamp(_: sn.Solution) -> None:
         stamps.append(perf_counter())
 
-    motion = sn.track(
-        problems.robot,
-        problems.targets,
-        problems.scene,
-        tolerance=problems.tolerance,
-        progress=stamp,
-        reconfigure=reconfigure,  # the experiment asks for waypoints only
-    )
+    # The experiment asks for waypoints only.
+    options: dict[str, Any] = {"tolerance": problems.tolerance, "progress": stamp, "reconfigure": reconfigure}
+    motion = sn.track(problems.robot, problems.targets, problems.scene, **options)
     return motion, np.diff(stamps).tolist()
 
 
 def _unproved(motion: sn.Motion) -> int:
     """How many waypoints come after a step that is not proved, one each."""
-    return len({int(np.searchsorted(_knots(motion), step)) for step in motion.unproved_steps})
-
-
-def _knots(motion: sn.Motion) -> list[int]:
-    return [knot for knot in motion.waypoint_knots if knot is not None]
+    knots = [knot for knot in motion.waypoint_knots if knot is not None]
+    return len({int(np.searchsorted(knots, step)) for step in motion.unproved_steps})
 
 
 def _proved_runs(motion: sn.Motion) -> Iterator[np.ndarray]:
     """Knots of the longest stretches that are proved."""
-    begin = 0
-    for step in (*motion.unproved_steps, len(motion.q)):
-        if step - begin > 1:
-            yield motion.q[begin:step]
-        begin = step
+    for begin, end in pairwise((0, *motion.unproved_steps, len(motion.q))):
+        if end - begin > 1:
+            yield motion.q[begin:end]
 
 
 def _missed(problems: ProblemSet, motion: sn.Motion) -> int:
